@@ -1,0 +1,14 @@
+// A campaign's summary for people and as JSON.
+#pragma once
+
+#include "controller/campaign.hpp"
+#include "sim/json_fields.hpp"
+
+namespace ferrule {
+
+// The keys are in the README.
+Json to_json(const CampaignSummary& summary);
+void add_json(const Comparison& comparison, Json& json);
+std::string to_text(const std::string& name, const CampaignSummary& summary);
+
+}  // namespace ferrule

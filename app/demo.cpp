@@ -1,0 +1,2 @@
+#include "app/verb.hpp"
+namespace ferrule { void add_demo(CLI::App&, Run&) {} }

@@ -1,0 +1,65 @@
+// ferrule fit: a controller from demonstrations.
+#include <fmt/format.h>
+
+#include "app/verb.hpp"
+#include "learn/fit_law.hpp"
+
+namespace ferrule {
+namespace {
+
+struct Arguments {
+  std::string folder, method = "ceres", out;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+int fit_verb(const Arguments& a) {
+  const DemonstrationSet set = load_demonstrations(a.folder);
+  FitReport report;
+  try {
+    report = fit_law(set, a.seed);
+  } catch (const BadInput& error) {
+    throw BadInput(a.folder + ": " + error.what());
+  }
+  write_controller(a.out, report.controller);
+  const ControllerFile& c = report.controller;
+  if (a.json) {
+    print_json(parse_json(read_text(a.out), a.out));
+    return kDone;
+  }
+  fmt::print("{:<14} {:>14} {:>14} {:>14}  {}\n", "gain", "value", "95 % low", "95 % high", "unit");
+  for (std::size_t i = 0; i < kGains; ++i) {
+    const FittedGain& g = c.gains[i];
+    const auto shown = [](double x) {
+      return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
+    };
+    fmt::print("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", kGainTable[i].name, g.value, shown(g.low),
+               shown(g.high), kGainTable[i].unit);
+  }
+  fmt::print("reaction time {:.2f} s (identified, not imitated)\n", c.reaction_time);
+  fmt::print("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
+             c.episodes.size(), c.held_out.size(), set.unsuccessful, c.rows);
+  fmt::print("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand); {:.1f} % explained\n",
+             1e3 * c.residual, 1e3 * c.held_out_residual, 100 * report.explained);
+  fmt::print("{}\nwrote {}\n", report.summary, a.out);
+  return kDone;
+}
+
+}  // namespace
+
+void add_fit(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand("fit", "Fit a controller to demonstrations");
+  auto a = std::make_shared<Arguments>();
+  verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
+  verb->add_option("--method", a->method, "How")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"ceres"}));
+  verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
+  verb->add_option("--seed", a->seed, "Seed of the split into training and held-out episodes")
+      ->capture_default_str()
+      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
+  verb->add_flag("--json", a->json, "The controller file on stdout as well");
+  verb->callback([a, &run] { run = [a] { return fit_verb(*a); }; });
+}
+
+}  // namespace ferrule

@@ -1,0 +1,85 @@
+#include "app/force_table.hpp"
+
+#include <cmath>
+
+namespace ferrule {
+namespace {
+
+constexpr double kMicro = 1e6;  // newtons to uN
+
+struct Term {
+  const char* name;
+  double ForceRow::*value;
+};
+constexpr Term kNonContact[] = {{"van der Waals", &ForceRow::van_der_waals},
+                                {"electrostatic", &ForceRow::electrostatic},
+                                {"capillary", &ForceRow::capillary},
+                                {"gravity", &ForceRow::gravity}};
+constexpr Term kContact[] = {{"adhesion", &ForceRow::adhesion},
+                             {"wall", &ForceRow::wall},
+                             {"friction", &ForceRow::friction},
+                             {"gravity", &ForceRow::gravity}};
+
+}  // namespace
+
+ForceRow force_row(const World& world, double gap_nm, double length_um,
+                   std::optional<double> depth_nm) {
+  ForceRow row{gap_nm, length_um, depth_nm, 0, 0, 0, 0, 0, 0, 0};
+  const double gap = 1e-9 * gap_nm, length = 1e-6 * length_um;
+  if (length > 0) {
+    if (world.van_der_waals)
+      row.van_der_waals = length * van_der_waals(*world.van_der_waals, world.annulus, gap).force;
+    if (world.electrostatic)
+      row.electrostatic = length * electrostatic(*world.electrostatic, world.annulus, gap).force;
+    if (world.capillary) row.capillary = length * capillary(*world.capillary, gap).force;
+  }
+  // Towards the wall below the fibre.
+  if (world.gravity) row.gravity = -gravity(*world.gravity, world.fibre);
+  if (depth_nm) {
+    const double depth = 1e-9 * *depth_nm;
+    if (world.adhesion) row.adhesion = adhesion(*world.adhesion, depth).force;
+    row.wall = wall(world.wall, depth).force;
+    if (world.friction) row.friction = friction(*world.friction, printed_contact_radius(depth));
+  }
+  return row;
+}
+
+Plot force_plot(const std::vector<ForceRow>& rows, Sweep sweep, const std::string& scene) {
+  Axes axes;
+  const bool contact = sweep == Sweep::depth;
+  axes.x_label = sweep == Sweep::gap      ? "smallest gap h [nm]"
+                 : sweep == Sweep::length ? "inserted length [um]"
+                                          : "penetration d [nm]";
+  axes.y_label = contact ? "force [uN], attraction negative" : "magnitude of force [uN]";
+  axes.log_x = axes.log_y = sweep == Sweep::gap;
+  for (const Term& term : contact ? kContact : kNonContact) {
+    Series series{term.name, {}, {}};
+    bool present = false;
+    for (const ForceRow& row : rows) {
+      const double force = kMicro * (row.*term.value);
+      present = present || force != 0;
+      series.x.push_back(sweep == Sweep::gap      ? row.gap_nm
+                         : sweep == Sweep::length ? row.length_um
+                                                  : row.depth_nm.value_or(0));
+      series.y.push_back(contact ? force : std::abs(force));
+    }
+    if (present) axes.series.push_back(series);
+  }
+  if (axes.series.empty()) throw BadInput("nothing to plot: the scene has none of these forces");
+  return {"Forces in the scene " + scene, {axes}};
+}
+
+Json to_json(const ForceRow& row) {
+  return {{"gap_nm", row.gap_nm},
+          {"length_um", row.length_um},
+          {"depth_nm", row.depth_nm.value_or(0.0)},
+          {"van_der_waals_uN", kMicro * row.van_der_waals},
+          {"electrostatic_uN", kMicro * row.electrostatic},
+          {"capillary_uN", kMicro * row.capillary},
+          {"gravity_uN", kMicro * row.gravity},
+          {"adhesion_uN", kMicro * row.adhesion},
+          {"wall_uN", kMicro * row.wall},
+          {"friction_uN", kMicro * row.friction}};
+}
+
+}  // namespace ferrule

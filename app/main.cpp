@@ -1,0 +1,51 @@
+#include <fmt/format.h>
+
+#include <iostream>
+
+#include "app/verb.hpp"
+#include "capture/episode.hpp"
+
+int main(int argc, char** argv) {
+  using namespace ferrule;
+  CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
+               "ferrule");
+  app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
+  app.require_subcommand(1);
+  Run run;
+  add_demo(app, run);
+  add_forces(app, run);
+  add_record(app, run);
+  add_recover(app, run);
+  add_replay(app, run);
+  add_fit(app, run);
+  add_evaluate(app, run);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return app.exit(asked);
+  } catch (const CLI::ParseError& error) {
+    fmt::print(stderr, "ferrule: {} (see ferrule --help)\n", error.what());
+    return kBadInput;
+  }
+  try {
+    const int code = run();
+    std::cout.flush();
+    if (!std::cout || std::fflush(stdout) != 0) {
+      fmt::print(stderr, "ferrule: standard output cannot be written\n");
+      return kFileTrouble;
+    }
+    return code;
+  } catch (const BadInput& error) {
+    fmt::print(stderr, "ferrule: {}\n", error.what());
+    return kBadInput;
+  } catch (const FileTrouble& error) {
+    fmt::print(stderr, "ferrule: {}\n", error.what());
+    return kFileTrouble;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "ferrule: out of memory\n");
+    return kFileTrouble;
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "ferrule: {}\n", error.what());
+    return kFileTrouble;
+  }
+}

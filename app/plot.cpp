@@ -1,0 +1,90 @@
+#include "app/plot.hpp"
+
+#include <fmt/format.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+#include "sim/json_fields.hpp"
+
+namespace ferrule {
+namespace {
+
+// Colours that are told apart by most colour-blind people (Okabe and Ito 2008).
+constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
+                                 "#56B4E9", "#E69F00", "#000000", "#999999"};
+
+std::string quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string script(const Plot& plot) {
+  const int panels = static_cast<int>(plot.panels.size());
+  std::string s = fmt::format(
+      "set encoding utf8\n"
+      "set terminal svg size {},{} dynamic enhanced font 'sans-serif,14' background '#ffffff'\n"
+      "set multiplot layout {},1 title {} noenhanced\n"
+      "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd'\n"
+      "set key outside right top noenhanced\nset format '%g'\n",
+      plot.width, panels * plot.panel_height, panels, quoted(plot.title));
+  for (int p = 0; p < panels; ++p) {
+    const Axes& axes = plot.panels[static_cast<std::size_t>(p)];
+    std::string command = "plot ";
+    for (std::size_t i = 0; i < axes.series.size(); ++i) {
+      const Series& series = axes.series[i];
+      s += fmt::format("$d{}_{} << EOD\n", p, i);
+      for (std::size_t k = 0; k < series.x.size(); ++k) {
+        const double x = series.x[k], y = series.y[k];
+        const bool drawn = std::isfinite(x) && std::isfinite(y) && (!axes.log_x || x > 0) &&
+                           (!axes.log_y || y > 0);
+        s += drawn ? fmt::format("{} {}\n", x, y) : std::string("\n");
+      }
+      s += "EOD\n";
+      const char* colour = kColours[i % kColours.size()];
+      command += fmt::format("{}$d{}_{} using 1:2 {} lc rgb '{}' title {}", i ? ", " : "", p, i,
+                             series.style == Series::line ? "with lines lw 2"
+                                                          : "with points pt 7 ps 0.3",
+                             colour, quoted(series.name));
+    }
+    s += fmt::format("{} logscale x\n{} logscale y\n", axes.log_x ? "set" : "unset",
+                     axes.log_y ? "set" : "unset");
+    s += fmt::format("set xlabel {} noenhanced\nset ylabel {} noenhanced\n", quoted(axes.x_label),
+                     quoted(axes.y_label));
+    s += command + "\n";
+  }
+  return s + "unset multiplot\n";
+}
+
+}  // namespace
+
+std::string draw_svg(const Plot& plot) {
+  std::string name = "/tmp/ferrule-plot-XXXXXX";
+  const int fd = ::mkstemp(name.data());
+  if (fd < 0) throw FileTrouble(name + ": cannot be made");
+  ::close(fd);
+  struct Remove {
+    const std::string& name;
+    ~Remove() { ::unlink(name.c_str()); }
+  } const remove{name};
+  write_text(name, script(plot));
+  std::string svg;
+  const auto close = [](FILE* f) { ::pclose(f); };
+  std::unique_ptr<FILE, decltype(close)> pipe(::popen(("gnuplot " + name).c_str(), "r"), close);
+  if (!pipe) throw FileTrouble("gnuplot cannot be started");
+  std::array<char, 65536> part;
+  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe.get())) > 0;)
+    svg.append(part.data(), n);
+  if (const int status = ::pclose(pipe.release()); status != 0 || svg.find("</svg>") == svg.npos)
+    throw FileTrouble("gnuplot could not draw the plot (is the package gnuplot-nox installed?)");
+  return svg;
+}
+
+void write_svg(const std::string& file, const Plot& plot) { write_text(file, draw_svg(plot)); }
+
+}  // namespace ferrule

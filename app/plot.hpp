@@ -1,0 +1,31 @@
+// Plots as SVG, drawn by gnuplot.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ferrule {
+
+struct Series {
+  std::string name;
+  std::vector<double> x, y;  // points with a NaN are left out
+  enum { line, points } style = line;
+};
+
+struct Axes {
+  std::string x_label, y_label;
+  bool log_x = false, log_y = false;
+  std::vector<Series> series;
+};
+
+struct Plot {
+  std::string title;
+  std::vector<Axes> panels;  // one above the other
+  int width = 860, panel_height = 420;
+};
+
+// Throws FileTrouble if gnuplot is not there or refuses.
+std::string draw_svg(const Plot& plot);
+void write_svg(const std::string& file, const Plot& plot);
+
+}  // namespace ferrule

@@ -1,0 +1,120 @@
+#include "app/verb.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <mutex>
+
+namespace ferrule {
+namespace {
+
+volatile sig_atomic_t g_interrupts = 0;
+
+void on_interrupt(int) {
+  if (g_interrupts) ::_exit(kInterrupted);
+  g_interrupts = 1;
+}
+
+double parse_number(const std::string& text, const std::string& option) {
+  std::size_t used = 0;
+  double value = NAN;
+  try {
+    value = std::stod(text, &used);
+  } catch (const std::exception&) {
+  }
+  if (used != text.size() || !std::isfinite(value))
+    throw BadInput(option + " " + text + ": must be a number or from:to:count[:log]");
+  return value;
+}
+
+}  // namespace
+
+void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
+  scene = default_scene;
+  verb.add_option("--scene", scene, "Scene file, or the name of one that ships with the program")
+      ->capture_default_str()
+      ->type_name("NAME|FILE");
+  verb.add_option("--set", settings, "Change one value of the scene; may be given again")
+      ->type_name("KEY=VALUE")
+      ->expected(1)
+      ->take_all();
+}
+
+void print_json(const Json& json) { std::cout << json.dump() << std::endl; }
+
+void watch_for_interrupt() {
+  struct sigaction action {};
+  action.sa_handler = on_interrupt;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() noexcept { return g_interrupts > 0; }
+
+struct Progress::State {
+  using Clock = std::chrono::steady_clock;
+  std::string what;
+  std::size_t total;
+  bool shown = ::isatty(STDERR_FILENO);
+  Clock::time_point begin = Clock::now(), last = begin;
+  std::mutex mutex;
+};
+
+Progress::Progress(std::string what, std::size_t total) : state_(std::make_shared<State>()) {
+  state_->what = std::move(what);
+  state_->total = total;
+}
+
+Progress::~Progress() {
+  if (state_.use_count() == 1 && state_->shown) fmt::print(stderr, "\r\033[K");
+}
+
+void Progress::operator()(std::size_t done) {
+  State& s = *state_;
+  if (!s.shown) return;
+  const std::lock_guard lock(s.mutex);
+  const auto now = State::Clock::now();
+  if (done < s.total && now - s.last < std::chrono::milliseconds(100)) return;
+  s.last = now;
+  const double seconds = std::chrono::duration<double>(now - s.begin).count();
+  const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
+  const auto filled = 30 * done / std::max<std::size_t>(1, s.total);
+  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {:.3g}/s  {:.0f} s left", s.what,
+             std::string(filled, '#'), std::string(30 - filled, ' '), done, s.total, rate,
+             static_cast<double>(s.total - done) / rate);
+}
+
+std::vector<double> parse_range(const std::string& text, const std::string& option) {
+  std::vector<std::string> parts(1);
+  for (const char c : text)
+    if (c == ':')
+      parts.emplace_back();
+    else
+      parts.back() += c;
+  if (parts.size() == 1) return {parse_number(parts[0], option)};
+  if (parts.size() < 3 || parts.size() > 4 || (parts.size() == 4 && parts[3] != "log"))
+    throw BadInput(option + " " + text + ": must be a number or from:to:count[:log]");
+  const double from = parse_number(parts[0], option), to = parse_number(parts[1], option);
+  const double count = parse_number(parts[2], option);
+  if (count != std::floor(count) || count < 1 || count > 1e6)
+    throw BadInput(option + " " + text + ": the count must be a whole number from 1 to 1000000");
+  const bool logarithmic = parts.size() == 4;
+  if (logarithmic && !(from > 0 && to > 0))
+    throw BadInput(option + " " + text + ": both ends of a logarithmic range must be positive");
+  const auto n = static_cast<std::size_t>(count);
+  std::vector<double> values(n, from);
+  for (std::size_t i = 1; i < n; ++i) {
+    const double part = static_cast<double>(i) / static_cast<double>(n - 1);
+    values[i] = logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
+  }
+  if (n > 1) values.back() = to;
+  return values;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,59 @@
+// What the verbs share: how they are added to the program, their scene arguments, their output.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/scene.hpp"
+
+namespace ferrule {
+
+// Exit codes (README): 0 done, 1 a stated criterion failed, 2 bad usage or input, 3 file trouble,
+// 4 device trouble, 130 stopped by Ctrl-C.
+enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2, kFileTrouble = 3, kInterrupted = 130 };
+
+// What the chosen verb does; set when the command line is parsed.
+using Run = std::function<int()>;
+
+void add_forces(CLI::App& app, Run& run);
+void add_record(CLI::App& app, Run& run);
+void add_recover(CLI::App& app, Run& run);
+void add_replay(CLI::App& app, Run& run);
+void add_fit(CLI::App& app, Run& run);
+void add_evaluate(CLI::App& app, Run& run);
+void add_demo(CLI::App& app, Run& run);
+
+// --scene NAME|FILE and --set dotted.key=value.
+struct SceneArguments {
+  std::string scene;
+  std::vector<std::string> settings;
+
+  void add_to(CLI::App& verb, const std::string& default_scene);
+  Scene load() const { return load_scene(scene, settings); }
+};
+
+// The one JSON document of --json, on stdout.
+void print_json(const Json& json);
+
+// Ctrl-C: the first one asks the verb to end cleanly, the second ends the program at once.
+void watch_for_interrupt();
+bool interrupted() noexcept;
+
+// Progress of long work on a terminal: a bar with rate and time left; nothing elsewhere.
+class Progress {
+ public:
+  Progress(std::string what, std::size_t total);
+  ~Progress();
+  void operator()(std::size_t done);  // from any thread
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;
+};
+
+// "10", "1:500:50" (from:to:count, both ends in), "1:500:50:log". Throws BadInput naming `option`.
+std::vector<double> parse_range(const std::string& text, const std::string& option);
+
+}  // namespace ferrule

@@ -1,0 +1,370 @@
+#include "capture/episode.hpp"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+
+#include "capture/hdf5.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+using hdf5::check;
+using hdf5::Handle;
+
+constexpr const char* kFormat = "ferrule episode";
+constexpr std::int64_t kFormatVersion = 1;
+constexpr hsize_t kChunk = 1024;           // rows
+constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
+constexpr const char* kDemo = "/data/demo_0";
+
+using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// One data set of an episode file.
+struct Table {
+  std::string path;
+  Matrix values;
+  std::string unit, columns;
+  enum { exact, single, whole } stored = exact;
+  bool flat = false;  // (N) and not (N, 1)
+};
+
+hid_t stored_type(const Table& table) {
+  return table.stored == Table::exact    ? H5T_IEEE_F64LE
+         : table.stored == Table::single ? H5T_IEEE_F32LE
+                                         : H5T_STD_I64LE;
+}
+
+// Writes one episode into an open file.
+class Writer {
+ public:
+  Writer(hid_t file, std::string name) : file_(file), name_(std::move(name)) {}
+
+  Handle group(const std::string& path) const {
+    return {H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
+            trouble(path)};
+  }
+
+  void attribute(hid_t where, const char* key, const std::string& value) const {
+    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, trouble(key));
+    check(H5Tset_size(type, std::max<std::size_t>(1, value.size())), trouble(key));
+    check(H5Tset_cset(type, H5T_CSET_UTF8), trouble(key));
+    scalar(where, key, type, value.empty() ? "" : value.data());
+  }
+  void attribute(hid_t where, const char* key, double value) const {
+    scalar(where, key, H5T_NATIVE_DOUBLE, &value);
+  }
+  void attribute(hid_t where, const char* key, std::int64_t value) const {
+    scalar(where, key, H5T_NATIVE_INT64, &value);
+  }
+  void attribute(hid_t where, const char* key, std::uint64_t value) const {
+    scalar(where, key, H5T_NATIVE_UINT64, &value);
+  }
+
+  // Compressed by chunks of rows.
+  Handle table(const Table& t) const {
+    const auto rows = static_cast<hsize_t>(t.values.rows());
+    const auto width = static_cast<hsize_t>(t.values.cols());
+    const hsize_t size[2] = {rows, width};
+    const hsize_t chunk[2] = {std::min(kChunk, std::max<hsize_t>(1, rows)), width};
+    const int rank = t.flat ? 1 : 2;
+    const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, trouble(t.path));
+    const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, trouble(t.path));
+    check(H5Pset_chunk(how, rank, chunk), trouble(t.path));
+    check(H5Pset_shuffle(how), trouble(t.path));
+    check(H5Pset_deflate(how, 3), trouble(t.path));
+    Handle set(H5Dcreate2(file_, t.path.c_str(), stored_type(t), space, H5P_DEFAULT, how,
+                          H5P_DEFAULT),
+               H5Dclose, trouble(t.path));
+    check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t.values.data()),
+          trouble(t.path));
+    attribute(set, "unit", t.unit);
+    attribute(set, "columns", t.columns);
+    return set;
+  }
+
+ private:
+  std::string trouble(const std::string& path) const {
+    return name_ + ": cannot be written (at " + path + "; is the disk full?)";
+  }
+  void scalar(hid_t where, const char* key, hid_t type, const void* value) const {
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose, trouble(key));
+    const Handle made(H5Acreate2(where, key, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+                      trouble(key));
+    check(H5Awrite(made, type, value), trouble(key));
+  }
+
+  hid_t file_;
+  std::string name_;
+};
+
+Json environment(const EpisodeInfo& info) {
+  return {{"env_name", "ferrule"},
+          {"type", 0},
+          {"env_type", 0},
+          {"env_version", info.version},
+          {"env_kwargs", {{"scene", Json::parse(info.scene)}, {"period_s", info.period}}}};
+}
+
+// Column `k` of actions is the command divided by this [m/s], [rad/s]. Twice the scene's speed limit
+// leaves room for a hand that is faster than a controller may be.
+Eigen::Matrix<double, 5, 1> action_scale(const Scene& scene) {
+  Eigen::Matrix<double, 5, 1> scale;
+  scale << Eigen::Vector3d::Constant(2 * scene_scaling(scene).motion * scene.limits.speed), 1, 1;
+  return scale;
+}
+
+Matrix one_row_later(const Matrix& values) {
+  Matrix later = values;
+  if (values.rows() > 1) later.topRows(values.rows() - 1) = values.bottomRows(values.rows() - 1);
+  return later;
+}
+
+std::string rows_path(const Block& b) {
+  return std::string(kDemo) + (b.begin == kStates.begin ? "/" : "/rows/") + b.name;
+}
+
+// What is derived from the rows for readers of the demonstration layout.
+std::vector<Table> derived_tables(const Episode& episode, const Scene& scene) {
+  const Rows& rows = episode.rows;
+  const auto count = rows.rows();
+  const std::string demo = kDemo;
+  const Matrix commands = rows.middleCols(kCommand.begin, kCommand.width);
+  const Matrix actions = (commands * action_scale(scene).cwiseInverse().asDiagonal());
+  Matrix rewards = Matrix::Zero(count, 1), dones = Matrix::Zero(count, 1);
+  Matrix wrench(count, 5), depth(count, 1);
+  const Scaling scaling = scene_scaling(scene);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    wrench.row(n) =
+        scaling.wrench_to_hand(rows.row(n).segment<5>(kHolder.begin).transpose()).transpose();
+    depth(n, 0) = 1e3 * std::max(0.0, -rows(n, kHandPose.begin));
+  }
+  if (count > 0) {
+    rewards(count - 1, 0) = episode.info.outcome == Outcome::inserted ? 1 : 0;
+    dones(count - 1, 0) = 1;
+  }
+  const Matrix time = rows.middleCols(kTime.begin, 1);
+
+  std::vector<Table> tables = {
+      {demo + "/actions", actions.cwiseMax(-1.0).cwiseMin(1.0), "1",
+       "command / scale, cut to [-1, 1]"},
+      {demo + "/rewards", rewards, "1", "1 where the fibre is inserted", Table::exact, true},
+      {demo + "/dones", dones, "1", "1 in the last row", Table::whole, true}};
+  for (const bool next : {false, true}) {
+    const std::string group = demo + (next ? "/next_obs" : "/obs");
+    const auto add = [&](const char* key, const Matrix& values, const char* unit,
+                         const char* columns) {
+      tables.push_back({group + key, next ? one_row_later(values) : values, unit, columns,
+                        Table::single});
+    };
+    add("/wrench_N", wrench, "N N N N.m N.m", "Fx Fy Fz My Mz; in the hand's world");
+    add("/depth_mm", depth, "mm", "of the hand past the entrance; in the hand's world");
+    add("/time_s", time, "s", "since the start");
+  }
+  return tables;
+}
+
+void write_tables(const Writer& out, const Episode& episode, const Scene& scene) {
+  for (const char* group : {"/rows", "/obs", "/next_obs"}) out.group(kDemo + std::string(group));
+  for (const Block& b : kBlocks)
+    out.table({rows_path(b), episode.rows.middleCols(b.begin, b.width), b.unit, b.columns,
+               Table::exact, b.width == 1});
+  for (const Table& table : derived_tables(episode, scene)) {
+    const Handle set = out.table(table);
+    if (table.path != std::string(kDemo) + "/actions") continue;
+    out.attribute(set, "scale_m_s", action_scale(scene)[0]);
+    out.attribute(set, "scale_rad_s", action_scale(scene)[4]);
+  }
+}
+
+void sync_and_rename(const std::string& beside, const std::string& file) {
+  const int fd = ::open(beside.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd >= 0) {
+    ::fsync(fd);
+    ::close(fd);
+  }
+  if (::rename(beside.c_str(), file.c_str()) != 0)
+    throw FileTrouble(file + ": cannot be written: " + std::strerror(errno));
+}
+
+// HDF5 reports errors to stderr by itself; here they become exceptions.
+void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+class Reader {
+ public:
+  explicit Reader(const std::string& name)
+      : name_(name),
+        file_(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
+              name + ": not a readable HDF5 file") {}
+
+  std::string text(const char* key) const {
+    const Handle a = open_attribute(key);
+    const Handle type(H5Aget_type(a), H5Tclose, trouble(key));
+    if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
+      throw FileTrouble(trouble(key));
+    std::string value(H5Tget_size(type), '\0');
+    check(H5Aread(a, type, value.data()), trouble(key));
+    while (!value.empty() && value.back() == '\0') value.pop_back();
+    return value;
+  }
+  double number(const char* key) const {
+    double value = 0;
+    check(H5Aread(open_attribute(key), H5T_NATIVE_DOUBLE, &value), trouble(key));
+    return value;
+  }
+  std::uint64_t whole(const char* key) const {
+    std::uint64_t value = 0;
+    check(H5Aread(open_attribute(key), H5T_NATIVE_UINT64, &value), trouble(key));
+    return value;
+  }
+
+  // A data set of `width` columns and `count` rows, or any number of rows where `count` is -1.
+  Matrix table(const std::string& path, int width, Eigen::Index count) const {
+    const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose,
+                     name_ + ": damaged: " + path + " is missing");
+    const Handle space(H5Dget_space(set), H5Sclose, trouble(path));
+    const int rank = H5Sget_simple_extent_ndims(space);
+    hsize_t size[2] = {0, 1};
+    if (rank < 1 || rank > 2 || H5Sget_simple_extent_dims(space, size, nullptr) < 0 ||
+        size[1] != static_cast<hsize_t>(width) || size[0] > kMostRows)
+      throw FileTrouble(name_ + ": damaged: " + path + " has the wrong shape");
+    if (count >= 0 && static_cast<Eigen::Index>(size[0]) != count)
+      throw FileTrouble(name_ + ": damaged: " + path + " has " + std::to_string(size[0]) +
+                        " rows, not " + std::to_string(count));
+    Matrix values(static_cast<Eigen::Index>(size[0]), width);
+    // Chunk by chunk, so that damage is found where it is.
+    for (hsize_t from = 0; from < size[0]; from += kChunk) {
+      const hsize_t start[2] = {from, 0};
+      const hsize_t extent[2] = {std::min(kChunk, size[0] - from), size[1]};
+      const Handle memory(H5Screate_simple(rank, extent, nullptr), H5Sclose, trouble(path));
+      check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, extent, nullptr),
+            trouble(path));
+      check(H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT,
+                    values.row(static_cast<Eigen::Index>(from)).data()),
+            name_ + ": damaged: " + path + " cannot be read at row " + std::to_string(from));
+    }
+    return values;
+  }
+
+ private:
+  std::string trouble(const std::string& key) const {
+    return name_ + ": not a ferrule episode, or damaged (at " + key + ")";
+  }
+  Handle open_attribute(const char* key) const {
+    return {H5Aopen(file_, key, H5P_DEFAULT), H5Aclose, trouble(std::string("attribute ") + key)};
+  }
+
+  std::string name_;
+  Handle file_;
+};
+
+}  // namespace
+
+std::string program_version() { return FERRULE_VERSION; }
+std::string program_build() { return FERRULE_BUILD; }
+
+Scaling scene_scaling(const Scene& scene) noexcept {
+  const ScalingRanges& r = scene.scaling;
+  return Scaling::from_ranges(r.hand_range, r.tip_range, r.hand_force, r.tip_force);
+}
+
+void write_episode(const std::string& file, const Episode& episode) {
+  silence_hdf5();
+  const EpisodeInfo& info = episode.info;
+  const Scene scene = parse_scene(parse_json(info.scene, file), file);
+  const std::string beside = file + ".tmp";
+  const std::string trouble = file + ": cannot be written";
+  try {
+    Handle h5(H5Fcreate(beside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, trouble);
+    {
+      const Writer out(h5, file);
+      out.attribute(h5, "format", std::string(kFormat));
+      out.attribute(h5, "format_version", kFormatVersion);
+      out.attribute(h5, "ferrule_version", info.version);
+      out.attribute(h5, "build", info.build);
+      out.attribute(h5, "scene", info.scene);
+      out.attribute(h5, "operator", info.operator_);
+      out.attribute(h5, "seed", info.seed);
+      out.attribute(h5, "trial", info.trial);
+      out.attribute(h5, "period_s", info.period);
+      out.attribute(h5, "alpha_x", scene_scaling(scene).motion);
+      out.attribute(h5, "alpha_f", scene_scaling(scene).force);
+      out.attribute(h5, "outcome", std::string(name(info.outcome)));
+      const Handle data = out.group("/data");
+      out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
+      out.attribute(data, "env_args", environment(info).dump());
+      const Handle demo = out.group(kDemo);
+      out.attribute(demo, "num_samples", static_cast<std::int64_t>(episode.rows.rows()));
+      write_tables(out, episode, scene);
+    }
+    h5.close(trouble);
+    sync_and_rename(beside, file);
+  } catch (...) {
+    std::error_code ignored;
+    fs::remove(beside, ignored);
+    throw;
+  }
+}
+
+Episode read_episode(const std::string& file) {
+  silence_hdf5();
+  if (!fs::is_regular_file(file)) throw FileTrouble(file + ": no such file");
+  const Reader in(file);
+  if (in.text("format") != kFormat) throw FileTrouble(file + ": not a ferrule episode");
+  if (const auto version = in.whole("format_version"); version != kFormatVersion)
+    throw FileTrouble(file + ": episode format " + std::to_string(version) +
+                      "; this program reads format " + std::to_string(kFormatVersion));
+  Episode episode;
+  EpisodeInfo& info = episode.info;
+  info.version = in.text("ferrule_version");
+  info.build = in.text("build");
+  info.scene = in.text("scene");
+  info.operator_ = in.text("operator");
+  info.seed = in.whole("seed");
+  info.trial = in.whole("trial");
+  info.period = in.number("period_s");
+  info.outcome = outcome_from_name(in.text("outcome"));
+  if (!(info.period > 0)) throw FileTrouble(file + ": damaged: period_s is not positive");
+  parse_scene(parse_json(info.scene, file), file);
+
+  const Eigen::Index count = in.table(rows_path(kTime), 1, -1).rows();
+  episode.rows.resize(count, Eigen::NoChange);
+  for (const Block& b : kBlocks)
+    episode.rows.middleCols(b.begin, b.width) = in.table(rows_path(b), b.width, count);
+  return episode;
+}
+
+std::optional<Difference> derived_difference(const std::string& file, const Episode& episode) {
+  silence_hdf5();
+  const Reader in(file);
+  const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
+  for (const Table& table : derived_tables(episode, scene)) {
+    const auto width = static_cast<int>(table.values.cols());
+    const Matrix recorded = in.table(table.path, width, table.values.rows());
+    for (Eigen::Index n = 0; n < recorded.rows(); ++n)
+      for (int c = 0; c < width; ++c) {
+        double expected = table.values(n, c);
+        if (table.stored == Table::single) expected = static_cast<float>(expected);
+        if (std::memcmp(&recorded(n, c), &expected, sizeof(double)) != 0)
+          return Difference{static_cast<std::size_t>(n),
+                            table.path + "[" + std::to_string(c) + "]", recorded(n, c), expected};
+      }
+  }
+  return std::nullopt;
+}
+
+std::vector<std::string> episode_files(const std::string& folder) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
+  if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,69 @@
+// An episode: one demonstration with all that is needed to play it again, in one HDF5 file.
+//
+// Layout (the demonstration layout of robomimic, with exact rows beside it):
+//   /                    attributes: format, format_version, ferrule_version, build, scene (JSON),
+//                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome
+//   /data                attributes: total, env_args (JSON)
+//   /data/demo_0         attribute: num_samples
+//     rows/<block>       every block of capture/row.hpp but `states`, float64, exact
+//     states             (N, 22) float64, exact
+//     actions            (N, 5) command / attribute `scale`, cut to [-1, 1]
+//     rewards, dones     1 in the last row of a successful episode; 1 in the last row
+//     obs/<key>          what a policy may see, in units of order one: wrench_N (N, 5) in the hand's
+//                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
+//     next_obs/<key>     the same one row later
+// Every data set has the attributes `unit` and `columns`.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "capture/row.hpp"
+#include "sim/insertion.hpp"
+
+namespace ferrule {
+
+struct EpisodeInfo {
+  std::string scene;     // JSON text as resolved
+  std::string operator_; // "simulated, skill 0.8", a device, a controller file
+  std::uint64_t seed = 0, trial = 0;
+  double period = 1e-3;  // [s]
+  Outcome outcome = Outcome::interrupted;
+  std::string version, build;  // of the program that recorded it
+};
+
+struct Episode {
+  EpisodeInfo info;
+  Rows rows;
+};
+
+// Version and build of this program.
+std::string program_version();
+std::string program_build();
+
+// Scaling of a scene.
+Scaling scene_scaling(const Scene& scene) noexcept;
+
+// Writes beside `file` and renames when whole. Throws FileTrouble.
+void write_episode(const std::string& file, const Episode& episode);
+
+// Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it can,
+// the first damaged row) and BadInput (scene or outcome not valid).
+Episode read_episode(const std::string& file);
+
+// A number in a file that is not what it should be.
+struct Difference {
+  std::size_t row;     // first row that differs
+  std::string column;  // data set or block, and the index in it; or "outcome"
+  double recorded, expected;
+};
+
+// Compares actions, rewards, dones, obs and next_obs of `file` with what follows from its rows.
+std::optional<Difference> derived_difference(const std::string& file, const Episode& episode);
+
+// The episode files of a folder, sorted. Throws FileTrouble if there is no such folder.
+std::vector<std::string> episode_files(const std::string& folder);
+
+}  // namespace ferrule

@@ -1,0 +1,181 @@
+#include "capture/recorder.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kJournal = "ferrule journal";
+constexpr std::int64_t kJournalVersion = 1;
+constexpr double kFlushEvery = 0.1;  // [s] of recording
+constexpr std::size_t kRowBytes = kRowSize * sizeof(double);
+
+void write_all(int fd, const void* data, std::size_t size, const std::string& file) {
+  const char* bytes = static_cast<const char*>(data);
+  while (size > 0) {
+    const ssize_t n = ::write(fd, bytes, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw FileTrouble(file + ": cannot be written: " + std::strerror(errno));
+    bytes += n;
+    size -= static_cast<std::size_t>(n);
+  }
+}
+
+std::string header(const EpisodeInfo& info) {
+  const Json json = {{"format", kJournal},       {"format_version", kJournalVersion},
+                     {"row_size", kRowSize},     {"scene", info.scene},
+                     {"operator", info.operator_}, {"seed", info.seed},
+                     {"trial", info.trial},      {"period_s", info.period},
+                     {"version", info.version},  {"build", info.build}};
+  return json.dump() + "\n";
+}
+
+EpisodeInfo parse_header(const std::string& text, const std::string& file) {
+  const Json json = parse_json(text, file);
+  JsonFields f(json, file);
+  if (f.text("format") != kJournal) f.refuse("format", std::string("must be ") + kJournal);
+  f.integer("format_version", kJournalVersion, kJournalVersion);
+  f.integer("row_size", kRowSize, kRowSize);
+  EpisodeInfo info;
+  info.scene = f.text("scene");
+  info.operator_ = f.text("operator");
+  info.seed = f.raw("seed").get<std::uint64_t>();
+  info.trial = f.raw("trial").get<std::uint64_t>();
+  info.period = f.number("period_s", rule::positive());
+  info.version = f.text("version");
+  info.build = f.text("build");
+  return info;
+}
+
+Recovered recover_one(const fs::path& journal) {
+  Recovered result{journal.string(), "", 0, ""};
+  fs::path file = journal;
+  file.replace_extension(".h5");
+
+  const int fd = ::open(journal.c_str(), O_RDONLY | O_CLOEXEC);
+  if (fd < 0) {
+    result.remark = std::string("cannot be read: ") + std::strerror(errno);
+    return result;
+  }
+  const bool free = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
+  ::close(fd);
+  if (!free) {
+    result.remark = "is still being recorded: left alone";
+    return result;
+  }
+  if (fs::exists(file)) {
+    fs::remove(journal);
+    result.remark = "was already whole as " + file.filename().string() + ": journal removed";
+    return result;
+  }
+  const std::string text = read_text(journal.string());
+  const auto line = text.find('\n');
+  if (line == std::string::npos) {
+    result.remark = "holds no whole header: left as it is";
+    return result;
+  }
+  try {
+    Episode episode;
+    episode.info = parse_header(text.substr(0, line), journal.string());
+    episode.info.outcome = Outcome::interrupted;
+    result.rows = (text.size() - line - 1) / kRowBytes;
+    if (result.rows == 0) {
+      result.remark = "holds no rows: left as it is";
+      return result;
+    }
+    episode.rows.resize(static_cast<Eigen::Index>(result.rows), Eigen::NoChange);
+    std::memcpy(episode.rows.data(), text.data() + line + 1, result.rows * kRowBytes);
+    write_episode(file.string(), episode);
+    result.file = file.string();
+    fs::remove(journal);
+  } catch (const BadInput& error) {
+    result.rows = 0;
+    result.remark = std::string("is damaged: ") + error.what();
+  } catch (const Json::exception&) {
+    result.rows = 0;
+    result.remark = "is damaged: its header is not that of a journal";
+  }
+  return result;
+}
+
+}  // namespace
+
+std::string episode_name(int number) { return fmt::format("episode_{:04}", number); }
+
+int next_episode_number(const std::string& folder) {
+  int next = 1;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    int number = 0;
+    if (std::sscanf(entry.path().filename().c_str(), "episode_%d.", &number) == 1)
+      next = std::max(next, number + 1);
+  }
+  return next;
+}
+
+Recorder::Recorder(const std::string& folder, int number, const EpisodeInfo& info) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileTrouble(folder + ": cannot be made: " + error.message());
+  episode_.info = info;
+  const std::string stem = folder + "/" + episode_name(number);
+  journal_ = stem + ".part";
+  file_ = stem + ".h5";
+  fd_ = ::open(journal_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_APPEND | O_CLOEXEC, 0644);
+  if (fd_ < 0) throw FileTrouble(journal_ + ": cannot be made: " + std::strerror(errno));
+  ::flock(fd_, LOCK_EX | LOCK_NB);
+  const std::string start = header(info);
+  write_all(fd_, start.data(), start.size(), journal_);
+}
+
+Recorder::~Recorder() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void Recorder::add(const RowVector& row) {
+  rows_.push_back(row);
+  const auto per_flush = static_cast<std::size_t>(
+      std::max(1.0, std::floor(kFlushEvery / episode_.info.period)));
+  if (rows_.size() - flushed_ >= per_flush) flush();
+}
+
+void Recorder::flush() {
+  write_all(fd_, rows_.data() + flushed_, (rows_.size() - flushed_) * kRowBytes, journal_);
+  flushed_ = rows_.size();
+}
+
+std::string Recorder::finish(Outcome outcome) {
+  flush();
+  episode_.info.outcome = outcome;
+  episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
+  std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * kRowBytes);
+  write_episode(file_, episode_);
+  ::close(std::exchange(fd_, -1));
+  ::unlink(journal_.c_str());
+  return file_;
+}
+
+std::vector<Recovered> recover(const std::string& folder) {
+  std::vector<Recovered> results;
+  std::vector<fs::path> journals;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(folder, error))
+    if (entry.path().extension() == ".part") journals.push_back(entry.path());
+  if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
+  std::sort(journals.begin(), journals.end());
+  for (const auto& journal : journals) results.push_back(recover_one(journal));
+  return results;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,58 @@
+// Records episodes so that nothing that was flushed is lost, whenever the process dies.
+//
+// The running episode is a journal, FOLDER/episode_NNNN.part: a line of JSON (what is known at the
+// start) and then the rows as they come, flushed to the operating system every 100 ms of recording.
+// Appending to a plain file cannot damage what is in it; an HDF5 file that is killed while it grows
+// can be. When the episode ends, the whole HDF5 file is written beside its name, renamed to
+// episode_NNNN.h5, and the journal is removed. A journal that is left behind is an episode that was
+// killed; `recover` makes a file of it up to the last flush.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/episode.hpp"
+
+namespace ferrule {
+
+class Recorder {
+ public:
+  // Starts episode `number` in `folder` (made if it is not there). Throws FileTrouble.
+  Recorder(const std::string& folder, int number, const EpisodeInfo& info);
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+  // Leaves the journal if `finish` was not called.
+  ~Recorder();
+
+  // Throws FileTrouble when the disk is full; the rows flushed before stay recoverable.
+  void add(const RowVector& row);
+
+  // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
+  std::string finish(Outcome outcome);
+
+ private:
+  void flush();
+
+  std::string journal_, file_;
+  Episode episode_;
+  std::vector<RowVector> rows_;
+  std::size_t flushed_ = 0;
+  int fd_ = -1;
+};
+
+// Name of an episode file, and the first number that is free in a folder.
+std::string episode_name(int number);
+int next_episode_number(const std::string& folder);
+
+// What became of one journal.
+struct Recovered {
+  std::string journal, file;  // `file` is empty where nothing was recovered
+  std::size_t rows = 0;
+  std::string remark;
+};
+
+// Turns every journal in `folder` that nobody is writing to into an episode with outcome
+// `interrupted`. Throws FileTrouble.
+std::vector<Recovered> recover(const std::string& folder);
+
+}  // namespace ferrule

@@ -1,0 +1,76 @@
+#include "capture/replay.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+#include "capture/session.hpp"
+
+namespace ferrule {
+namespace {
+
+// The recorded hand as a device.
+class RecordedHand : public Device {
+ public:
+  RecordedHand(const Rows& rows, double period) : rows_(rows), period_(period) {}
+
+  HandSample read(double) override {
+    const Eigen::Index n = next_++;
+    if (n < rows_.rows()) return {rows_.row(n).segment<kPose>(kHandPose.begin).transpose(), false};
+    // The pose after the last row is not recorded; its command says where it was.
+    const Eigen::Index last = rows_.rows() - 1;
+    return {(rows_.row(last).segment<kPose>(kHandPose.begin) +
+             period_ * rows_.row(last).segment<kPose>(kCommand.begin))
+                .transpose(),
+            true};
+  }
+  void render(const HandWrench&) override {}
+
+ private:
+  const Rows& rows_;
+  double period_;
+  Eigen::Index next_ = 0;
+};
+
+std::string column_name(int column) {
+  for (const Block& b : kBlocks)
+    if (column < b.begin + b.width) return fmt::format("{}[{}]", b.name, column - b.begin);
+  return "?";
+}
+
+}  // namespace
+
+std::optional<Difference> verify(const Episode& episode) {
+  const Scene scene = parse_scene(parse_json(episode.info.scene, "the episode's scene"),
+                                  "the episode's scene");
+  const Rows& rows = episode.rows;
+  if (rows.rows() == 0) return std::nullopt;
+  RecordedHand hand(rows, episode.info.period);
+  State start = draw_start(scene, episode.info.seed, episode.info.trial);
+  std::optional<Difference> first;
+  Eigen::Index n = 0;
+  const Outcome outcome = run_episode(
+      scene, start, hand, episode.info.period,
+      [&](const RowVector& row) {
+        RowVector recorded = rows.row(n), recomputed = row;
+        // The last command is what the recorded hand was built from, not a result.
+        if (n == rows.rows() - 1)
+          recomputed.segment<kPose>(kCommand.begin) = recorded.segment<kPose>(kCommand.begin);
+        for (int c = 0; c < kRowSize && !first; ++c)
+          if (std::memcmp(&recorded[c], &recomputed[c], sizeof(double)) != 0)
+            first = Difference{static_cast<std::size_t>(n), column_name(c), recorded[c],
+                               recomputed[c]};
+        ++n;
+      },
+      [&] { return first.has_value(); });
+  if (first) return first;
+  if (n != rows.rows())
+    return Difference{static_cast<std::size_t>(n), "outcome",
+                      static_cast<double>(episode.info.outcome), static_cast<double>(outcome)};
+  if (outcome != episode.info.outcome && episode.info.outcome != Outcome::interrupted)
+    return Difference{static_cast<std::size_t>(n - 1), "outcome",
+                      static_cast<double>(episode.info.outcome), static_cast<double>(outcome)};
+  return std::nullopt;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,54 @@
+// One row of a demonstration: everything at one tick of the loop.
+//
+// Row n, at time t_n:
+//   the hand is at pose_hand(t_n); the simulator has stepped to it, which gives the state and the
+//   forces at t_n; the hand feels them and moves on: `command` is its velocity over [t_n, t_n+1).
+// So a row pairs a force with the velocity that answers it, never with the one that caused it.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "haptic/scaling.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+
+// A block of columns: where it is in an episode file and in a row of numbers.
+struct Block {
+  const char* name;
+  int begin, width;
+  const char* unit;
+  const char* columns;
+};
+
+inline constexpr int kPose = 5;
+inline constexpr Block kTime{"time", 0, 1, "s", "t"};
+inline constexpr Block kHandPose{"hand_pose", 1, 5, "m m m rad rad", "x y z tilt_y tilt_z"};
+inline constexpr Block kHandVelocity{"hand_velocity", 6, 5, "m/s m/s m/s rad/s rad/s",
+                                     "x y z tilt_y tilt_z; over [t_n-1, t_n)"};
+inline constexpr Block kCommand{"command", 11, 5, "m/s m/s m/s rad/s rad/s",
+                                "x y z tilt_y tilt_z; of the hand over [t_n, t_n+1)"};
+inline constexpr Block kHolder{"holder_wrench", 16, 5, "N N N N.m N.m",
+                               "Fx Fy Fz My Mz; at the tip's scale, of the fibre on the hand"};
+inline constexpr Block kForces{
+    "forces", 21, 3 * kTerms, "N",
+    "x y z of each of van_der_waals electrostatic gravity capillary adhesion wall friction drag"};
+inline constexpr Block kStatus{"status", 45, 1, "1", "0 ok, 1 not converged, 2 bad command"};
+inline constexpr Block kStates{
+    "states", 46, kStateSize, "m, rad, s",
+    "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; on_face; time; "
+    "end contact: closed depth stuck_x stuck_y stuck_z; side contact: the same"};
+inline constexpr int kRowSize = 46 + kStateSize;
+inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,
+                                       kHolder, kForces,   kStatus,       kStates};
+
+using RowVector = Eigen::Matrix<double, 1, kRowSize>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
+
+// A row but for its velocities, which need the poses before and after.
+RowVector make_row(double time, const HandPose& hand, const StepResult& result) noexcept;
+
+inline auto block(const RowVector& row, const Block& b) { return row.segment(b.begin, b.width); }
+
+}  // namespace ferrule

@@ -1,0 +1,38 @@
+#include "capture/session.hpp"
+
+namespace ferrule {
+
+Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
+                    const std::function<void(const RowVector&)>& record,
+                    const std::function<bool()>& stop) {
+  const Scaling scaling = scene_scaling(scene);
+  InsertionWatch watch(scene, start);
+  State state = start;
+  Outcome outcome = Outcome::interrupted;
+  HandSample sample = device.read(0);
+  HandTwist velocity = HandTwist::Zero();  // over the period before
+  for (std::int64_t n = 0; !sample.finished; ++n) {
+    const double t = static_cast<double>(n) * period;
+    const StepResult result =
+        step(scene.world, state, scaling.motion_to_tip(sample.pose), n == 0 ? 0.0 : period);
+    if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
+    state = result.state;
+    RowVector row = make_row(t, sample.pose, result);
+    device.render(scaling.wrench_to_hand(result.forces.holder));
+
+    const std::optional<Outcome> now = watch.after(result);
+    const HandSample next = device.read(static_cast<double>(n + 1) * period);
+    const HandTwist command = (next.pose - sample.pose) / period;
+    row.segment<kPose>(kHandVelocity.begin) = velocity.transpose();
+    row.segment<kPose>(kCommand.begin) = command.transpose();
+    record(row);
+    if (now) outcome = *now;
+    if (now && *now != Outcome::inserted) return outcome;
+    if (stop()) return Outcome::interrupted;
+    velocity = command;
+    sample = next;
+  }
+  return outcome;
+}
+
+}  // namespace ferrule

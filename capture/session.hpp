@@ -1,0 +1,18 @@
+// The loop between hand and fibre: read the device, step the simulator, let the hand feel it, record.
+#pragma once
+
+#include <functional>
+
+#include "capture/recorder.hpp"
+#include "haptic/device.hpp"
+
+namespace ferrule {
+
+// Runs one episode from `start` until the device is finished, the insertion fails, or `stop`
+// returns true; every tick becomes a row. The outcome is `inserted` if the operator finished with
+// the fibre deep enough, `interrupted` if it finished or stopped before that.
+Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
+                    const std::function<void(const RowVector&)>& record,
+                    const std::function<bool()>& stop);
+
+}  // namespace ferrule

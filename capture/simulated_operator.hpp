@@ -1,0 +1,18 @@
+// A simulated trainee set to a scene's task.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "haptic/trainee.hpp"
+#include "sim/insertion.hpp"
+
+namespace ferrule {
+
+// A trainee of `skill` (0 to 1) whose hand holds the fibre of `start`, asked to push it a tenth
+// deeper than the scene's success depth at the scene's speed limit. Its chance is that of (seed,
+// trial).
+std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
+                                           double period, std::uint64_t seed, std::uint64_t trial);
+
+}  // namespace ferrule

@@ -1,0 +1,20 @@
+# ferrule_library(NAME SOURCES ... LINKS ... [PRIVATE_LINKS ...])
+# One static library per folder: target ferrule_NAME, alias and installed name ferrule::NAME.
+function(ferrule_library name)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  set(target ferrule_${name})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(ferrule::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<INSTALL_INTERFACE:include/ferrule>)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  ferrule_warnings(${target})
+  target_link_libraries(${target} PUBLIC ${ARG_LINKS} PRIVATE ${ARG_PRIVATE_LINKS})
+endfunction()
+
+# Warnings are errors; results must not depend on how the compiler contracts products and sums.
+function(ferrule_warnings target)
+  target_compile_options(${target} PRIVATE
+    -Wall -Wextra -Wpedantic -Wshadow -Werror -ffp-contract=off)
+endfunction()

@@ -1,0 +1,73 @@
+#include "controller/campaign.hpp"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <cmath>
+#include <stdexcept>
+
+namespace ferrule {
+
+std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
+                                      const Controller& controller, std::uint64_t seed,
+                                      std::size_t trials, int threads,
+                                      const std::function<void(std::size_t)>& progress) {
+  std::vector<TrialResult> results(trials);
+  std::atomic<std::size_t> done = 0;
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, trials, 1), [&](const auto& range) {
+      for (std::size_t k = range.begin(); k < range.end(); ++k) {
+        results[k] = run_trial(scene, scaling, controller, seed, k);
+        const std::size_t so_far = ++done;
+        if (progress) progress(so_far);
+      }
+    });
+  });
+  return results;
+}
+
+CampaignSummary summarise(const std::vector<TrialResult>& results) {
+  CampaignSummary s{};
+  s.trials = results.size();
+  std::vector<double> time, force, loss;
+  for (const TrialResult& r : results) {
+    ++s.outcomes[static_cast<std::size_t>(r.outcome)];
+    force.push_back(r.summary.peak_force);
+    if (r.outcome != Outcome::inserted) continue;
+    time.push_back(r.summary.time);
+    loss.push_back(r.loss_dB);
+  }
+  s.successes = time.size();
+  s.success_rate = static_cast<double>(s.successes) / static_cast<double>(s.trials);
+  s.wilson = wilson(s.successes, s.trials);
+  const auto spread = [](const std::vector<double>& v) {
+    return Spread{quantile(v, 0.5), quantile(v, 0.95)};
+  };
+  s.time = spread(time);
+  s.peak_force = spread(force);
+  s.loss_dB = spread(loss);
+  return s;
+}
+
+Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b) {
+  if (a.size() != b.size() || a.empty())
+    throw std::invalid_argument("compare: both must have the same number of trials");
+  std::size_t only_a = 0, only_b = 0;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const bool in_a = a[k].outcome == Outcome::inserted, in_b = b[k].outcome == Outcome::inserted;
+    only_a += in_a && !in_b;
+    only_b += in_b && !in_a;
+  }
+  const double n = static_cast<double>(a.size());
+  const double surplus = static_cast<double>(only_a) - static_cast<double>(only_b);
+  const double discordant = static_cast<double>(only_a + only_b);
+  // Wald interval of a difference of paired proportions.
+  const double half = 1.959963984540054 * std::sqrt(discordant - surplus * surplus / n) / n;
+  const double d = surplus / n;
+  return {d, {d - half, d + half}, mcnemar_p(only_a, only_b)};
+}
+
+}  // namespace ferrule

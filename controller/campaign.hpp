@@ -1,0 +1,46 @@
+// A campaign: many trials of one controller in one scene, on all cores, with the same result for any
+// number of threads.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "controller/statistics.hpp"
+#include "controller/trial.hpp"
+
+namespace ferrule {
+
+// Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
+// of trials done, from any thread.
+std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
+                                      const Controller& controller, std::uint64_t seed,
+                                      std::size_t trials, int threads,
+                                      const std::function<void(std::size_t)>& progress);
+
+struct Spread {
+  double median, p95;  // NaN where there is nothing to take them of
+};
+
+struct CampaignSummary {
+  std::size_t trials, successes;
+  double success_rate;
+  Interval wilson;                             // 95 %
+  std::array<std::size_t, kOutcomes> outcomes;  // by Outcome
+  Spread time;                                 // of the insertions that succeeded [s]
+  Spread peak_force;                           // of all trials [N]
+  Spread loss_dB;                              // of the insertions that succeeded
+};
+
+CampaignSummary summarise(const std::vector<TrialResult>& results);
+
+// Two controllers on the same trials.
+struct Comparison {
+  double difference;  // success rate of a minus that of b
+  Interval interval;  // 95 %, for paired trials
+  double mcnemar_p;
+};
+
+// Throws std::invalid_argument unless both have the same number of trials, > 0.
+Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b);
+
+}  // namespace ferrule

@@ -1,0 +1,49 @@
+// A controller: from what the hand would feel to how the hand would move.
+//
+// It lives in the hand's world (haptic/scaling.hpp), the world it was learned in; a trial scales the
+// fibre's force up to it and its velocity down to the tip with the scene's one Scaling.
+#pragma once
+
+#include "haptic/scaling.hpp"
+
+namespace ferrule {
+
+// What a controller knows at one tick.
+struct Felt {
+  HandWrench wrench;  // at the holder, relative to what was felt at rest at the start [N, N m]
+  double depth;       // of the hand past the bore's entrance, as its encoder has it [m], >= 0
+  double time;        // since the start [s], >= 0
+};
+
+class Controller {
+ public:
+  virtual ~Controller() = default;
+  // Velocity of the hand until the next tick [m/s, rad/s]. Must be finite; a trial checks.
+  virtual HandTwist command(const Felt& felt) const noexcept = 0;
+};
+
+// The naive baseline: straight in at constant speed, whatever is felt.
+class ConstantVelocity : public Controller {
+ public:
+  explicit ConstantVelocity(double speed) : speed_(speed) {}  // along -x [m/s], > 0
+  HandTwist command(const Felt&) const noexcept override {
+    HandTwist v = HandTwist::Zero();
+    v[0] = -speed_;
+    return v;
+  }
+
+ private:
+  double speed_;
+};
+
+// Depth of the hand past the entrance [m].
+inline double hand_depth(const HandPose& hand) noexcept { return hand[0] < 0 ? -hand[0] : 0.0; }
+
+// Cuts the translation of `velocity` to `speed` [m/s], direction kept.
+inline HandTwist limit_speed(HandTwist velocity, double speed) noexcept {
+  const double v = velocity.head<3>().norm();
+  if (v > speed) velocity.head<3>() *= speed / v;
+  return velocity;
+}
+
+}  // namespace ferrule

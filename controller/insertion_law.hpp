@@ -1,0 +1,68 @@
+// The parametric insertion law: an intended motion along -x and an admittance.
+//
+//   v_x = -v_c (1 - exp(-t / t_r)) (1 - exp((d - d_e) / L)) / (1 + k |f|^2) + A_x f_x
+//   v_y = A_y f_y + b_y
+//   v_z = A_z f_z + b_z
+//
+// in the hand's world, with f the felt force relative to that at rest [N], d the depth of the hand
+// past the entrance [m] and t the time since the start [s]. It speeds up after the start, slows down
+// towards the end depth d_e and under force, and yields to force. With k = 0 and far from both ends
+// it is the linear admittance law.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <cmath>
+
+#include "controller/controller.hpp"
+
+namespace ferrule {
+
+struct Gain {
+  const char* name;
+  const char* symbol;
+  const char* unit;
+};
+
+inline constexpr int kGains = 10;
+inline constexpr std::array<Gain, kGains> kGainTable = {{
+    {"cruise_speed", "v_c", "m/s"},
+    {"ramp_time", "t_r", "s"},
+    {"end_depth", "d_e", "m"},
+    {"end_length", "L", "m"},
+    {"slowing", "k", "1/N^2"},
+    {"yield_x", "A_x", "m/(s N)"},
+    {"yield_y", "A_y", "m/(s N)"},
+    {"yield_z", "A_z", "m/(s N)"},
+    {"drift_y", "b_y", "m/s"},
+    {"drift_z", "b_z", "m/s"},
+}};
+
+// Velocity [m/s] from gains in the order of the table. T is double, or a dual number when fitting.
+template <class T>
+Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& force, double depth,
+                                          double time) {
+  using std::exp;
+  const T ramp = 1.0 - exp(-time / gain[1]);
+  const T approach = 1.0 - exp((depth - gain[2]) / gain[3]);
+  const T slowed = 1.0 + gain[4] * force.squaredNorm();
+  return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(),
+          gain[6] * force.y() + gain[8], gain[7] * force.z() + gain[9]};
+}
+
+class InsertionLaw : public Controller {
+ public:
+  explicit InsertionLaw(const std::array<double, kGains>& gains) : gains_(gains) {}
+  HandTwist command(const Felt& felt) const noexcept override {
+    HandTwist v = HandTwist::Zero();
+    v.head<3>() = insertion_velocity(gains_.data(), Eigen::Vector3d(felt.wrench.head<3>()),
+                                     felt.depth, felt.time);
+    return v;
+  }
+  const std::array<double, kGains>& gains() const noexcept { return gains_; }
+
+ private:
+  std::array<double, kGains> gains_;
+};
+
+}  // namespace ferrule

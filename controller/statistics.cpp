@@ -1,0 +1,36 @@
+#include "controller/statistics.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/binomial.hpp>
+#include <boost/math/distributions/normal.hpp>
+#include <cmath>
+#include <limits>
+
+namespace ferrule {
+
+Interval wilson(std::size_t successes, std::size_t trials) {
+  const double z = boost::math::quantile(boost::math::normal(), 0.975);
+  const double n = static_cast<double>(trials), p = static_cast<double>(successes) / n;
+  const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
+  const double half =
+      z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
+  return {successes == 0 ? 0.0 : std::max(0.0, centre - half),
+          successes == trials ? 1.0 : std::min(1.0, centre + half)};
+}
+
+double mcnemar_p(std::size_t only_a, std::size_t only_b) {
+  if (only_a + only_b == 0) return 1;
+  const boost::math::binomial pairs(static_cast<double>(only_a + only_b), 0.5);
+  return std::min(1.0, 2 * cdf(pairs, static_cast<double>(std::min(only_a, only_b))));
+}
+
+double quantile(std::vector<double> values, double q) {
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
+  std::sort(values.begin(), values.end());
+  const double place = q * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(place);
+  const auto above = std::min(below + 1, values.size() - 1);
+  return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+}  // namespace ferrule

@@ -1,0 +1,22 @@
+// The few statistics a campaign reports.
+#pragma once
+
+#include <vector>
+
+namespace ferrule {
+
+struct Interval {
+  double low, high;
+};
+
+// 95 % Wilson interval of a success rate (Wilson 1927). 0 <= successes <= trials, trials > 0.
+Interval wilson(std::size_t successes, std::size_t trials);
+
+// Two-sided exact McNemar test (McNemar 1947, binomial form): p of `only_a` and `only_b` discordant
+// pairs under equal rates. 1 if there are none.
+double mcnemar_p(std::size_t only_a, std::size_t only_b);
+
+// Quantile q of values (linear interpolation between order statistics, R's type 7); NaN if empty.
+double quantile(std::vector<double> values, double q);
+
+}  // namespace ferrule

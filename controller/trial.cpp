@@ -1,0 +1,48 @@
+#include "controller/trial.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "sim/joint_loss.hpp"
+
+namespace ferrule {
+
+ControllerHand::ControllerHand(const Controller& controller, const HandPose& start, double speed,
+                               double end_depth)
+    : controller_(controller), pose_(start), speed_(speed), end_depth_(end_depth) {}
+
+HandSample ControllerHand::read(double t) {
+  pose_ += velocity_ * (t - time_);
+  time_ = t;
+  return {pose_, hand_depth(pose_) >= end_depth_};
+}
+
+void ControllerHand::render(const HandWrench& wrench) {
+  if (!felt_) at_rest_ = wrench;
+  felt_ = true;
+  velocity_ =
+      limit_speed(controller_.command({wrench - at_rest_, hand_depth(pose_), time_}), speed_);
+}
+
+TrialResult run_trial(const Scene& scene, const Scaling& scaling, const Controller& controller,
+                      std::uint64_t seed, std::uint64_t trial, double period) noexcept {
+  State state = draw_start(scene, seed, trial);
+  InsertionWatch watch(scene, state);
+  ControllerHand hand(controller, scaling.motion_to_hand(state.hand),
+                      scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
+  std::optional<Outcome> outcome;
+  for (std::int64_t n = 0; !outcome; ++n) {
+    const HandPose pose = hand.read(static_cast<double>(n) * period).pose;
+    const StepResult result =
+        step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0.0 : period);
+    state = result.state;
+    hand.render(scaling.wrench_to_hand(result.forces.holder));
+    outcome = watch.after(result);
+  }
+  TrialResult result{*outcome, watch.summary(), std::numeric_limits<double>::quiet_NaN()};
+  if (*outcome == Outcome::inserted)
+    result.loss_dB = joint_loss_dB(result.summary.offset, result.summary.tilt);
+  return result;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,87 @@
+#include "haptic/trainee.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ferrule {
+namespace {
+
+constexpr double kRest = 0.3;       // the hand rests before it starts, and gets used to the weight [s]
+constexpr double kAfterwards = 0.5;  // and after it has arrived [s]
+constexpr double kHesitationFade = 0.1;  // time constant of g [s]
+constexpr double kTau = 2 * std::numbers::pi;
+
+}  // namespace
+
+TraineeTraits trainee_traits(double skill) noexcept {
+  const auto from_to = [&](double at_0, double at_1) { return at_0 + (at_1 - at_0) * skill; };
+  return {.delay = from_to(0.25, 0.15),
+          .peak_speed = from_to(0.7, 1.0),
+          .yield = from_to(0.5e-3, 1.0e-3),
+          .slowing_force = from_to(1.5, 3.0),
+          .tremor = from_to(8e-6, 2e-6),
+          .hesitation_rate = from_to(0.3, 0.02)};
+}
+
+Trainee::Trainee(const TraineeTraits& traits, const TraineeTask& task,
+                 std::function<double()> uniform)
+    : traits_(traits), task_(task), uniform_(std::move(uniform)), pose_(task.start) {
+  for (auto& axis : tremor_)
+    for (auto& s : axis) s = {8 + 4 * uniform_(), kTau * uniform_()};
+  const auto delayed = static_cast<std::size_t>(std::lround(traits_.delay / task_.period));
+  felt_.assign(std::max<std::size_t>(1, delayed), Eigen::Vector3d::Zero());
+}
+
+HandSample Trainee::read(double t) {
+  pose_ += velocity_ * (t - time_);
+  time_ = t;
+  return {pose_, finished_at_ >= 0 && t >= finished_at_ + kAfterwards};
+}
+
+void Trainee::render(const HandWrench& wrench) {
+  if (time_ == 0) {
+    weight_ = wrench.head<3>();
+    std::fill(felt_.begin(), felt_.end(), weight_);
+  }
+  const Eigen::Vector3d felt = felt_[next_] - weight_;  // the oldest in the ring
+  felt_[next_] = wrench.head<3>();
+  next_ = (next_ + 1) % felt_.size();
+
+  velocity_.setZero();
+  if (time_ < kRest) return;
+  advance_intention(felt.norm());
+  velocity_[0] = -speed_;
+  velocity_.segment<2>(1) = traits_.yield * felt.tail<2>();
+  velocity_.head<3>() += tremor_velocity(time_);
+}
+
+void Trainee::advance_intention(double force) noexcept {
+  if (uniform_() < traits_.hesitation_rate * task_.period && time_ > pause_until_)
+    pause_until_ = time_ + 0.2 + 0.6 * uniform_();
+  const double wanted = time_ < pause_until_ ? 0.0 : 1.0;
+  drive_ += (wanted - drive_) * task_.period / kHesitationFade;
+
+  // A minimum-jerk motion peaks at 15/8 of its mean speed.
+  const double duration = 1.875 * task_.distance / (traits_.peak_speed * task_.speed);
+  const double slowed = force / traits_.slowing_force;
+  const double rate = drive_ / (duration * (1 + slowed * slowed));
+  const double p = std::min(1.0, phase_ + rate * task_.period);
+  const auto travelled = [](double q) { return q * q * q * (10 + q * (-15 + 6 * q)); };
+  speed_ = task_.distance * (travelled(p) - travelled(phase_)) / task_.period;
+  phase_ = p;
+  if (phase_ >= 1 && finished_at_ < 0) finished_at_ = time_;
+}
+
+Eigen::Vector3d Trainee::tremor_velocity(double t) const noexcept {
+  Eigen::Vector3d velocity;
+  for (int axis = 0; axis < 3; ++axis) {
+    velocity[axis] = 0;
+    for (const auto& [frequency, phase] : tremor_[static_cast<std::size_t>(axis)])
+      velocity[axis] += traits_.tremor / std::numbers::sqrt2 * kTau * frequency *
+                        std::cos(kTau * frequency * t + phase);
+  }
+  return velocity;
+}
+
+}  // namespace ferrule

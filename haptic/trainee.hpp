@@ -1,0 +1,72 @@
+// A simulated operator: a trainee of a given skill at the haptic device.
+//
+// It intends a minimum-jerk motion along -x (Flash and Hogan 1985),
+//   x(p) = x_0 - D (10 p^3 - 15 p^4 + 6 p^5),   phase p from 0 to 1,
+// feels the force on its hand with a delay, relative to what it felt at rest at the start (it has got
+// used to the weight), and answers it:
+//   lateral velocity  v_y = A f_y, v_z = A f_z          yields to the force
+//   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))   slows down where the force is large
+// On top come physiological tremor (8 to 12 Hz, three axes) and hesitations, during which g falls
+// from 1 towards 0. `skill` from 0 to 1 moves all of them together (trainee_traits).
+#pragma once
+
+#include <array>
+#include <functional>
+#include <vector>
+
+#include "haptic/device.hpp"
+
+namespace ferrule {
+
+struct TraineeTraits {
+  double delay;             // [s], 0.25 at skill 0 to 0.15 at skill 1
+  double peak_speed;        // of the intended motion, relative to the task's speed [-], 0.7 to 1
+  double yield;             // A [m/s per N], 0.5e-3 to 1e-3
+  double slowing_force;     // F_s [N], 1.5 to 3
+  double tremor;            // amplitude of the hand's displacement per axis [m], 8e-6 to 2e-6
+  double hesitation_rate;   // beginnings per second [1/s], 0.3 to 0.02
+};
+
+// Linear in `skill`, 0 <= skill <= 1.
+TraineeTraits trainee_traits(double skill) noexcept;
+
+// What the trainee is asked to do, in the hand's world.
+struct TraineeTask {
+  HandPose start;   // pose at rest at t = 0 [m, rad]
+  double distance;  // D, along -x [m], > 0
+  double speed;     // speed that a skilled operator peaks at [m/s], > 0
+  double period;    // between reads [s], > 0
+};
+
+class Trainee : public Device {
+ public:
+  // `uniform` is its source of chance: independent numbers in (0, 1).
+  Trainee(const TraineeTraits& traits, const TraineeTask& task, std::function<double()> uniform);
+
+  HandSample read(double t) override;
+  void render(const HandWrench& wrench) override;
+
+ private:
+  struct Sinusoid {
+    double frequency, phase;  // [Hz], [rad]
+  };
+
+  void advance_intention(double force) noexcept;
+  Eigen::Vector3d tremor_velocity(double t) const noexcept;
+
+  TraineeTraits traits_;
+  TraineeTask task_;
+  std::function<double()> uniform_;
+  std::array<std::array<Sinusoid, 2>, 3> tremor_;
+  HandPose pose_;
+  HandTwist velocity_ = HandTwist::Zero();
+  double time_ = 0;
+  double phase_ = 0, speed_ = 0;  // p and the intended speed along -x [m/s]
+  double drive_ = 1;              // g
+  double pause_until_ = -1, finished_at_ = -1;
+  std::vector<Eigen::Vector3d> felt_;  // ring: the force of the last `delay` seconds
+  std::size_t next_ = 0;
+  Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();
+};
+
+}  // namespace ferrule

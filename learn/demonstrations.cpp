@@ -1,0 +1,46 @@
+#include "learn/demonstrations.hpp"
+
+#include <algorithm>
+
+namespace ferrule {
+
+Demonstration demonstration(const Episode& episode, const Scene& scene, const std::string& file) {
+  const Rows& rows = episode.rows;
+  Demonstration d;
+  d.file = file;
+  d.outcome = episode.info.outcome;
+  d.period = episode.info.period;
+  d.force = scene_scaling(scene).force * rows.middleCols<3>(kHolder.begin);
+  if (rows.rows() > 0) d.force.rowwise() -= Eigen::RowVector3d(d.force.row(0));
+  d.velocity = rows.middleCols<3>(kCommand.begin);
+  d.depth = (-rows.col(kHandPose.begin)).cwiseMax(0.0);
+  d.time = rows.col(kTime.begin);
+  return d;
+}
+
+DemonstrationSet load_demonstrations(const std::string& folder) {
+  DemonstrationSet set;
+  Scaling first{};
+  std::string first_file;
+  for (const std::string& file : episode_files(folder)) {
+    const Episode episode = read_episode(file);
+    const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
+    const Scaling scaling = scene_scaling(scene);
+    if (first_file.empty()) {
+      first_file = file;
+      first = scaling;
+      set.scene = scene.name;
+      set.speed_scale = scaling.motion * scene.limits.speed;
+    }
+    if (scaling.motion != first.motion || scaling.force != first.force)
+      throw BadInput(file + ": was recorded with another scaling than " + first_file +
+                     "; a law is learned in one hand's world");
+    if (episode.info.outcome == Outcome::inserted)
+      set.demonstrations.push_back(demonstration(episode, scene, file));
+    else
+      ++set.unsuccessful;
+  }
+  return set;
+}
+
+}  // namespace ferrule

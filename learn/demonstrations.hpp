@@ -1,0 +1,36 @@
+// Demonstrations as pairs of what was felt and what was done, in the hand's world.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/episode.hpp"
+
+namespace ferrule {
+
+// One demonstration, all rows of it.
+struct Demonstration {
+  std::string file;
+  Outcome outcome;
+  double period;                                       // between rows [s]
+  Eigen::Matrix<double, Eigen::Dynamic, 3> force;      // felt, relative to that at rest [N]
+  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;   // that answers it [m/s]
+  Eigen::VectorXd depth;                               // of the hand past the entrance [m]
+  Eigen::VectorXd time;                                // [s]
+};
+
+struct DemonstrationSet {
+  std::vector<Demonstration> demonstrations;  // the successful ones
+  std::size_t unsuccessful = 0;               // left out
+  std::string scene;                          // its name
+  double speed_scale;                         // of the hand: the scene's speed limit, scaled up [m/s]
+};
+
+// From the row layout of one episode.
+Demonstration demonstration(const Episode& episode, const Scene& scene, const std::string& file);
+
+// All episodes of a folder. Throws FileTrouble, and BadInput if they were recorded with different
+// scalings.
+DemonstrationSet load_demonstrations(const std::string& folder);
+
+}  // namespace ferrule

@@ -1,0 +1,44 @@
+// Adhesion at a closed contact, equation (6) of the paper (Maugis-Dugdale), and the reduced modulus
+// (7).
+//
+// Printed:  F = K a^3 / r - lambda a^2 (pi w K^2 / r)^(1/3) (s + m^2 atan s),  s = sqrt(m^2 - 1)
+//   with the contact radius prescribed: a = 100 nm + 2 d for a penetration 0 <= d <= 10 nm, held at
+//   120 nm beyond. As printed it attracts ever more with depth (E7 in sim/README.md), so the wall
+//   (sim/wall.hpp) begins where the prescription ends. The force jumps at d = 0; it is reached in a
+//   straight line over the last a_0 = 0.1 nm of the approach, -a_0 < d < 0.
+#pragma once
+
+#include "sim/form.hpp"
+
+namespace ferrule {
+
+// 1/K = (3/4) ((1 - nu_o^2)/E_o + (1 - nu_f^2)/E_f), equation (7). Moduli [Pa]; returns K [Pa].
+double reduced_modulus(double young_fibre, double poisson_fibre, double young_ferrule,
+                       double poisson_ferrule) noexcept;
+
+// Prescribed contact radius a [m] of the printed form at penetration d [m].
+double printed_contact_radius(double depth) noexcept;
+
+// Largest penetration the printed form speaks of [m]: 10 nm.
+inline constexpr double kPrintedDepth = 10e-9;
+
+struct Adhesion {
+  Form form;
+  double work_of_adhesion;  // w = 2 gamma_L [J/m^2], > 0: the work, not the surface energy gamma
+  double maugis_lambda;     // lambda [-], 0.12 < lambda < 5.8
+  double m;                 // c_ad / a [-], >= 1
+  double reduced_modulus;   // K [Pa], > 0
+  double radius;            // r in (6) [m], > 0: the fibre radius
+};
+
+// A force at one contact against the penetration d; repulsion is positive.
+//   force = d potential / dd,   slope = d force / dd
+struct ContactForce {
+  double potential = 0;  // [J]
+  double force = 0;      // [N]
+  double slope = 0;      // [N/m]
+};
+
+ContactForce adhesion(const Adhesion& law, double depth) noexcept;
+
+}  // namespace ferrule

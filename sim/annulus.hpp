@@ -1,0 +1,26 @@
+// The gap between a fibre and a bore with parallel axes.
+//
+//   c = R - r     radial clearance [m]
+//   e             eccentricity, the distance between the two axes [m], 0 <= e
+//   h = c - e     smallest distance between fibre and bore [m]; h < 0 is overlap
+#pragma once
+
+namespace ferrule {
+
+struct Annulus {
+  double fibre_radius;  // r [m], > 0
+  double bore_radius;   // R [m], > r
+
+  double clearance() const noexcept { return bore_radius - fibre_radius; }
+};
+
+// A surface force per unit of inserted length [N/m] against the gap h, with its potential and its
+// slope. The force acts along the line of the smallest gap; attraction is negative.
+//   force = -d potential / dh,   slope = d force / dh
+struct LineForce {
+  double potential = 0;  // [J/m]
+  double force = 0;      // [N/m]
+  double slope = 0;      // [N/m^2]
+};
+
+}  // namespace ferrule

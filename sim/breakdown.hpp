@@ -1,0 +1,44 @@
+// The forces on the fibre, term by term, each with its point of action; the sum is a method.
+#pragma once
+
+#include <array>
+
+#include "sim/state.hpp"
+
+namespace ferrule {
+
+struct PointForce {
+  Vector3d force = Vector3d::Zero();  // on the fibre [N]
+  Vector3d point = Vector3d::Zero();  // where it acts [m]
+
+  // As a wrench on the rod at `tip` (sim/state.hpp).
+  Wrench wrench(const Pose& tip) const noexcept {
+    const Vector3d arm = point - tip.head<3>();
+    Wrench w;
+    w << force, arm.x() * force.y() - arm.y() * force.x(),
+        arm.x() * force.z() - arm.z() * force.x();
+    return w;
+  }
+};
+
+struct Breakdown {
+  PointForce van_der_waals, electrostatic, gravity, capillary, drag;
+  std::array<PointForce, kContactPlaces> adhesion, wall, friction;
+  Wrench holder = Wrench::Zero();  // felt at the holder: force and moment of the fibre on the hand
+
+  // Everything that acts on the fibre but the holder, as a wrench at `tip`. In equilibrium it
+  // equals `holder`.
+  Wrench sum(const Pose& tip) const noexcept;
+  // Adhesion and friction together, equation (11) of the paper [N].
+  Vector3d contact() const noexcept;
+};
+
+// The terms in the order of their columns in files and tables.
+inline constexpr int kTerms = 8;
+inline constexpr std::array<const char*, kTerms> kTermNames = {
+    "van_der_waals", "electrostatic", "gravity", "capillary",
+    "adhesion",      "wall",          "friction", "drag"};
+// Force of each term, contact places added up [N], in that order.
+std::array<Vector3d, kTerms> term_forces(const Breakdown& breakdown) noexcept;
+
+}  // namespace ferrule

@@ -1,0 +1,22 @@
+#include "sim/capillary.hpp"
+
+#include <cmath>
+
+#include "sim/printed_range.hpp"
+
+namespace ferrule {
+
+LineForce capillary(const Capillary& law, double h) noexcept {
+  const double cosine = std::cos(law.contact_angle);
+  const double pull = 2 * law.surface_tension * cosine;
+  const double meet = 2 * law.film;
+  return printed::down_to_contact(
+      [&](double gap) noexcept -> LineForce {
+        // 1 - (h - 2e) cos / h = (1 - cos) + 2 e cos / h
+        return {pull * ((1 - cosine) * (gap - meet) + meet * cosine * std::log(gap / meet)),
+                -pull * ((1 - cosine) + meet * cosine / gap), pull * meet * cosine / (gap * gap)};
+      },
+      h);
+}
+
+}  // namespace ferrule

@@ -1,0 +1,19 @@
+// The two ways in which what comes from outside can be wrong.
+#pragma once
+
+#include <stdexcept>
+
+namespace ferrule {
+
+// Bad input: what() is one line that names the place (file and key), the value and the rule.
+// The program ends with exit code 2.
+struct BadInput : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// A file that cannot be read or written: what() names the file and the reason. Exit code 3.
+struct FileTrouble : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+}  // namespace ferrule

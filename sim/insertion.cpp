@@ -1,0 +1,77 @@
+#include "sim/insertion.hpp"
+
+#include <numbers>
+
+#include "sim/random.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr std::array<const char*, kOutcomes> kNames = {
+    "inserted", "force_limit", "jam",            "missed",
+    "timeout",  "buckled",     "invalid_output", "interrupted"};
+
+}  // namespace
+
+State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
+  RandomStream random(seed, trial, Draw::start);
+  Pose tip;
+  tip[0] = scene.start.distance;
+  tip[1] = scene.start.lateral_mean.x() + scene.start.lateral_sd * random.normal();
+  tip[2] = scene.start.lateral_mean.y() + scene.start.lateral_sd * random.normal();
+  tip[3] = scene.start.tilt_sd * random.normal();
+  tip[4] = scene.start.tilt_sd * random.normal();
+  return at_rest(scene.world, tip);
+}
+
+const char* name(Outcome outcome) noexcept { return kNames[static_cast<std::size_t>(outcome)]; }
+
+Outcome outcome_from_name(const std::string& text) {
+  for (int i = 0; i < kOutcomes; ++i)
+    if (text == kNames[static_cast<std::size_t>(i)]) return static_cast<Outcome>(i);
+  throw BadInput("\"" + text + "\" is not an outcome");
+}
+
+Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept {
+  Vector3d force = breakdown.holder.head<3>();
+  if (world.gravity) force.y() += gravity(*world.gravity, world.fibre);
+  return force;
+}
+
+double euler_load(const World& world) noexcept {
+  constexpr double pi = std::numbers::pi;
+  const double r2 = world.fibre.radius * world.fibre.radius;
+  const double bending = world.fibre_young * 0.25 * pi * r2 * r2;
+  return 0.25 * pi * pi * bending / (world.fibre.length * world.fibre.length);
+}
+
+InsertionWatch::InsertionWatch(const Scene& scene, const State& start) noexcept
+    : scene_(scene), before_(start) {}
+
+std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept {
+  const State& now = result.state;
+  const Breakdown& f = result.forces;
+  const double force = holder_force(scene_.world, f).norm();
+  summary_.time = now.time;
+  summary_.peak_force = std::max(summary_.peak_force, force);
+  const Vector3d move = (now.tip - before_.tip).head<3>();
+  for (const PointForce& friction : f.friction)
+    summary_.friction_work += std::max(0.0, -friction.force.dot(move));
+  summary_.depth = now.inserted_length();
+  summary_.offset = now.tip.segment<2>(1).norm();
+  summary_.tilt = now.tip.tail<2>().norm();
+  before_ = now;
+
+  if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
+  if (force > scene_.limits.force) {
+    if (now.contact[kEnd].closed && now.side == EdgeSide::face) return Outcome::missed;
+    if (now.contact[kEnd].closed && now.contact[kSide].closed) return Outcome::jam;
+    return Outcome::force_limit;
+  }
+  if (f.holder[0] > euler_load(scene_.world)) return Outcome::buckled;
+  if (summary_.depth >= scene_.success.depth) return Outcome::inserted;
+  if (now.time >= scene_.limits.time) return Outcome::timeout;
+  return std::nullopt;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,63 @@
+// One insertion from start to outcome: where it starts, and how it ends.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "sim/breakdown.hpp"
+#include "sim/scene.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+
+// Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says.
+State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
+
+enum class Outcome {
+  inserted,       // the inserted length reached the scene's success depth
+  force_limit,    // the force at the holder exceeded the limit, on the way in
+  jam,            // the same, wedged in the bore: touching with end and side at once
+  missed,         // the same, with the end on the front face
+  timeout,        // time ran out
+  buckled,        // the axial load exceeded Euler's load of the free length (clamped-free)
+  invalid_output, // the controller or operator commanded something that is not a finite number
+  interrupted,    // the operator or user stopped it
+};
+inline constexpr int kOutcomes = 8;
+const char* name(Outcome outcome) noexcept;
+// Throws BadInput if there is no such outcome.
+Outcome outcome_from_name(const std::string& name);
+
+struct InsertionSummary {
+  double time = 0;           // [s]
+  double peak_force = 0;     // largest force at the holder, weight apart [N]
+  double friction_work = 0;  // work done against friction [J], >= 0
+  double depth = 0;          // inserted length [m]
+  double offset = 0;         // distance of the end's centre from the bore's axis [m]
+  double tilt = 0;           // angle of the end to it [rad]
+};
+
+// Watches an insertion step by step.
+class InsertionWatch {
+ public:
+  InsertionWatch(const Scene& scene, const State& start) noexcept;
+
+  // After each step. Empty while the insertion goes on; `inserted` once deep enough, and the
+  // failures of the fibre (force_limit, jam, missed, buckled) and of time.
+  std::optional<Outcome> after(const StepResult& result) noexcept;
+
+  const InsertionSummary& summary() const noexcept { return summary_; }
+
+ private:
+  const Scene& scene_;
+  State before_;
+  InsertionSummary summary_;
+};
+
+// Force at the holder without the fibre's weight [N].
+Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept;
+
+// Euler's load of the manipulated length, clamped at the holder and free at the end [N].
+double euler_load(const World& world) noexcept;
+
+}  // namespace ferrule

@@ -1,0 +1,65 @@
+// Reading a JSON object strictly: every key is asked for with its rule, unknown keys are refused.
+// Each complaint is a BadInput of one line: file: key = value: rule.
+#pragma once
+
+#include <Eigen/Core>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+
+#include "sim/error.hpp"
+
+namespace ferrule {
+
+using Json = nlohmann::json;
+
+// Text -> JSON. Throws BadInput naming `file` and the line.
+Json parse_json(const std::string& text, const std::string& file);
+// Throws FileTrouble if the file cannot be read.
+std::string read_text(const std::string& file);
+// Writes beside `file` and renames when whole. Throws FileTrouble.
+void write_text(const std::string& file, const std::string& text);
+
+// What a number must be.
+struct Rule {
+  double low, high;
+  bool low_open = false, high_open = false;
+  std::string text;  // "must be positive"
+};
+namespace rule {
+Rule any();
+Rule positive();
+Rule not_negative();
+Rule between(double low, double high, std::string text);
+}  // namespace rule
+
+class JsonFields {
+ public:
+  // `object` must outlive this. Throws BadInput if it is not an object.
+  JsonFields(const Json& object, std::string file, std::string path = "");
+
+  double number(const std::string& key, const Rule& rule);
+  std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
+  // [a, b], two finite numbers.
+  Eigen::Vector2d pair(const std::string& key);
+  std::string text(const std::string& key);
+  // One of `choices`; returns its index.
+  std::size_t choice(const std::string& key, const std::vector<std::string>& choices);
+  JsonFields object(const std::string& key);
+  const Json& raw(const std::string& key);
+  // Is the key there, with a value other than null?
+  bool has(const std::string& key);
+  // To be called last: throws BadInput on the first key that nobody asked for.
+  void finish() const;
+
+  [[noreturn]] void refuse(const std::string& key, const std::string& rule) const;
+
+ private:
+  const Json& get(const std::string& key, const std::string& expected);
+
+  const Json& object_;
+  std::string file_, path_;
+  std::set<std::string> known_;
+};
+
+}  // namespace ferrule

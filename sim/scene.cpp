@@ -1,0 +1,264 @@
+#include "sim/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
+constexpr double degree = std::numbers::pi / 180;
+
+// Which laws exist in the corrected form.
+constexpr const char* kCorrectedLaws[] = {"gravity"};
+
+bool has_corrected(const std::string& law) {
+  return std::find(std::begin(kCorrectedLaws), std::end(kCorrectedLaws), law) !=
+         std::end(kCorrectedLaws);
+}
+
+Form read_form(JsonFields& law, const std::string& name) {
+  const Form form = law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
+  if (form == Form::corrected && !has_corrected(name))
+    law.refuse("form", "the corrected form of this law does not exist yet; use \"printed\"");
+  return form;
+}
+
+void read_laws(JsonFields laws, World& world) {
+  if (laws.has("van_der_waals")) {
+    JsonFields f = laws.object("van_der_waals");
+    world.van_der_waals = {read_form(f, "van_der_waals"), f.number("hamaker_J", rule::positive())};
+    f.finish();
+  }
+  if (laws.has("electrostatic")) {
+    JsonFields f = laws.object("electrostatic");
+    world.electrostatic = {read_form(f, "electrostatic"), f.number("voltage_V", rule::not_negative())};
+    f.finish();
+  }
+  if (laws.has("gravity")) {
+    JsonFields f = laws.object("gravity");
+    world.gravity = {read_form(f, "gravity")};
+    f.finish();
+  }
+  if (laws.has("capillary")) {
+    JsonFields f = laws.object("capillary");
+    Rule wetting = rule::between(0, 90, "must be at least 0 and below 90 degrees");
+    wetting.high_open = true;
+    Capillary law;
+    law.form = read_form(f, "capillary");
+    law.surface_tension = f.number("surface_tension_N_m", rule::positive());
+    law.contact_angle = degree * f.number("contact_angle_deg", wetting);
+    law.film = nano * f.number("film_nm", rule::positive());
+    world.capillary = law;
+    f.finish();
+  }
+  if (laws.has("adhesion")) {
+    JsonFields f = laws.object("adhesion");
+    Adhesion law;
+    law.form = read_form(f, "adhesion");
+    law.work_of_adhesion = f.number("work_of_adhesion_J_m2", rule::positive());
+    law.maugis_lambda =
+        f.number("maugis_lambda", rule::between(0.12, 5.8, "must be from 0.12 to 5.8"));
+    law.m = f.number("m", {1, INFINITY, false, true, "must be at least 1"});
+    law.reduced_modulus = world.wall.reduced_modulus;
+    law.radius = world.annulus.fibre_radius;
+    world.adhesion = law;
+    f.finish();
+  }
+  if (laws.has("friction")) {
+    JsonFields f = laws.object("friction");
+    world.friction->form = read_form(f, "friction");
+    world.friction->burgers = nano * f.number("burgers_nm", rule::positive());
+    f.finish();
+  } else {
+    world.friction.reset();
+  }
+  laws.finish();
+}
+
+World read_world(JsonFields& scene) {
+  const Rule poisson = rule::between(-1, 0.5, "must be from -1 to 0.5");
+  World world{};
+  Friction friction{};
+
+  JsonFields fibre = scene.object("fibre");
+  const double fibre_diameter = fibre.number("diameter_um", rule::positive());
+  world.annulus.fibre_radius = 0.5 * micro * fibre_diameter;
+  world.fibre.radius = world.annulus.fibre_radius;
+  world.fibre.density = fibre.number("density_kg_m3", rule::positive());
+  world.fibre_young = giga * fibre.number("young_GPa", rule::positive());
+  const double fibre_poisson = fibre.number("poisson", poisson);
+  friction.shear_fibre = giga * fibre.number("shear_GPa", rule::positive());
+  world.fibre.length = milli * fibre.number("manipulated_length_mm", rule::positive());
+  fibre.finish();
+
+  JsonFields ferrule = scene.object("ferrule");
+  const double bore_diameter = ferrule.number("bore_diameter_um", rule::positive());
+  if (!(bore_diameter > fibre_diameter))
+    ferrule.refuse("bore_diameter_um", "must be wider than the fibre (fibre.diameter_um = " +
+                                           Json(fibre_diameter).dump() + ")");
+  world.annulus.bore_radius = 0.5 * micro * bore_diameter;
+  world.profile = {world.annulus.bore_radius, 0, 0,
+                   milli * ferrule.number("length_mm", rule::positive())};
+  const double ferrule_young = giga * ferrule.number("young_GPa", rule::positive());
+  const double ferrule_poisson = ferrule.number("poisson", poisson);
+  friction.shear_ferrule = giga * ferrule.number("shear_GPa", rule::positive());
+  ferrule.raw("lead_in");
+  if (ferrule.has("lead_in")) {
+    JsonFields lead_in = ferrule.object("lead_in");
+    Rule angle = rule::between(0, 180, "must be above 0 and below 180 degrees (full angle)");
+    angle.low_open = angle.high_open = true;
+    const double tangent = std::tan(0.5 * degree * lead_in.number("angle_deg", angle));
+    const double diameter = lead_in.number("diameter_um", rule::positive());
+    if (!(diameter > bore_diameter))
+      lead_in.refuse("diameter_um", "must be wider than the bore (ferrule.bore_diameter_um = " +
+                                        Json(bore_diameter).dump() + ")");
+    world.profile.lead_in_tangent = tangent;
+    world.profile.lead_in_length = 0.5 * micro * (diameter - bore_diameter) / tangent;
+    lead_in.finish();
+  }
+  ferrule.finish();
+
+  // Key for the mean separation of rough surfaces; only smooth ones exist in the printed forms.
+  if (scene.number("roughness_nm", rule::not_negative()) != 0)
+    scene.refuse("roughness_nm", "the printed laws know smooth surfaces only: must be 0");
+
+  world.wall = {reduced_modulus(world.fibre_young, fibre_poisson, ferrule_young, ferrule_poisson),
+                world.annulus.fibre_radius, 0};
+  world.friction = friction;
+  read_laws(scene.object("laws"), world);
+  if (world.adhesion && world.adhesion->form == Form::printed) world.wall.begins = kPrintedDepth;
+
+  JsonFields holder = scene.object("holder");
+  holder.choice("type", {"rigid_hand"});
+  world.holder.stiffness = holder.number("stiffness_N_m", rule::positive());
+  world.holder.tilt_stiffness = holder.number("tilt_stiffness_N_m_rad", rule::positive());
+  holder.finish();
+  return world;
+}
+
+std::string scene_folder() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    const fs::path installed = program.parent_path().parent_path() / "share/ferrule/scenes";
+    if (fs::is_directory(installed)) return installed.string();
+  }
+  return FERRULE_SCENES;
+}
+
+std::string scene_file(const std::string& name_or_file) {
+  const bool bare = name_or_file.find('/') == std::string::npos &&
+                    name_or_file.find(".json") == std::string::npos;
+  if (!bare || fs::is_regular_file(name_or_file)) return name_or_file;
+  const std::string shipped = scene_folder() + "/" + name_or_file + ".json";
+  if (fs::exists(shipped)) return shipped;
+  std::string message = name_or_file + ": no such scene file, and no shipped scene of that name:";
+  for (const auto& name : shipped_scenes()) message += " " + name;
+  throw FileTrouble(message);
+}
+
+void apply_setting(Json& document, const std::string& setting) {
+  const auto equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw BadInput("--set " + setting + ": must be dotted.key=value");
+  const std::string key = setting.substr(0, equals), text = setting.substr(equals + 1);
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) value = text;
+  Json* place = &document;
+  for (std::size_t from = 0;;) {
+    const auto dot = key.find('.', from);
+    const std::string part = key.substr(from, dot == std::string::npos ? dot : dot - from);
+    if (part.empty()) throw BadInput("--set " + setting + ": empty name in the dotted key");
+    if (place->is_null()) *place = Json::object();
+    if (!place->is_object())
+      throw BadInput("--set " + setting + ": \"" + key.substr(0, from ? from - 1 : 0) +
+                     "\" is not an object");
+    place = &(*place)[part];
+    if (dot == std::string::npos) break;
+    from = dot + 1;
+  }
+  *place = value;
+}
+
+}  // namespace
+
+Scene parse_scene(const Json& document, const std::string& file) {
+  JsonFields fields(document, file);
+  Scene scene{};
+  scene.document = document;
+  if (fields.has("$schema")) fields.text("$schema");
+  scene.name = fields.text("name");
+  if (fields.has("about")) fields.text("about");
+  scene.world = read_world(fields);
+
+  JsonFields start = fields.object("start");
+  scene.start.distance = micro * start.number("distance_um", rule::not_negative());
+  scene.start.lateral_mean = micro * start.pair("lateral_mean_um");
+  scene.start.lateral_sd = micro * start.number("lateral_sd_um", rule::not_negative());
+  scene.start.tilt_sd = milli * start.number("tilt_sd_mrad",
+                                             rule::between(0, 100, "must be from 0 to 100"));
+  start.finish();
+
+  fields.object("sensor").finish();
+
+  JsonFields limits = fields.object("limits");
+  scene.limits.force = micro * limits.number("force_uN", rule::positive());
+  scene.limits.speed = micro * limits.number("speed_um_s", rule::positive());
+  Rule time = rule::between(0, 3600, "must be positive and at most 3600");
+  time.low_open = true;
+  scene.limits.time = limits.number("time_s", time);
+  limits.finish();
+
+  JsonFields success = fields.object("success");
+  scene.success.depth = micro * success.number("depth_um", rule::positive());
+  if (scene.success.depth > scene.world.profile.length)
+    success.refuse("depth_um", "must not exceed the ferrule's length (ferrule.length_mm)");
+  success.finish();
+
+  JsonFields scaling = fields.object("scaling");
+  scene.scaling.hand_range = milli * scaling.number("hand_range_mm", rule::positive());
+  scene.scaling.tip_range = micro * scaling.number("tip_range_um", rule::positive());
+  scene.scaling.hand_force = scaling.number("hand_force_N", rule::positive());
+  scene.scaling.tip_force = micro * scaling.number("tip_force_uN", rule::positive());
+  scaling.finish();
+  fields.finish();
+  return scene;
+}
+
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
+  const std::string file = scene_file(name_or_file);
+  Json document = parse_json(read_text(file), file);
+  for (const auto& setting : settings) apply_setting(document, setting);
+  return parse_scene(document, settings.empty() ? file : file + " with --set");
+}
+
+std::vector<std::string> shipped_scenes() {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(scene_folder(), error)) {
+    const fs::path& path = entry.path();
+    if (path.extension() == ".json" && path.stem().extension() != ".schema")
+      names.push_back(path.stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+void set_form(Json& document, Form form, const std::string& file) {
+  if (!document.contains("laws") || !document["laws"].is_object()) return;
+  std::string lacking;
+  for (auto& [name, law] : document["laws"].items()) {
+    if (!law.is_object()) continue;
+    if (form == Form::corrected && !has_corrected(name)) lacking += " " + name;
+    law["form"] = form == Form::printed ? "printed" : "corrected";
+  }
+  if (!lacking.empty())
+    throw BadInput(file + ": laws that have no corrected form yet:" + lacking);
+}
+
+}  // namespace ferrule

@@ -1,0 +1,63 @@
+// A scene: the world, where insertions start, what counts as success, and the two ranges that scale
+// the hand to the tip. One JSON file (data/README.md describes every key); SI inside.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/json_fields.hpp"
+#include "sim/world.hpp"
+
+namespace ferrule {
+
+// Where the fibre's end rests at the start of a trial: `distance` outside the bore, with normally
+// distributed misalignment.
+struct StartDistribution {
+  double distance;        // x of the end [m], >= 0
+  Vector2d lateral_mean;  // mean of y and of z [m]
+  double lateral_sd;  // standard deviation of y and of z [m], >= 0
+  double tilt_sd;     // standard deviation of each tilt [rad], >= 0
+};
+
+struct Limits {
+  double force;  // largest force felt at the holder, weight apart [N], > 0
+  double speed;  // largest speed commanded [m/s], > 0
+  double time;   // longest trial [s], > 0
+};
+
+struct Success {
+  double depth;  // inserted length [m], > 0
+};
+
+// Ranges of (14) and (15) of the paper.
+struct ScalingRanges {
+  double hand_range, tip_range;  // x_s and x_m [m], > 0
+  double hand_force, tip_force;  // f_s and f_m [N], > 0
+};
+
+struct Scene {
+  std::string name;
+  World world;
+  StartDistribution start;
+  Limits limits;
+  Success success;
+  ScalingRanges scaling;
+  Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
+};
+
+// Throws BadInput: "FILE: KEY = VALUE: RULE".
+Scene parse_scene(const Json& document, const std::string& file);
+
+// `name_or_file`: a file, or the bare name of a scene that ships with the program. `settings` are
+// "dotted.key=value" with JSON values (bare words are texts); null removes a law. Throws BadInput,
+// FileTrouble.
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
+
+// Names of the scenes that ship with the program, sorted.
+std::vector<std::string> shipped_scenes();
+
+// Changes the form of all laws of a scene document. Throws BadInput naming the laws that do not
+// exist in that form.
+void set_form(Json& document, Form form, const std::string& file);
+
+}  // namespace ferrule

@@ -1,0 +1,74 @@
+// What changes while a fibre is inserted.
+//
+// The inserted end is a rigid rod with five degrees of freedom (roll does not matter):
+//   pose = (x, y, z, tilt_y, tilt_z)
+// with the centre of the end face at (x, y, z) [m] and the axis running from there towards the
+// holder through (x + s, y + s tilt_y, z + s tilt_z); tilts are small slopes [rad]. Frame: x out of
+// the bore, y up, z to the viewer; insertion is motion along -x; gravity is -y.
+// The wrench conjugate to it is (F_x, F_y, F_z [N], M_y, M_z [N m]), M_y the moment that raises
+// tilt_y.
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "sim/ferrule_profile.hpp"
+
+namespace ferrule {
+
+using Pose = Eigen::Matrix<double, 5, 1>;
+using Wrench = Eigen::Matrix<double, 5, 1>;
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+
+// The two places where the fibre can touch: the rim of its end (on the bore wall, the lead-in cone
+// or the front face) and its side (on the rim of the bore's mouth).
+enum ContactPlace { kEnd = 0, kSide = 1, kContactPlaces = 2 };
+
+struct ContactState {
+  bool closed = false;
+  double depth = 0;                    // penetration of mean surfaces [m], where closed
+  Vector3d stuck = Vector3d::Zero();   // where the contact's material point is stuck [m]
+};
+
+struct State {
+  Pose tip = Pose::Zero();    // pose of the inserted end [m, rad]
+  Pose hand = Pose::Zero();   // pose commanded by the holder at `time` [m, rad]
+  EdgeSide side = EdgeSide::throat;
+  std::array<ContactState, kContactPlaces> contact;
+  double time = 0;  // [s]
+
+  // Inserted length l_f [m], >= 0.
+  double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
+};
+
+// A state as a row of numbers, and back: for files and for comparing bit for bit.
+inline constexpr int kStateSize = 22;
+using StateRow = Eigen::Matrix<double, kStateSize, 1>;
+
+inline StateRow to_row(const State& s) noexcept {
+  StateRow row;
+  row << s.tip, s.hand, s.side == EdgeSide::face ? 1.0 : 0.0, s.time, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0;
+  for (int place = 0; place < kContactPlaces; ++place) {
+    const ContactState& c = s.contact[place];
+    row.segment<5>(12 + 5 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck;
+  }
+  return row;
+}
+
+inline State from_row(const StateRow& row) noexcept {
+  State s;
+  s.tip = row.head<5>();
+  s.hand = row.segment<5>(5);
+  s.side = row[10] != 0 ? EdgeSide::face : EdgeSide::throat;
+  s.time = row[11];
+  for (int place = 0; place < kContactPlaces; ++place) {
+    ContactState& c = s.contact[place];
+    c.closed = row[12 + 5 * place] != 0;
+    c.depth = row[13 + 5 * place];
+    c.stuck = row.segment<3>(14 + 5 * place);
+  }
+  return s;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,164 @@
+#include "sim/step.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/potential.hpp"
+
+namespace ferrule {
+namespace {
+
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+constexpr int kMaxIterations = 200;
+constexpr int kMaxHalvings = 50;
+constexpr int kMaxSubsteps = 8192;
+constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
+constexpr double kForceFloor = 1e-14;     // [N]
+constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
+
+struct Minimum {
+  Pose tip;
+  int iterations = 0;
+  bool converged = false;
+};
+
+// Residual of a gradient [N], tilts weighed by the length that makes both stiffnesses equal.
+double residual(const World& world, const Pose& gradient) noexcept {
+  const double length = std::sqrt(world.holder.tilt_stiffness / world.holder.stiffness);
+  return std::max(gradient.head<3>().cwiseAbs().maxCoeff(),
+                  gradient.tail<2>().cwiseAbs().maxCoeff() / length);
+}
+
+// The Newton direction; where the Hessian is not positive definite it is shifted by multiples of
+// the holder's stiffness until it is.
+Pose newton_direction(const World& world, const Potential& here) noexcept {
+  Pose shift;
+  shift << Vector3d::Constant(world.holder.stiffness),
+      Vector2d::Constant(world.holder.tilt_stiffness);
+  double factor = 0;
+  for (int attempt = 0; attempt < 80; ++attempt) {
+    Matrix5 hessian = here.hessian;
+    hessian.diagonal() += factor * shift;
+    const Eigen::LLT<Matrix5> cholesky(hessian);
+    if (cholesky.info() == Eigen::Success) {
+      const Pose direction = -cholesky.solve(here.gradient);
+      if (direction.allFinite() && direction.dot(here.gradient) < 0) return direction;
+    }
+    factor = factor == 0 ? 1 : 4 * factor;
+  }
+  return -here.gradient.cwiseQuotient(shift);
+}
+
+Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
+                 const Pose& start) noexcept {
+  Minimum found{start};
+  const double clearance = world.annulus.clearance();
+  const double lever = lagged.length + world.annulus.fibre_radius;
+  Potential here = potential(world, lagged, hand, found.tip);
+  for (; found.iterations < kMaxIterations; ++found.iterations) {
+    const double tolerance = kForceFloor + kForceTolerance * here.force_scale;
+    if (residual(world, here.gradient) <= tolerance) {
+      found.converged = true;
+      return found;
+    }
+    Pose direction = newton_direction(world, here);
+    if (direction.head<3>().norm() + direction.tail<2>().norm() * lever < kResolution) {
+      found.converged = true;
+      return found;
+    }
+    // Far from everything the potential is a quadratic and any length is right; among surface
+    // forces a step longer than the clearance tells nothing.
+    const double reach = std::max(direction.segment<2>(1).norm(),
+                                  direction.tail<2>().norm() * lever);
+    if (lagged.length > 0 && reach > clearance) direction *= clearance / reach;
+
+    const double slope = here.gradient.dot(direction);
+    bool moved = false;
+    double fraction = 1;
+    for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
+      const Pose trial = found.tip + fraction * direction;
+      const Potential there = potential(world, lagged, hand, trial);
+      // Where the drop drowns in rounding, a smaller residual decides.
+      const double rounding = 1e-15 * (here.value_scale + there.value_scale);
+      const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
+      const bool level = there.value <= here.value + rounding &&
+                         residual(world, there.gradient) < residual(world, here.gradient);
+      if (lower || level) {
+        moved = (trial.array() != found.tip.array()).any();
+        found.tip = trial;
+        here = there;
+        break;
+      }
+    }
+    if (!moved) break;
+  }
+  return found;
+}
+
+// Contacts after a step: new ones stick where they are, slipping ones drag their stuck point along.
+void update_contacts(const Lagged& lagged, const Forces& now, State& state) noexcept {
+  for (int place = 0; place < kContactPlaces; ++place) {
+    ContactState& contact = state.contact[place];
+    const bool was_closed = contact.closed;
+    const Vector3d stuck = contact.stuck;
+    contact = now.contact[place];
+    if (!contact.closed) continue;
+    const LaggedFriction& friction = lagged.friction[place];
+    if (!was_closed || !friction.acts) {
+      contact.stuck = now.material[place];
+      continue;
+    }
+    contact.stuck = stuck;
+    const Vector3d stretch = friction.tangential * (now.material[place] - stuck);
+    const double allowed = friction.limit / friction.stiffness;
+    if (stretch.norm() > allowed)
+      contact.stuck = now.material[place] - stretch * (allowed / stretch.norm());
+  }
+}
+
+int substeps_for(const World& world, const State& state, const Pose& hand) noexcept {
+  const Pose move = hand - state.hand;
+  const double clearance = world.annulus.clearance();
+  const double lever = state.inserted_length() + world.annulus.fibre_radius;
+  const double travel = move.head<3>().norm() + lever * move.tail<2>().norm();
+  if (travel <= 0.5 * clearance) return 1;
+  // Clear of the ferrule before and after: nothing on the way.
+  const double nearest = std::min({state.tip[0], state.hand[0], hand[0]}) -
+                         lever * (state.tip.tail<2>().norm() + hand.tail<2>().norm());
+  if (nearest > world.profile.lead_in_length + clearance) return 1;
+  return static_cast<int>(std::min<double>(std::ceil(2 * travel / clearance), kMaxSubsteps));
+}
+
+}  // namespace
+
+StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept {
+  StepResult result;
+  result.state = state;
+  if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
+    result.status = StepStatus::bad_command;
+    result.forces = forces(world, lag(world, state), state.hand, state.tip).breakdown;
+    return result;
+  }
+  const Pose from = state.hand;
+  result.substeps = substeps_for(world, state, hand);
+  for (int k = 1; k <= result.substeps; ++k) {
+    const double part = static_cast<double>(k) / result.substeps;
+    const Pose command = k == result.substeps ? hand : Pose(from + part * (hand - from));
+    const Lagged lagged = lag(world, result.state);
+    const Minimum found = minimise(world, lagged, command, result.state.tip);
+    result.iterations += found.iterations;
+    if (!found.converged) result.status = StepStatus::not_converged;
+    result.state.tip = found.tip;
+    result.state.hand = command;
+    result.state.side = lagged.side;
+    const Forces now = forces(world, lagged, command, found.tip);
+    update_contacts(lagged, now, result.state);
+    result.forces = now.breakdown;
+  }
+  result.state.time = state.time + dt;
+  return result;
+}
+
+}  // namespace ferrule

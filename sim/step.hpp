@@ -1,0 +1,35 @@
+// One step in time: the implicit quasi-static step.
+//
+// The fibre has no inertia to speak of at these time scales; at every instant it rests where the
+// potential of sim/potential.hpp is stationary. A step minimises that potential from where the fibre
+// was, by Newton's method with a line search: the energy never rises, so no step size blows up, and
+// the fibre follows the branch it is on until that branch ends (snap-in, pull-off, slip).
+//
+// A command that moves by more than half a clearance near the ferrule is followed in sub-steps of
+// that size, so that the fibre meets what lies on its way and does not jump over it.
+#pragma once
+
+#include "sim/breakdown.hpp"
+#include "sim/world.hpp"
+
+namespace ferrule {
+
+enum class StepStatus {
+  ok,
+  not_converged,  // finite and lower in energy than before, but not stationary
+  bad_command,    // the command or dt is not finite, or dt < 0: the state is unchanged
+};
+
+struct StepResult {
+  State state;
+  Breakdown forces;
+  StepStatus status = StepStatus::ok;
+  int iterations = 0;  // Newton iterations, all sub-steps together
+  int substeps = 0;
+};
+
+// From `state` over `dt` [s] to the command `hand` [m, rad]. Never throws, never allocates, never
+// returns a value that is not finite (if `state` is finite).
+StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept;
+
+}  // namespace ferrule
