@@ -81,7 +81,8 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
       const Pose trial = found.tip + fraction * direction;
       const Potential there = potential(world, lagged, hand, trial);
       // Where the drop drowns in rounding, a smaller residual decides.
-      const double rounding = 1e-15 * (here.value_scale + there.value_scale);
+      const double rounding =
+          1e-15 * (here.value_scale + here.force_scale * found.tip.head<3>().norm());
       const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
       const bool level = there.value <= here.value + rounding &&
                          residual(world, there.gradient) < residual(world, here.gradient);

@@ -1,0 +1,18 @@
+// Scenes for tests.
+#pragma once
+
+#include "sim/scene.hpp"
+
+namespace ferrule::testing {
+
+inline Scene paper(const std::vector<std::string>& settings = {}) {
+  return load_scene("paper", settings);
+}
+
+// No forces but the walls: a rigid fibre in a sharp-edged bore.
+inline Scene bare(std::vector<std::string> settings = {}) {
+  settings.insert(settings.begin(), {"laws={}", "ferrule.lead_in=null"});
+  return load_scene("paper", settings);
+}
+
+}  // namespace ferrule::testing
