@@ -1,17 +1,29 @@
 #include "capture/simulated_operator.hpp"
 
+#include <algorithm>
+
 #include "capture/episode.hpp"
 #include "sim/random.hpp"
 
 namespace ferrule {
+namespace {
+
+// How far past the success depth it means to go, at least: friction and the holder's give take some
+// tenths of a micrometre of it [m].
+constexpr double kBeyond = 2e-6;
+
+constexpr double kPress = 0.4;  // half a micronewton at the tip with the paper's scaling [N]
+
+}  // namespace
 
 std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
                                            double period, std::uint64_t seed,
                                            std::uint64_t trial) {
   const Scaling scaling = scene_scaling(scene);
-  const double distance = scene.start.distance + 1.1 * scene.success.depth;
+  const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
+  const double distance = scene.start.distance + scene.success.depth + beyond;
   const TraineeTask task = {scaling.motion_to_hand(start.hand), scaling.motion * distance,
-                            scaling.motion * scene.limits.speed, period};
+                            scaling.motion * scene.limits.speed, kPress, period};
   return std::make_unique<Trainee>(
       trainee_traits(skill), task,
       [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {

@@ -20,7 +20,7 @@ TraineeTraits trainee_traits(double skill) noexcept {
           .peak_speed = from_to(0.7, 1.0),
           .yield = from_to(0.5e-3, 1.0e-3),
           .slowing_force = from_to(1.5, 3.0),
-          .tremor = from_to(8e-6, 2e-6),
+          .tremor = from_to(8e-6, 1e-6),
           .hesitation_rate = from_to(0.3, 0.02)};
 }
 
@@ -53,6 +53,7 @@ void Trainee::render(const HandWrench& wrench) {
   advance_intention(felt.norm());
   velocity_[0] = -speed_;
   velocity_.segment<2>(1) = traits_.yield * felt.tail<2>();
+  velocity_[1] -= traits_.yield * task_.press * phase_ * phase_;
   velocity_.head<3>() += tremor_velocity(time_);
 }
 

@@ -13,6 +13,7 @@ struct Demonstration {
   std::string file;
   Outcome outcome;
   double period;                                       // between rows [s]
+  double speed_limit;                                  // of controllers, in the hand's world [m/s]
   Eigen::Matrix<double, Eigen::Dynamic, 3> force;      // felt, relative to that at rest [N]
   Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;   // that answers it [m/s]
   Eigen::VectorXd depth;                               // of the hand past the entrance [m]

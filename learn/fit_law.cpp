@@ -28,13 +28,15 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;
 
-// Rows of a demonstration every 10 ms, with the force of `reaction` seconds before.
+// Rows of a demonstration every 10 ms, with the force of `reaction` seconds before. Rows at exactly
+// the speed limit were cut to it (a recorded controller's are) and say nothing of the law.
 Samples samples(const Demonstration& d, double reaction) {
   const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d.period));
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d.period));
   Samples all;
   for (Eigen::Index n = 0; n < d.time.size(); n += stride)
-    all.push_back({d.force.row(std::max<Eigen::Index>(0, n - delay)).transpose(),
+    if (std::abs(d.velocity.row(n).norm() - d.speed_limit) > 1e-9 * d.speed_limit)
+      all.push_back({d.force.row(std::max<Eigen::Index>(0, n - delay)).transpose(),
                    d.velocity.row(n).transpose(), d.depth[n], d.time[n]});
   return all;
 }

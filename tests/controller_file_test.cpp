@@ -1,0 +1,65 @@
+#include "controller/controller_file.hpp"
+
+#include <fstream>
+
+#include "tests/compare.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+ControllerFile example() {
+  ControllerFile c;
+  for (std::size_t i = 0; i < kGains; ++i)
+    c.gains[i] = {0.1 + static_cast<double>(i) / 3, 0.01, 10};
+  c.gains[4].low = c.gains[4].high = NAN;
+  c.scene = "demo";
+  c.episodes = {"a.h5", "b.h5"};
+  c.held_out = {"c.h5"};
+  c.rows = 1234;
+  c.reaction_time = 0.17;
+  return c;
+}
+
+TEST(ControllerFile, IsReadBackExactly) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "controller.json";
+  write_controller(file, example());
+  const ControllerFile back = read_controller(file);
+  EXPECT_EQ(back.law().gains(), example().law().gains());
+  EXPECT_TRUE(std::isnan(back.gains[4].low));
+  EXPECT_EQ(back.episodes, example().episodes);
+  EXPECT_EQ(back.reaction_time, 0.17);
+}
+
+TEST(ControllerFile, BrokenOnesAreRefusedWithTheirKey) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "controller.json";
+  write_controller(file, example());
+  const Json good = parse_json(read_text(file), file);
+  const auto complaint = [&](const char* pointer, const Json& value) {
+    Json bad = good;
+    bad[Json::json_pointer(pointer)] = value;
+    write_text(file, bad.dump());
+    try {
+      read_controller(file);
+    } catch (const BadInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(complaint("/gains/ramp_time/value", 0).find("gains.ramp_time.value = 0: must be positive"),
+            std::string::npos);
+  EXPECT_NE(complaint("/gains/yield_y/unit", "N").find("gains.yield_y.unit"), std::string::npos);
+  EXPECT_NE(complaint("/format_version", 2).find("format_version = 2"), std::string::npos);
+  EXPECT_NE(complaint("/surprise", 1).find("surprise = 1: unknown key"), std::string::npos);
+  EXPECT_NE(complaint("/gains/cruise_speed/value", "fast").find("must be a number"),
+            std::string::npos);
+}
+
+TEST(ControllerFile, CannotBeWrittenWhereThereIsNoFolder) {
+  EXPECT_THROW(write_controller("/no/such/folder/controller.json", example()), FileTrouble);
+}
+
+}  // namespace
+}  // namespace ferrule

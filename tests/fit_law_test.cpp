@@ -1,0 +1,135 @@
+#include "learn/fit_law.hpp"
+
+#include "sim/random.hpp"
+#include "tests/compare.hpp"
+#include "tests/episodes.hpp"
+#include "tests/scenes.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+// Demonstrations of a known law at felt forces that are drawn, with velocity noise.
+DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes, double noise,
+                           std::uint64_t seed = 1, int delay = 0) {
+  DemonstrationSet set;
+  set.scene = "synthetic";
+  set.speed_scale = 6e-3;
+  for (int e = 0; e < episodes; ++e) {
+    RandomStream random(seed, static_cast<std::uint64_t>(e), Draw::operator_hand);
+    const int rows = 15000;
+    Demonstration d;
+    d.file = "episode " + std::to_string(e);
+    d.outcome = Outcome::inserted;
+    d.period = 1e-3;
+    d.speed_limit = set.speed_scale;
+    d.force.resize(rows, 3);
+    d.velocity.resize(rows, 3);
+    d.depth.resize(rows);
+    d.time.resize(rows);
+    Eigen::Vector3d phase, frequency;
+    for (int i = 0; i < 3; ++i) {
+      phase[i] = 6.28 * random.uniform();
+      frequency[i] = 0.5 + 2 * random.uniform();
+    }
+    double depth = -0.015;
+    double wander = 0;
+    for (int n = 0; n < rows; ++n) {
+      const double t = n * 1e-3;
+      for (int i = 0; i < 3; ++i) d.force(n, i) = 1.5 * std::sin(frequency[i] * t + phase[i]);
+      d.depth[n] = std::max(0.0, depth);
+      d.time[n] = t;
+      const Eigen::Vector3d felt = d.force.row(std::max(0, n - delay));
+      Eigen::Vector3d v = insertion_velocity(gains.data(), felt, d.depth[n], t);
+      depth -= v.x() * 1e-3;
+      // Noise that lasts, as a hand's does.
+      wander += -wander * 1e-3 / 0.3 + noise * std::sqrt(2e-3 / 0.3) * random.normal();
+      d.velocity.row(n) = (v + Eigen::Vector3d::Constant(wander)).transpose();
+    }
+    set.demonstrations.push_back(d);
+  }
+  return set;
+}
+
+constexpr std::array<double, kGains> kLaw = {4.2e-3, 0.9,     0.017,  0.006,  0.12,
+                                             2e-4,   0.85e-3, 0.7e-3, 1.5e-5, -2e-5};
+
+TEST(FitLaw, ReturnsTheGainsOfAKnownLawWithoutNoise) {
+  const FitReport report = fit_law(synthetic(kLaw, 6, 0), 1);
+  EXPECT_EQ(report.controller.reaction_time, 0);
+  for (std::size_t i = 0; i < kGains; ++i)
+    EXPECT_CLOSE(report.controller.gains[i].value, kLaw[i], 1e-6) << kGainTable[i].name;
+}
+
+TEST(FitLaw, ReturnsTheGainsOfALinearAdmittance) {
+  std::array<double, kGains> linear = {3e-3, 0.4, 0.03, 0.003, 0, 5e-4, 1e-3, 1.2e-3, 1e-5, 2e-5};
+  const FitReport report = fit_law(synthetic(linear, 6, 0), 1);
+  for (const std::size_t i : {0u, 5u, 6u, 7u, 8u, 9u})
+    EXPECT_CLOSE(report.controller.gains[i].value, linear[i], 1e-6) << kGainTable[i].name;
+}
+
+TEST(FitLaw, IdentifiesTheReactionTime) {
+  EXPECT_CLOSE(fit_law(synthetic(kLaw, 5, 0, 1, 180), 1).controller.reaction_time, 0.18, 1e-9);
+}
+
+// Intervals of nominal 95 % must hold the truth about that often, though the noise of one episode
+// is correlated over a third of a second.
+TEST(FitLaw, IntervalsHoldTheTruth) {
+  int inside = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    const FitReport report = fit_law(synthetic(kLaw, 12, 2e-4, seed), 1);
+    for (const std::size_t i : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u}) {
+      const FittedGain& g = report.controller.gains[i];
+      inside += g.low <= kLaw[i] && kLaw[i] <= g.high;
+      ++all;
+    }
+  }
+  EXPECT_GT(inside, 0.85 * all);
+  EXPECT_LT(inside, all) << "intervals that always hold the truth are too wide";
+}
+
+// The whole way: a known controller inserts, is recorded, and is fitted from the files.
+TEST(FitLaw, ReturnsTheGainsOfARecordedController) {
+  const testing::TemporaryFolder folder;
+  const Scene scene =
+      testing::paper({"start.lateral_sd_um=3", "start.distance_um=40", "success.depth_um=30"});
+  const std::array<double, kGains> gains = {2.2e-3, 0.8,    0.012, 0.004, 0.2,
+                                            1e-4,   0.9e-3, 1e-3,  1e-5,  -1e-5};
+  const InsertionLaw law(gains);
+  for (std::uint64_t trial = 1; trial <= 6; ++trial) testing::record(scene, folder.path(), trial, &law);
+  const DemonstrationSet set = load_demonstrations(folder.path());
+  ASSERT_GE(set.demonstrations.size(), 5u);
+  const FitReport report = fit_law(set, 1);
+  for (std::size_t i = 0; i < kGains; ++i)
+    EXPECT_CLOSE(report.controller.gains[i].value, gains[i], 1e-6) << kGainTable[i].name;
+}
+
+TEST(FitLaw, RefusesTooLittleWithTheReason) {
+  try {
+    fit_law(synthetic(kLaw, 2, 0), 1);
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("too few demonstrations: 2"), std::string::npos);
+  }
+  DemonstrationSet quiet = synthetic(kLaw, 4, 0);
+  for (auto& d : quiet.demonstrations) d.force.setZero();
+  try {
+    fit_law(quiet, 1);
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("tell nothing about the answer to force"),
+              std::string::npos);
+  }
+}
+
+TEST(FitLaw, HoldsOutWholeEpisodes) {
+  const FitReport report = fit_law(synthetic(kLaw, 10, 1e-4), 3);
+  EXPECT_EQ(report.controller.held_out.size(), 2u);
+  EXPECT_EQ(report.controller.episodes.size(), 8u);
+  for (const auto& file : report.controller.held_out)
+    EXPECT_EQ(std::count(report.controller.episodes.begin(), report.controller.episodes.end(), file),
+              0);
+}
+
+}  // namespace
+}  // namespace ferrule
