@@ -18,7 +18,9 @@ struct Arguments {
   bool json = false;
 };
 
-Json number_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json number_or_null(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
 
 Json spread_json(const Spread& s, double unit) {
   return {{"median", number_or_null(unit * s.median)}, {"p95", number_or_null(unit * s.p95)}};
@@ -88,9 +90,9 @@ void add_json(const Comparison& c, Json& json) {
 }
 
 std::string to_text(const std::string& who, const CampaignSummary& s) {
-  std::string text = fmt::format("{}: {} of {} inserted, {:.1f} % (95 % {:.1f} to {:.1f})\n", who,
-                                 s.successes, s.trials, 100 * s.success_rate, 100 * s.wilson.low,
-                                 100 * s.wilson.high);
+  std::string text =
+      fmt::format("{}: {} of {} inserted, {:.1f} % (95 % {:.1f} to {:.1f})\n", who, s.successes,
+                  s.trials, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high);
   for (int i = 1; i < kOutcomes; ++i)
     if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
       text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);

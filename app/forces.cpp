@@ -25,9 +25,11 @@ void print_table(const std::vector<ForceRow>& rows) {
              "length_um", "depth_nm", "van_der_Waals", "electrostatic", "capillary", "gravity",
              "adhesion", "wall", "friction");
   for (const ForceRow& r : rows)
-    fmt::print("{:9.4g} {:9.4g} {:>8} {:13.6g} {:13.6g} {:11.6g} {:9.5g} {:10.6g} {:10.6g} {:10.6g}\n",
-               r.gap_nm, r.length_um, r.depth_nm ? fmt::format("{:.4g}", *r.depth_nm) : "-", 1e6 * r.van_der_waals, 1e6 * r.electrostatic, 1e6 * r.capillary, 1e6 * r.gravity,
-               1e6 * r.adhesion, 1e6 * r.wall, 1e6 * r.friction);
+    fmt::print(
+        "{:9.4g} {:9.4g} {:>8} {:13.6g} {:13.6g} {:11.6g} {:9.5g} {:10.6g} {:10.6g} {:10.6g}\n",
+        r.gap_nm, r.length_um, r.depth_nm ? fmt::format("{:.4g}", *r.depth_nm) : "-",
+        1e6 * r.van_der_waals, 1e6 * r.electrostatic, 1e6 * r.capillary, 1e6 * r.gravity,
+        1e6 * r.adhesion, 1e6 * r.wall, 1e6 * r.friction);
   fmt::print("forces in uN; attraction negative, friction a magnitude; \"-\": not in contact\n");
 }
 

@@ -47,10 +47,10 @@ std::string script(const Plot& plot) {
       }
       s += "EOD\n";
       const char* colour = kColours[i % kColours.size()];
-      command += fmt::format("{}$d{}_{} using 1:2 {} lc rgb '{}' title {}", i ? ", " : "", p, i,
-                             series.style == Series::line ? "with lines lw 2"
-                                                          : "with points pt 7 ps 0.3",
-                             colour, quoted(series.name));
+      command +=
+          fmt::format("{}$d{}_{} using 1:2 {} lc rgb '{}' title {}", i ? ", " : "", p, i,
+                      series.style == Series::line ? "with lines lw 2" : "with points pt 7 ps 0.3",
+                      colour, quoted(series.name));
     }
     s += fmt::format("{} logscale x\n{} logscale y\n", axes.log_x ? "set" : "unset",
                      axes.log_y ? "set" : "unset");
@@ -85,6 +85,8 @@ std::string draw_svg(const Plot& plot) {
   return svg;
 }
 
-void write_svg(const std::string& file, const Plot& plot) { write_text(file, draw_svg(plot)); }
+void write_svg(const std::string& file, const Plot& plot) {
+  write_text(file, draw_svg(plot));
+}
 
 }  // namespace ferrule

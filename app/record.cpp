@@ -1,4 +1,5 @@
-// ferrule record: demonstrations from a simulated operator, or from a controller at the hand's place.
+// ferrule record: demonstrations from a simulated operator, or from a controller at the hand's
+// place.
 #include <fmt/format.h>
 
 #include <filesystem>
@@ -57,8 +58,9 @@ int record_verb(const Arguments& a) {
   if (!simulated) law = read_controller(a.operator_).law();
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
-    throw BadInput(a.out + ": already holds episodes; choose another folder, or add to them with "
-                           "--append");
+    throw BadInput(a.out +
+                   ": already holds episodes; choose another folder, or add to them with "
+                   "--append");
   const std::string name =
       simulated ? fmt::format("simulated, skill {}", a.skill) : "controller " + a.operator_;
   const Scaling scaling = scene_scaling(scene);
@@ -75,9 +77,9 @@ int record_verb(const Arguments& a) {
     if (simulated)
       device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
     else
-      device = std::make_unique<ControllerHand>(
-          *law, scaling.motion_to_hand(start.hand), scaling.motion * scene.limits.speed,
-          1.1 * scaling.motion * scene.success.depth);
+      device = std::make_unique<ControllerHand>(*law, scaling.motion_to_hand(start.hand),
+                                                scaling.motion * scene.limits.speed,
+                                                1.1 * scaling.motion * scene.success.depth);
     const Recorded r = record_one(scene, start, *device, name, a.out, number, a.seed, trial);
     inserted += r.outcome == Outcome::inserted;
     list.push_back({{"file", r.file},
@@ -96,7 +98,8 @@ int record_verb(const Arguments& a) {
   else
     fmt::print("{} of {} episodes inserted\n", inserted, list.size());
   if (!interrupted()) return kDone;
-  fmt::print(stderr, "stopped by Ctrl-C: the running episode was ended and kept, {} of {} recorded\n",
+  fmt::print(stderr,
+             "stopped by Ctrl-C: the running episode was ended and kept, {} of {} recorded\n",
              list.size(), a.episodes);
   return kInterrupted;
 }

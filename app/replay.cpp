@@ -1,8 +1,9 @@
 // ferrule replay: a recorded episode again.
+#include "capture/replay.hpp"
+
 #include <fmt/format.h>
 
 #include "app/verb.hpp"
-#include "capture/replay.hpp"
 
 namespace ferrule {
 namespace {
@@ -37,9 +38,9 @@ int replay_verb(const Arguments& a) {
                             {"column", d->column},
                             {"recorded", d->recorded},
                             {"expected", d->expected}};
-      verdict = fmt::format("differs first at row {} (t = {:.3f} s): {} is {:.17g}, expected {:.17g}",
-                            d->row, static_cast<double>(d->row) * info.period, d->column,
-                            d->recorded, d->expected);
+      verdict = fmt::format(
+          "differs first at row {} (t = {:.3f} s): {} is {:.17g}, expected {:.17g}", d->row,
+          static_cast<double>(d->row) * info.period, d->column, d->recorded, d->expected);
       if (info.build != program_build() || info.version != program_version())
         verdict += fmt::format("; recorded by ferrule {} ({}), this is {} ({})", info.version,
                                info.build, program_version(), program_build());
@@ -49,9 +50,8 @@ int replay_verb(const Arguments& a) {
     print_json(json);
     return code;
   }
-  fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s\n", a.file,
-             json["scene"].get<std::string>(), info.operator_, name(info.outcome), rows,
-             json["time_s"].get<double>());
+  fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s\n", a.file, json["scene"].get<std::string>(),
+             info.operator_, name(info.outcome), rows, json["time_s"].get<double>());
   if (a.verify) {
     fmt::print("{}\n", verdict);
     return code;
@@ -64,11 +64,12 @@ int replay_verb(const Arguments& a) {
   for (std::size_t n = 0; n < rows; n += stride) {
     const auto row = episode.rows.row(static_cast<Eigen::Index>(n));
     const auto um = [&](int column) { return 1e6 * row[column]; };
-    fmt::print("{:8.3f} {:10.4f} {:10.4f} {:10.4f} {:9.3f} {:9.3f} {:9.3f} {:10.4f} {:10.4f} {:10.4f}\n",
-               row[kTime.begin], um(kStates.begin), um(kStates.begin + 1), um(kStates.begin + 2),
-               um(kCommand.begin) / motion, um(kCommand.begin + 1) / motion,
-               um(kCommand.begin + 2) / motion, um(kHolder.begin), um(kHolder.begin + 1),
-               um(kHolder.begin + 2));
+    fmt::print(
+        "{:8.3f} {:10.4f} {:10.4f} {:10.4f} {:9.3f} {:9.3f} {:9.3f} {:10.4f} {:10.4f} {:10.4f}\n",
+        row[kTime.begin], um(kStates.begin), um(kStates.begin + 1), um(kStates.begin + 2),
+        um(kCommand.begin) / motion, um(kCommand.begin + 1) / motion,
+        um(kCommand.begin + 2) / motion, um(kHolder.begin), um(kHolder.begin + 1),
+        um(kHolder.begin + 2));
   }
   return code;
 }

@@ -45,7 +45,9 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
       ->take_all();
 }
 
-void print_json(const Json& json) { std::cout << json.dump() << std::endl; }
+void print_json(const Json& json) {
+  std::cout << json.dump() << std::endl;
+}
 
 void watch_for_interrupt() {
   struct sigaction action {};
@@ -55,7 +57,9 @@ void watch_for_interrupt() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
-bool interrupted() noexcept { return g_interrupts > 0; }
+bool interrupted() noexcept {
+  return g_interrupts > 0;
+}
 
 struct Progress::State {
   using Clock = std::chrono::steady_clock;

@@ -18,7 +18,7 @@ using hdf5::Handle;
 
 constexpr const char* kFormat = "ferrule episode";
 constexpr std::int64_t kFormatVersion = 1;
-constexpr hsize_t kChunk = 1024;           // rows
+constexpr hsize_t kChunk = 1024;            // rows
 constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
 constexpr const char* kDemo = "/data/demo_0";
 
@@ -77,9 +77,9 @@ class Writer {
     check(H5Pset_chunk(how, rank, chunk), trouble(t.path));
     check(H5Pset_shuffle(how), trouble(t.path));
     check(H5Pset_deflate(how, 3), trouble(t.path));
-    Handle set(H5Dcreate2(file_, t.path.c_str(), stored_type(t), space, H5P_DEFAULT, how,
-                          H5P_DEFAULT),
-               H5Dclose, trouble(t.path));
+    Handle set(
+        H5Dcreate2(file_, t.path.c_str(), stored_type(t), space, H5P_DEFAULT, how, H5P_DEFAULT),
+        H5Dclose, trouble(t.path));
     check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t.values.data()),
           trouble(t.path));
     attribute(set, "unit", t.unit);
@@ -110,8 +110,8 @@ Json environment(const EpisodeInfo& info) {
           {"env_kwargs", {{"scene", Json::parse(info.scene)}, {"period_s", info.period}}}};
 }
 
-// Column `k` of actions is the command divided by this [m/s], [rad/s]. Twice the scene's speed limit
-// leaves room for a hand that is faster than a controller may be.
+// Column `k` of actions is the command divided by this [m/s], [rad/s]. Twice the scene's speed
+// limit leaves room for a hand that is faster than a controller may be.
 Eigen::Matrix<double, 5, 1> action_scale(const Scene& scene) {
   Eigen::Matrix<double, 5, 1> scale;
   scale << Eigen::Vector3d::Constant(2 * scene_scaling(scene).motion * scene.limits.speed), 1, 1;
@@ -158,8 +158,8 @@ std::vector<Table> derived_tables(const Episode& episode, const Scene& scene) {
     const std::string group = demo + (next ? "/next_obs" : "/obs");
     const auto add = [&](const char* key, const Matrix& values, const char* unit,
                          const char* columns) {
-      tables.push_back({group + key, next ? one_row_later(values) : values, unit, columns,
-                        Table::single});
+      tables.push_back(
+          {group + key, next ? one_row_later(values) : values, unit, columns, Table::single});
     };
     add("/wrench_N", wrench, "N N N N.m N.m", "Fx Fy Fz My Mz; in the hand's world");
     add("/depth_mm", depth, "mm", "of the hand past the entrance; in the hand's world");
@@ -192,7 +192,9 @@ void sync_and_rename(const std::string& beside, const std::string& file) {
 }
 
 // HDF5 reports errors to stderr by itself; here they become exceptions.
-void silence_hdf5() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+void silence_hdf5() {
+  H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+}
 
 class Reader {
  public:
@@ -264,8 +266,12 @@ class Reader {
 
 }  // namespace
 
-std::string program_version() { return FERRULE_VERSION; }
-std::string program_build() { return FERRULE_BUILD; }
+std::string program_version() {
+  return FERRULE_VERSION;
+}
+std::string program_build() {
+  return FERRULE_BUILD;
+}
 
 Scaling scene_scaling(const Scene& scene) noexcept {
   const ScalingRanges& r = scene.scaling;
@@ -279,7 +285,8 @@ void write_episode(const std::string& file, const Episode& episode) {
   const std::string beside = file + ".tmp";
   const std::string trouble = file + ": cannot be written";
   try {
-    Handle h5(H5Fcreate(beside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose, trouble);
+    Handle h5(H5Fcreate(beside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
+              trouble);
     {
       const Writer out(h5, file);
       out.attribute(h5, "format", std::string(kFormat));
@@ -350,8 +357,8 @@ std::optional<Difference> derived_difference(const std::string& file, const Epis
         double expected = table.values(n, c);
         if (table.stored == Table::single) expected = static_cast<float>(expected);
         if (std::memcmp(&recorded(n, c), &expected, sizeof(double)) != 0)
-          return Difference{static_cast<std::size_t>(n),
-                            table.path + "[" + std::to_string(c) + "]", recorded(n, c), expected};
+          return Difference{static_cast<std::size_t>(n), table.path + "[" + std::to_string(c) + "]",
+                            recorded(n, c), expected};
       }
   }
   return std::nullopt;

@@ -9,7 +9,8 @@
 //     states             (N, 22) float64, exact
 //     actions            (N, 5) command / attribute `scale`, cut to [-1, 1]
 //     rewards, dones     1 in the last row of a successful episode; 1 in the last row
-//     obs/<key>          what a policy may see, in units of order one: wrench_N (N, 5) in the hand's
+//     obs/<key>          what a policy may see, in units of order one: wrench_N (N, 5) in the
+//     hand's
 //                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
 //     next_obs/<key>     the same one row later
 // Every data set has the attributes `unit` and `columns`.
@@ -26,8 +27,8 @@
 namespace ferrule {
 
 struct EpisodeInfo {
-  std::string scene;     // JSON text as resolved
-  std::string operator_; // "simulated, skill 0.8", a device, a controller file
+  std::string scene;      // JSON text as resolved
+  std::string operator_;  // "simulated, skill 0.8", a device, a controller file
   std::uint64_t seed = 0, trial = 0;
   double period = 1e-3;  // [s]
   Outcome outcome = Outcome::interrupted;
@@ -49,8 +50,8 @@ Scaling scene_scaling(const Scene& scene) noexcept;
 // Writes beside `file` and renames when whole. Throws FileTrouble.
 void write_episode(const std::string& file, const Episode& episode);
 
-// Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it can,
-// the first damaged row) and BadInput (scene or outcome not valid).
+// Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it
+// can, the first damaged row) and BadInput (scene or outcome not valid).
 Episode read_episode(const std::string& file);
 
 // A number in a file that is not what it should be.

@@ -33,11 +33,11 @@ void write_all(int fd, const void* data, std::size_t size, const std::string& fi
 }
 
 std::string header(const EpisodeInfo& info) {
-  const Json json = {{"format", kJournal},       {"format_version", kJournalVersion},
-                     {"row_size", kRowSize},     {"scene", info.scene},
+  const Json json = {{"format", kJournal},         {"format_version", kJournalVersion},
+                     {"row_size", kRowSize},       {"scene", info.scene},
                      {"operator", info.operator_}, {"seed", info.seed},
-                     {"trial", info.trial},      {"period_s", info.period},
-                     {"version", info.version},  {"build", info.build}};
+                     {"trial", info.trial},        {"period_s", info.period},
+                     {"version", info.version},    {"build", info.build}};
   return json.dump() + "\n";
 }
 
@@ -111,7 +111,9 @@ Recovered recover_one(const fs::path& journal) {
 
 }  // namespace
 
-std::string episode_name(int number) { return fmt::format("episode_{:04}", number); }
+std::string episode_name(int number) {
+  return fmt::format("episode_{:04}", number);
+}
 
 int next_episode_number(const std::string& folder) {
   int next = 1;
@@ -145,8 +147,8 @@ Recorder::~Recorder() {
 
 void Recorder::add(const RowVector& row) {
   rows_.push_back(row);
-  const auto per_flush = static_cast<std::size_t>(
-      std::max(1.0, std::floor(kFlushEvery / episode_.info.period)));
+  const auto per_flush =
+      static_cast<std::size_t>(std::max(1.0, std::floor(kFlushEvery / episode_.info.period)));
   if (rows_.size() - flushed_ >= per_flush) flush();
 }
 

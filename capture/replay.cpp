@@ -41,8 +41,8 @@ std::string column_name(int column) {
 }  // namespace
 
 std::optional<Difference> verify(const Episode& episode) {
-  const Scene scene = parse_scene(parse_json(episode.info.scene, "the episode's scene"),
-                                  "the episode's scene");
+  const Scene scene =
+      parse_scene(parse_json(episode.info.scene, "the episode's scene"), "the episode's scene");
   const Rows& rows = episode.rows;
   if (rows.rows() == 0) return std::nullopt;
   RecordedHand hand(rows, episode.info.period);
@@ -58,8 +58,8 @@ std::optional<Difference> verify(const Episode& episode) {
           recomputed.segment<kPose>(kCommand.begin) = recorded.segment<kPose>(kCommand.begin);
         for (int c = 0; c < kRowSize && !first; ++c)
           if (std::memcmp(&recorded[c], &recomputed[c], sizeof(double)) != 0)
-            first = Difference{static_cast<std::size_t>(n), column_name(c), recorded[c],
-                               recomputed[c]};
+            first =
+                Difference{static_cast<std::size_t>(n), column_name(c), recorded[c], recomputed[c]};
         ++n;
       },
       [&] { return first.has_value(); });

@@ -49,6 +49,8 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
 // A row but for its velocities, which need the poses before and after.
 RowVector make_row(double time, const HandPose& hand, const StepResult& result) noexcept;
 
-inline auto block(const RowVector& row, const Block& b) { return row.segment(b.begin, b.width); }
+inline auto block(const RowVector& row, const Block& b) {
+  return row.segment(b.begin, b.width);
+}
 
 }  // namespace ferrule

@@ -1,4 +1,5 @@
-// The loop between hand and fibre: read the device, step the simulator, let the hand feel it, record.
+// The loop between hand and fibre: read the device, step the simulator, let the hand feel it,
+// record.
 #pragma once
 
 #include <functional>

@@ -17,8 +17,7 @@ constexpr double kPress = 0.4;  // half a micronewton at the tip with the paper'
 }  // namespace
 
 std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
-                                           double period, std::uint64_t seed,
-                                           std::uint64_t trial) {
+                                           double period, std::uint64_t seed, std::uint64_t trial) {
   const Scaling scaling = scene_scaling(scene);
   const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
   const double distance = scene.start.distance + scene.success.depth + beyond;

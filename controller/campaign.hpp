@@ -1,5 +1,5 @@
-// A campaign: many trials of one controller in one scene, on all cores, with the same result for any
-// number of threads.
+// A campaign: many trials of one controller in one scene, on all cores, with the same result for
+// any number of threads.
 #pragma once
 
 #include <functional>
@@ -24,11 +24,11 @@ struct Spread {
 struct CampaignSummary {
   std::size_t trials, successes;
   double success_rate;
-  Interval wilson;                             // 95 %
+  Interval wilson;                              // 95 %
   std::array<std::size_t, kOutcomes> outcomes;  // by Outcome
-  Spread time;                                 // of the insertions that succeeded [s]
-  Spread peak_force;                           // of all trials [N]
-  Spread loss_dB;                              // of the insertions that succeeded
+  Spread time;                                  // of the insertions that succeeded [s]
+  Spread peak_force;                            // of all trials [N]
+  Spread loss_dB;                               // of the insertions that succeeded
 };
 
 CampaignSummary summarise(const std::vector<TrialResult>& results);

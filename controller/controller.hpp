@@ -1,7 +1,7 @@
 // A controller: from what the hand would feel to how the hand would move.
 //
-// It lives in the hand's world (haptic/scaling.hpp), the world it was learned in; a trial scales the
-// fibre's force up to it and its velocity down to the tip with the scene's one Scaling.
+// It lives in the hand's world (haptic/scaling.hpp), the world it was learned in; a trial scales
+// the fibre's force up to it and its velocity down to the tip with the scene's one Scaling.
 #pragma once
 
 #include "haptic/scaling.hpp"
@@ -37,7 +37,9 @@ class ConstantVelocity : public Controller {
 };
 
 // Depth of the hand past the entrance [m].
-inline double hand_depth(const HandPose& hand) noexcept { return hand[0] < 0 ? -hand[0] : 0.0; }
+inline double hand_depth(const HandPose& hand) noexcept {
+  return hand[0] < 0 ? -hand[0] : 0.0;
+}
 
 // Cuts the translation of `velocity` to `speed` [m/s], direction kept.
 inline HandTwist limit_speed(HandTwist velocity, double speed) noexcept {

@@ -5,7 +5,9 @@ namespace {
 
 constexpr const char* kFormat = "ferrule controller";
 
-Json number_or_null(double x) { return std::isfinite(x) ? Json(x) : Json(nullptr); }
+Json number_or_null(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
 
 std::vector<std::string> text_list(JsonFields& fields, const std::string& key) {
   const Json& value = fields.raw(key);
@@ -38,22 +40,22 @@ void write_controller(const std::string& file, const ControllerFile& c) {
                                  {"unit", kGainTable[i].unit},
                                  {"low", number_or_null(c.gains[i].low)},
                                  {"high", number_or_null(c.gains[i].high)}};
-  const Json json = {
-      {"format", kFormat},
-      {"format_version", 1},
-      {"method", "ceres"},
-      {"world", "hand"},
-      {"law", "insertion"},
-      {"gains", gains},
-      {"reaction_time_s", c.reaction_time},
-      {"trained_on",
-       {{"scene", c.scene},
-        {"episodes", c.episodes},
-        {"held_out", c.held_out},
-        {"rows", c.rows},
-        {"seed", c.seed}}},
-      {"metrics",
-       {{"residual_m_s", c.residual}, {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
+  const Json json = {{"format", kFormat},
+                     {"format_version", 1},
+                     {"method", "ceres"},
+                     {"world", "hand"},
+                     {"law", "insertion"},
+                     {"gains", gains},
+                     {"reaction_time_s", c.reaction_time},
+                     {"trained_on",
+                      {{"scene", c.scene},
+                       {"episodes", c.episodes},
+                       {"held_out", c.held_out},
+                       {"rows", c.rows},
+                       {"seed", c.seed}}},
+                     {"metrics",
+                      {{"residual_m_s", c.residual},
+                       {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
   write_text(file, json.dump(2) + "\n");
 }
 

@@ -5,9 +5,9 @@
 //   v_z = A_z f_z + b_z
 //
 // in the hand's world, with f the felt force relative to that at rest [N], d the depth of the hand
-// past the entrance [m] and t the time since the start [s]. It speeds up after the start, slows down
-// towards the end depth d_e and under force, and yields to force. With k = 0 and far from both ends
-// it is the linear admittance law.
+// past the entrance [m] and t the time since the start [s]. It speeds up after the start, slows
+// down towards the end depth d_e and under force, and yields to force. With k = 0 and far from both
+// ends it is the linear admittance law.
 #pragma once
 
 #include <Eigen/Core>
@@ -46,8 +46,8 @@ Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& 
   const T ramp = 1.0 - exp(-time / gain[1]);
   const T approach = 1.0 - exp((depth - gain[2]) / gain[3]);
   const T slowed = 1.0 + gain[4] * force.squaredNorm();
-  return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(),
-          gain[6] * force.y() + gain[8], gain[7] * force.z() + gain[9]};
+  return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(), gain[6] * force.y() + gain[8],
+          gain[7] * force.z() + gain[9]};
 }
 
 class InsertionLaw : public Controller {

@@ -7,8 +7,9 @@
 namespace ferrule {
 namespace {
 
-constexpr double kRest = 0.3;       // the hand rests before it starts, and gets used to the weight [s]
-constexpr double kAfterwards = 0.5;  // and after it has arrived [s]
+constexpr double kRest = 0.3;  // the hand rests before it starts, and gets used to the weight [s]
+constexpr double kAfterwards = 0.5;      // and after it has arrived [s]
+constexpr double kPressFrom = 0.7;       // phase at which it begins to press: well inside by then
 constexpr double kHesitationFade = 0.1;  // time constant of g [s]
 constexpr double kTau = 2 * std::numbers::pi;
 
@@ -53,7 +54,8 @@ void Trainee::render(const HandWrench& wrench) {
   advance_intention(felt.norm());
   velocity_[0] = -speed_;
   velocity_.segment<2>(1) = traits_.yield * felt.tail<2>();
-  velocity_[1] -= traits_.yield * task_.press * phase_ * phase_;
+  velocity_[1] -=
+      traits_.yield * task_.press * std::max(0.0, (phase_ - kPressFrom) / (1 - kPressFrom));
   velocity_.head<3>() += tremor_velocity(time_);
 }
 

@@ -2,11 +2,12 @@
 //
 // It intends a minimum-jerk motion along -x (Flash and Hogan 1985),
 //   x(p) = x_0 - D (10 p^3 - 15 p^4 + 6 p^5),   phase p from 0 to 1,
-// feels the force on its hand with a delay, relative to what it felt at rest at the start (it has got
-// used to the weight), and answers it:
-//   lateral velocity  v_y = A (f_y - F_p), v_z = A f_z    yields to the force, but for a light press
+// feels the force on its hand with a delay, relative to what it felt at rest at the start (it has
+// got used to the weight), and answers it:
+//   lateral velocity  v_y = A (f_y - F_p), v_z = A f_z    yields to the force, but for a light
+//   press
 //                                                         F_p downwards that keeps the fibre on the
-//                                                         lower side; it grows as the phase ends
+//                                                         lower side; it sets in at phase 0.7
 //   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))   slows down where the force is large
 // On top come physiological tremor (8 to 12 Hz, three axes) and hesitations, during which g falls
 // from 1 towards 0. `skill` from 0 to 1 moves all of them together (trainee_traits).
@@ -21,12 +22,12 @@
 namespace ferrule {
 
 struct TraineeTraits {
-  double delay;             // [s], 0.25 at skill 0 to 0.15 at skill 1
-  double peak_speed;        // of the intended motion, relative to the task's speed [-], 0.7 to 1
-  double yield;             // A [m/s per N], 0.5e-3 to 1e-3
-  double slowing_force;     // F_s [N], 1.5 to 3
-  double tremor;            // amplitude of the hand's displacement per axis [m], 8e-6 to 1e-6
-  double hesitation_rate;   // beginnings per second [1/s], 0.3 to 0.02
+  double delay;            // [s], 0.25 at skill 0 to 0.15 at skill 1
+  double peak_speed;       // of the intended motion, relative to the task's speed [-], 0.7 to 1
+  double yield;            // A [m/s per N], 0.5e-3 to 1e-3
+  double slowing_force;    // F_s [N], 1.5 to 3
+  double tremor;           // amplitude of the hand's displacement per axis [m], 8e-6 to 1e-6
+  double hesitation_rate;  // beginnings per second [1/s], 0.3 to 0.02
 };
 
 // Linear in `skill`, 0 <= skill <= 1.

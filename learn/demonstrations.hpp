@@ -12,19 +12,19 @@ namespace ferrule {
 struct Demonstration {
   std::string file;
   Outcome outcome;
-  double period;                                       // between rows [s]
-  double speed_limit;                                  // of controllers, in the hand's world [m/s]
-  Eigen::Matrix<double, Eigen::Dynamic, 3> force;      // felt, relative to that at rest [N]
-  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;   // that answers it [m/s]
-  Eigen::VectorXd depth;                               // of the hand past the entrance [m]
-  Eigen::VectorXd time;                                // [s]
+  double period;                                      // between rows [s]
+  double speed_limit;                                 // of controllers, in the hand's world [m/s]
+  Eigen::Matrix<double, Eigen::Dynamic, 3> force;     // felt, relative to that at rest [N]
+  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers it [m/s]
+  Eigen::VectorXd depth;                              // of the hand past the entrance [m]
+  Eigen::VectorXd time;                               // [s]
 };
 
 struct DemonstrationSet {
   std::vector<Demonstration> demonstrations;  // the successful ones
   std::size_t unsuccessful = 0;               // left out
   std::string scene;                          // its name
-  double speed_scale;                         // of the hand: the scene's speed limit, scaled up [m/s]
+  double speed_scale;  // of the hand: the scene's speed limit, scaled up [m/s]
 };
 
 // From the row layout of one episode.

@@ -15,11 +15,11 @@ namespace {
 using Gains = std::array<double, kGains>;
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.01;           // between rows used [s]
+constexpr double kStep = 0.01;            // between rows used [s]
 constexpr double kLongestReaction = 0.4;  // [s]
-constexpr double kHuber = 0.2;           // of the speed scale
+constexpr double kHuber = 0.2;            // of the speed scale
 constexpr std::size_t kFewestEpisodes = 3, kFewestRows = 300;
-constexpr double kLeastForce = 0.01;     // standard deviation of felt force that tells anything [N]
+constexpr double kLeastForce = 0.01;  // standard deviation of felt force that tells anything [N]
 
 // One row as the fit sees it.
 struct Sample {
@@ -37,7 +37,7 @@ Samples samples(const Demonstration& d, double reaction) {
   for (Eigen::Index n = 0; n < d.time.size(); n += stride)
     if (std::abs(d.velocity.row(n).norm() - d.speed_limit) > 1e-9 * d.speed_limit)
       all.push_back({d.force.row(std::max<Eigen::Index>(0, n - delay)).transpose(),
-                   d.velocity.row(n).transpose(), d.depth[n], d.time[n]});
+                     d.velocity.row(n).transpose(), d.depth[n], d.time[n]});
   return all;
 }
 
@@ -76,8 +76,8 @@ struct Units {
   explicit Units(double speed, double depth)
       : value{speed, 1, depth, depth, 1, speed, speed, speed, speed, speed} {}
 };
-// Bounds of the scaled gains. Slowing and yielding are not negative: a law that goes faster where it
-// is pushed back is not passive.
+// Bounds of the scaled gains. Slowing and yielding are not negative: a law that goes faster where
+// it is pushed back is not passive.
 constexpr Gains kLow = {0, 1e-4, 0.2, 1e-2, 0, 0, 0, 0, -4, -4};
 constexpr Gains kHigh = {10, 100, 20, 20, 1e3, 20, 20, 20, 4, 4};
 
@@ -187,7 +187,8 @@ double root_mean_square(const std::vector<Samples>& episodes, const Gains& gains
   double sum = 0, n = 0;
   for (const Samples& episode : episodes)
     for (const Sample& s : episode) {
-      sum += (insertion_velocity(gains.data(), s.force, s.depth, s.time) - s.velocity).squaredNorm();
+      sum +=
+          (insertion_velocity(gains.data(), s.force, s.depth, s.time) - s.velocity).squaredNorm();
       n += 1;
     }
   return n > 0 ? std::sqrt(sum / n) : NAN;

@@ -20,13 +20,14 @@ namespace ferrule {
 
 struct FitReport {
   ControllerFile controller;
-  std::string summary;       // Ceres' own, one line
+  std::string summary;  // Ceres' own, one line
   int iterations = 0;
-  double explained = 0;      // share of the velocities' variance that the law explains, training
+  double explained = 0;  // share of the velocities' variance that the law explains, training
 };
 
 // `seed` draws the split. Throws BadInput where the demonstrations are too few (fewer than 3
-// successful ones, or fewer than 300 rows in 10 ms steps) or tell nothing about the answer to force.
+// successful ones, or fewer than 300 rows in 10 ms steps) or tell nothing about the answer to
+// force.
 FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed);
 
 }  // namespace ferrule

@@ -36,7 +36,7 @@ struct Breakdown {
 // The terms in the order of their columns in files and tables.
 inline constexpr int kTerms = 8;
 inline constexpr std::array<const char*, kTerms> kTermNames = {
-    "van_der_waals", "electrostatic", "gravity", "capillary",
+    "van_der_waals", "electrostatic", "gravity",  "capillary",
     "adhesion",      "wall",          "friction", "drag"};
 // Force of each term, contact places added up [N], in that order.
 std::array<Vector3d, kTerms> term_forces(const Breakdown& breakdown) noexcept;

@@ -5,7 +5,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSmall = 50, kLarge = 1e5;             // a_1, a_2 [-]
+constexpr double kSmall = 50, kLarge = 1e5;                 // a_1, a_2 [-]
 constexpr double kStressSmall = 0.02, kStressLarge = 8e-4;  // tau_f1, tau_f2 [-]
 
 }  // namespace

@@ -9,11 +9,11 @@
 //   B = (log tau_1 log a_2 - log tau_2 log a_1)/log(a_2/a_1)           (log to base 10)
 //   a_1 = 50, a_2 = 1e5, tau_1 = 0.02, tau_2 = 8e-4; continuous at both knees.
 //
-// The paper gives a magnitude. A simulator needs a direction and a stuck state: below that magnitude
-// the contact is stuck and pulls its material point back to where it stuck with the tangential
-// stiffness k_t = 8 G* a (Mindlin 1949, to order one); at that magnitude it slips, and the stuck
-// point follows at the distance F / k_t. A held load therefore does not creep at all; the error of
-// the regularisation is a displacement, at most F / k_t, some 0.1 nm with Table I.
+// The paper gives a magnitude. A simulator needs a direction and a stuck state: below that
+// magnitude the contact is stuck and pulls its material point back to where it stuck with the
+// tangential stiffness k_t = 8 G* a (Mindlin 1949, to order one); at that magnitude it slips, and
+// the stuck point follows at the distance F / k_t. A held load therefore does not creep at all; the
+// error of the regularisation is a displacement, at most F / k_t, some 0.1 nm with Table I.
 #pragma once
 
 #include "sim/form.hpp"

@@ -7,9 +7,9 @@
 namespace ferrule {
 namespace {
 
-constexpr std::array<const char*, kOutcomes> kNames = {
-    "inserted", "force_limit", "jam",            "missed",
-    "timeout",  "buckled",     "invalid_output", "interrupted"};
+constexpr std::array<const char*, kOutcomes> kNames = {"inserted",       "force_limit", "jam",
+                                                       "missed",         "timeout",     "buckled",
+                                                       "invalid_output", "interrupted"};
 
 }  // namespace
 
@@ -24,7 +24,9 @@ State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) no
   return at_rest(scene.world, tip);
 }
 
-const char* name(Outcome outcome) noexcept { return kNames[static_cast<std::size_t>(outcome)]; }
+const char* name(Outcome outcome) noexcept {
+  return kNames[static_cast<std::size_t>(outcome)];
+}
 
 Outcome outcome_from_name(const std::string& text) {
   for (int i = 0; i < kOutcomes; ++i)

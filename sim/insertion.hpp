@@ -14,14 +14,14 @@ namespace ferrule {
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
 
 enum class Outcome {
-  inserted,       // the inserted length reached the scene's success depth
-  force_limit,    // the force at the holder exceeded the limit, on the way in
-  jam,            // the same, wedged in the bore: touching with end and side at once
-  missed,         // the same, with the end on the front face
-  timeout,        // time ran out
-  buckled,        // the axial load exceeded Euler's load of the free length (clamped-free)
-  invalid_output, // the controller or operator commanded something that is not a finite number
-  interrupted,    // the operator or user stopped it
+  inserted,        // the inserted length reached the scene's success depth
+  force_limit,     // the force at the holder exceeded the limit, on the way in
+  jam,             // the same, wedged in the bore: touching with end and side at once
+  missed,          // the same, with the end on the front face
+  timeout,         // time ran out
+  buckled,         // the axial load exceeded Euler's load of the free length (clamped-free)
+  invalid_output,  // the controller or operator commanded something that is not a finite number
+  interrupted,     // the operator or user stopped it
 };
 inline constexpr int kOutcomes = 8;
 const char* name(Outcome outcome) noexcept;

@@ -23,9 +23,15 @@ std::string shown(const Json& value) {
 }  // namespace
 
 namespace rule {
-Rule any() { return {-INFINITY, INFINITY, true, true, "must be a finite number"}; }
-Rule positive() { return {0, INFINITY, true, true, "must be positive"}; }
-Rule not_negative() { return {0, INFINITY, false, true, "must not be negative"}; }
+Rule any() {
+  return {-INFINITY, INFINITY, true, true, "must be a finite number"};
+}
+Rule positive() {
+  return {0, INFINITY, true, true, "must be positive"};
+}
+Rule not_negative() {
+  return {0, INFINITY, false, true, "must not be negative"};
+}
 Rule between(double low, double high, std::string text) {
   return {low, high, false, false, std::move(text)};
 }
@@ -35,7 +41,8 @@ Json parse_json(const std::string& text, const std::string& file) {
   try {
     return Json::parse(text);
   } catch (const Json::exception& error) {
-    std::string reason = error.what();  // "[json.exception...] parse error at line 3, column 7: ..."
+    std::string reason =
+        error.what();  // "[json.exception...] parse error at line 3, column 7: ..."
     if (const auto bracket = reason.find("] "); bracket != std::string::npos)
       reason = reason.substr(bracket + 2);
     for (char& c : reason)
@@ -149,7 +156,9 @@ JsonFields JsonFields::object(const std::string& key) {
   return {get(key, "an object {...}"), file_, path_.empty() ? key : path_ + "." + key};
 }
 
-const Json& JsonFields::raw(const std::string& key) { return get(key, "a value"); }
+const Json& JsonFields::raw(const std::string& key) {
+  return get(key, "a value");
+}
 
 bool JsonFields::has(const std::string& key) {
   known_.insert(key);

@@ -56,7 +56,9 @@ void add_radial(Depth& depth, const Radial& radial, double weight, double arm, c
   depth.hessian.block<2, 1>(3, 0) += arm * kx + arm_per_x * n;
 }
 
-Vector3d outward3(const Vector2d& n) noexcept { return {0, n.x(), n.y()}; }
+Vector3d outward3(const Vector2d& n) noexcept {
+  return {0, n.x(), n.y()};
+}
 
 // The rim of the fibre's end: on the bore wall, the cone or the face.
 Depth end_depth(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
@@ -114,7 +116,8 @@ SurfaceLaws surface_laws(const World& world, double h) noexcept {
   SurfaceLaws laws;
   if (world.van_der_waals)
     laws.van_der_waals = van_der_waals(*world.van_der_waals, world.annulus, h);
-  if (world.electrostatic) laws.electrostatic = electrostatic(*world.electrostatic, world.annulus, h);
+  if (world.electrostatic)
+    laws.electrostatic = electrostatic(*world.electrostatic, world.annulus, h);
   if (world.capillary) laws.capillary = capillary(*world.capillary, h);
   return laws;
 }
@@ -155,8 +158,7 @@ void add_friction(Potential& total, const World& world, const Lagged& lagged,
     const Vector3d direction = stretch / length;
     total.value += friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
     gradient = friction.limit * direction;
-    hessian = friction.limit / length *
-              (friction.tangential - direction * direction.transpose());
+    hessian = friction.limit / length * (friction.tangential - direction * direction.transpose());
   }
   Eigen::Matrix<double, 3, 5> jacobian = Eigen::Matrix<double, 3, 5>::Zero();
   jacobian.leftCols<3>().setIdentity();
@@ -229,12 +231,9 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
   if (lagged.length > 0 && has_surface_laws(world)) {
     const double arm = 0.5 * lagged.length;
     const Radial radial(eccentricity(tip, arm), world.annulus.clearance());
-    const SurfaceLaws laws =
-        surface_laws(world, world.annulus.clearance() - radial.eccentricity);
-    const double force =
-        laws.van_der_waals.force + laws.electrostatic.force + laws.capillary.force;
-    const double slope =
-        laws.van_der_waals.slope + laws.electrostatic.slope + laws.capillary.slope;
+    const SurfaceLaws laws = surface_laws(world, world.annulus.clearance() - radial.eccentricity);
+    const double force = laws.van_der_waals.force + laws.electrostatic.force + laws.capillary.force;
+    const double slope = laws.van_der_waals.slope + laws.electrostatic.slope + laws.capillary.slope;
     Depth e;  // the eccentricity as a function of the pose
     add_radial(e, radial, 1, arm, tip, 0);
     const double value = lagged.length * (laws.van_der_waals.potential +
@@ -242,7 +241,8 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
     total.value += value;
     total.value_scale += std::abs(value);
     total.gradient += lagged.length * force * e.gradient;
-    total.hessian += lagged.length * (force * e.hessian - slope * e.gradient * e.gradient.transpose());
+    total.hessian +=
+        lagged.length * (force * e.hessian - slope * e.gradient * e.gradient.transpose());
     total.force_scale -= lagged.length * force;
   }
 
@@ -278,8 +278,7 @@ Forces forces(const World& world, const Lagged& lagged, const Pose& hand,
     const double arm = 0.5 * lagged.length;
     const Vector2d e = eccentricity(tip, arm);
     const Radial radial(e, world.annulus.clearance());
-    const SurfaceLaws laws =
-        surface_laws(world, world.annulus.clearance() - radial.eccentricity);
+    const SurfaceLaws laws = surface_laws(world, world.annulus.clearance() - radial.eccentricity);
     const Vector3d towards_wall = outward3(radial.normal);
     const Vector3d point = Vector3d(tip[0] + arm, e.x(), e.y());
     b.van_der_waals = {-lagged.length * laws.van_der_waals.force * towards_wall, point};

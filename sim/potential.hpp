@@ -2,10 +2,10 @@
 // function of the pose the step ends at, with gradient and Hessian. Minimising it is the implicit
 // (backward Euler) step of the quasi-static equations; its gradient is minus the sum of all forces.
 //
-// What a step holds fixed at its start (Lagged): the inserted length, the side the fibre's end rests
-// against, the friction limits and the normals friction is perpendicular to. The paper knows one
-// contact between fibre and bore; where end and side touch at once (the fibre lies along the wall)
-// they share its adhesion and its friction in equal parts.
+// What a step holds fixed at its start (Lagged): the inserted length, the side the fibre's end
+// rests against, the friction limits and the normals friction is perpendicular to. The paper knows
+// one contact between fibre and bore; where end and side touch at once (the fibre lies along the
+// wall) they share its adhesion and its friction in equal parts.
 #pragma once
 
 #include "sim/breakdown.hpp"
@@ -34,8 +34,8 @@ struct Lagged {
 Lagged lag(const World& world, const State& state) noexcept;
 
 struct Potential {
-  double value = 0;                                             // [J]
-  Pose gradient = Pose::Zero();                                 // [N, N m]
+  double value = 0;              // [J]
+  Pose gradient = Pose::Zero();  // [N, N m]
   Eigen::Matrix<double, 5, 5> hessian = Eigen::Matrix<double, 5, 5>::Zero();
   // Sums of the magnitudes of all energies and forces in it [J], [N]: what rounding is relative to.
   double value_scale = 0, force_scale = 0;

@@ -22,7 +22,8 @@ bool has_corrected(const std::string& law) {
 }
 
 Form read_form(JsonFields& law, const std::string& name) {
-  const Form form = law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
+  const Form form =
+      law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
   if (form == Form::corrected && !has_corrected(name))
     law.refuse("form", "the corrected form of this law does not exist yet; use \"printed\"");
   return form;
@@ -36,7 +37,8 @@ void read_laws(JsonFields laws, World& world) {
   }
   if (laws.has("electrostatic")) {
     JsonFields f = laws.object("electrostatic");
-    world.electrostatic = {read_form(f, "electrostatic"), f.number("voltage_V", rule::not_negative())};
+    world.electrostatic = {read_form(f, "electrostatic"),
+                           f.number("voltage_V", rule::not_negative())};
     f.finish();
   }
   if (laws.has("gravity")) {
@@ -200,8 +202,8 @@ Scene parse_scene(const Json& document, const std::string& file) {
   scene.start.distance = micro * start.number("distance_um", rule::not_negative());
   scene.start.lateral_mean = micro * start.pair("lateral_mean_um");
   scene.start.lateral_sd = micro * start.number("lateral_sd_um", rule::not_negative());
-  scene.start.tilt_sd = milli * start.number("tilt_sd_mrad",
-                                             rule::between(0, 100, "must be from 0 to 100"));
+  scene.start.tilt_sd =
+      milli * start.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"));
   start.finish();
 
   fields.object("sensor").finish();
@@ -257,8 +259,7 @@ void set_form(Json& document, Form form, const std::string& file) {
     if (form == Form::corrected && !has_corrected(name)) lacking += " " + name;
     law["form"] = form == Form::printed ? "printed" : "corrected";
   }
-  if (!lacking.empty())
-    throw BadInput(file + ": laws that have no corrected form yet:" + lacking);
+  if (!lacking.empty()) throw BadInput(file + ": laws that have no corrected form yet:" + lacking);
 }
 
 }  // namespace ferrule

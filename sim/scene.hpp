@@ -15,8 +15,8 @@ namespace ferrule {
 struct StartDistribution {
   double distance;        // x of the end [m], >= 0
   Vector2d lateral_mean;  // mean of y and of z [m]
-  double lateral_sd;  // standard deviation of y and of z [m], >= 0
-  double tilt_sd;     // standard deviation of each tilt [rad], >= 0
+  double lateral_sd;      // standard deviation of y and of z [m], >= 0
+  double tilt_sd;         // standard deviation of each tilt [rad], >= 0
 };
 
 struct Limits {

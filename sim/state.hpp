@@ -27,13 +27,13 @@ enum ContactPlace { kEnd = 0, kSide = 1, kContactPlaces = 2 };
 
 struct ContactState {
   bool closed = false;
-  double depth = 0;                    // penetration of mean surfaces [m], where closed
-  Vector3d stuck = Vector3d::Zero();   // where the contact's material point is stuck [m]
+  double depth = 0;                   // penetration of mean surfaces [m], where closed
+  Vector3d stuck = Vector3d::Zero();  // where the contact's material point is stuck [m]
 };
 
 struct State {
-  Pose tip = Pose::Zero();    // pose of the inserted end [m, rad]
-  Pose hand = Pose::Zero();   // pose commanded by the holder at `time` [m, rad]
+  Pose tip = Pose::Zero();   // pose of the inserted end [m, rad]
+  Pose hand = Pose::Zero();  // pose commanded by the holder at `time` [m, rad]
   EdgeSide side = EdgeSide::throat;
   std::array<ContactState, kContactPlaces> contact;
   double time = 0;  // [s]

@@ -70,8 +70,8 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
     }
     // Far from everything the potential is a quadratic and any length is right; among surface
     // forces a step longer than the clearance tells nothing.
-    const double reach = std::max(direction.segment<2>(1).norm(),
-                                  direction.tail<2>().norm() * lever);
+    const double reach =
+        std::max(direction.segment<2>(1).norm(), direction.tail<2>().norm() * lever);
     if (lagged.length > 0 && reach > clearance) direction *= clearance / reach;
 
     const double slope = here.gradient.dot(direction);

@@ -1,9 +1,9 @@
 // One step in time: the implicit quasi-static step.
 //
 // The fibre has no inertia to speak of at these time scales; at every instant it rests where the
-// potential of sim/potential.hpp is stationary. A step minimises that potential from where the fibre
-// was, by Newton's method with a line search: the energy never rises, so no step size blows up, and
-// the fibre follows the branch it is on until that branch ends (snap-in, pull-off, slip).
+// potential of sim/potential.hpp is stationary. A step minimises that potential from where the
+// fibre was, by Newton's method with a line search: the energy never rises, so no step size blows
+// up, and the fibre follows the branch it is on until that branch ends (snap-in, pull-off, slip).
 //
 // A command that moves by more than half a clearance near the ferrule is followed in sub-steps of
 // that size, so that the fibre meets what lies on its way and does not jump over it.

@@ -40,8 +40,8 @@ struct World {
   std::optional<Friction> friction;
 };
 
-// Gap of the fibre's axis to the bore at arm s behind the end [m] is c - |eccentricity|; this is the
-// eccentricity vector there.
+// Gap of the fibre's axis to the bore at arm s behind the end [m] is c - |eccentricity|; this is
+// the eccentricity vector there.
 inline Vector2d eccentricity(const Pose& tip, double s) noexcept {
   return tip.segment<2>(1) + s * tip.tail<2>();
 }

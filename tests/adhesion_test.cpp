@@ -8,7 +8,9 @@ namespace {
 const double kModulus = reduced_modulus(4.7e10, 0.35, 7.0e10, 0.35);
 const Adhesion kTableI = {Form::printed, 0.144, 4.0, 1.05, kModulus, 62.5e-6};
 
-TEST(ReducedModulus, OfTableI) { EXPECT_CLOSE(kModulus, 4.2726925917809e10, 1e-13); }
+TEST(ReducedModulus, OfTableI) {
+  EXPECT_CLOSE(kModulus, 4.2726925917809e10, 1e-13);
+}
 
 TEST(ReducedModulus, OfSilicaOnZirconiaAt30Digits) {
   EXPECT_CLOSE(reduced_modulus(72e9, 0.17, 210e9, 0.3), 74818798223.053542, 1e-14);

@@ -13,11 +13,17 @@ void* operator new(std::size_t size) {
   if (void* p = std::malloc(size ? size : 1)) return p;
   throw std::bad_alloc();
 }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
 
 namespace ferrule::testing {
 
-std::size_t allocations() noexcept { return g_allocations; }
+std::size_t allocations() noexcept {
+  return g_allocations;
+}
 
 }  // namespace ferrule::testing

@@ -13,8 +13,8 @@ namespace {
 const InsertionLaw kLaw({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0});
 
 Scene quick() {
-  return testing::paper(
-      {"start.lateral_sd_um=6", "start.distance_um=20", "success.depth_um=10", "limits.force_uN=3"});
+  return testing::paper({"start.lateral_sd_um=6", "start.distance_um=20", "success.depth_um=10",
+                         "limits.force_uN=3"});
 }
 
 TEST(Statistics, WilsonIntervalsAt15Digits) {
@@ -89,8 +89,7 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
   const Scene scene = quick();
   for (std::uint64_t trial = 1; trial <= 4; ++trial) {
     const TrialResult result = run_trial(scene, scene_scaling(scene), kLaw, 1, trial);
-    const Episode episode =
-        read_episode(testing::record(scene, folder.path(), trial, &kLaw));
+    const Episode episode = read_episode(testing::record(scene, folder.path(), trial, &kLaw));
     EXPECT_EQ(episode.info.outcome == Outcome::inserted, result.outcome == Outcome::inserted);
     const auto n = static_cast<Eigen::Index>(std::lround(result.summary.time * 1e3));
     ASSERT_LT(n, episode.rows.rows());

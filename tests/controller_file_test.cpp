@@ -48,8 +48,9 @@ TEST(ControllerFile, BrokenOnesAreRefusedWithTheirKey) {
     }
     return std::string();
   };
-  EXPECT_NE(complaint("/gains/ramp_time/value", 0).find("gains.ramp_time.value = 0: must be positive"),
-            std::string::npos);
+  EXPECT_NE(
+      complaint("/gains/ramp_time/value", 0).find("gains.ramp_time.value = 0: must be positive"),
+      std::string::npos);
   EXPECT_NE(complaint("/gains/yield_y/unit", "N").find("gains.yield_y.unit"), std::string::npos);
   EXPECT_NE(complaint("/format_version", 2).find("format_version = 2"), std::string::npos);
   EXPECT_NE(complaint("/surprise", 1).find("surprise = 1: unknown key"), std::string::npos);

@@ -96,7 +96,8 @@ TEST(FitLaw, ReturnsTheGainsOfARecordedController) {
   const std::array<double, kGains> gains = {2.2e-3, 0.8,    0.012, 0.004, 0.2,
                                             1e-4,   0.9e-3, 1e-3,  1e-5,  -1e-5};
   const InsertionLaw law(gains);
-  for (std::uint64_t trial = 1; trial <= 6; ++trial) testing::record(scene, folder.path(), trial, &law);
+  for (std::uint64_t trial = 1; trial <= 6; ++trial)
+    testing::record(scene, folder.path(), trial, &law);
   const DemonstrationSet set = load_demonstrations(folder.path());
   ASSERT_GE(set.demonstrations.size(), 5u);
   const FitReport report = fit_law(set, 1);
@@ -127,8 +128,8 @@ TEST(FitLaw, HoldsOutWholeEpisodes) {
   EXPECT_EQ(report.controller.held_out.size(), 2u);
   EXPECT_EQ(report.controller.episodes.size(), 8u);
   for (const auto& file : report.controller.held_out)
-    EXPECT_EQ(std::count(report.controller.episodes.begin(), report.controller.episodes.end(), file),
-              0);
+    EXPECT_EQ(
+        std::count(report.controller.episodes.begin(), report.controller.episodes.end(), file), 0);
 }
 
 }  // namespace

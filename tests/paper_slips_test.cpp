@@ -67,8 +67,8 @@ TEST(Slip, E7ThePrintedAdhesionAttractsEverMoreWithDepth) {
 
 TEST(Slip, E8ThePatchAttractsSevenTimesAsMuchAsTheAnnulus) {
   const double e = kTableI.clearance() - kGap, c = kTableI.clearance();
-  const double annulus = kHamaker * kTableI.fibre_radius * c * e /
-                         (2 * std::pow((c - e) * (c + e), 2.5)) * kLength;
+  const double annulus =
+      kHamaker * kTableI.fibre_radius * c * e / (2 * std::pow((c - e) * (c + e), 2.5)) * kLength;
   EXPECT_CLOSE(annulus, 28.81337847e-6, 1e-9);
   EXPECT_CLOSE(4 * printed_van_der_waals(), 191e-6, 1e-3);
   EXPECT_CLOSE(4 * printed_van_der_waals() / annulus, 6.63, 1e-3);

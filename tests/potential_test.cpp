@@ -39,7 +39,9 @@ std::vector<Case> cases(const World& world, std::uint64_t seed) {
   return all;
 }
 
-double length_of(int i) { return i < 3 ? 1 : 1e-4; }  // 1 m of position counts as 1e4 rad of tilt
+double length_of(int i) {
+  return i < 3 ? 1 : 1e-4;
+}  // 1 m of position counts as 1e4 rad of tilt
 
 TEST(Potential, GradientIsTheDerivativeOfTheValue) {
   const World world = testing::paper().world;
@@ -57,7 +59,8 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
           0, h);
       // What rounding of the energy leaves of a difference.
       const double noise = 30 * 2.2e-16 * here.value_scale / h;
-      const double scale = std::max(std::abs(here.gradient[i]), here.force_scale * 1e-4 / length_of(i) * 1e-4);
+      const double scale =
+          std::max(std::abs(here.gradient[i]), here.force_scale * 1e-4 / length_of(i) * 1e-4);
       if (noise > 1e-3 * scale) continue;
       ++compared;
       EXPECT_LT(std::abs(slope - here.gradient[i]), 1e-4 * scale + noise) << i;
@@ -71,8 +74,8 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
   for (const Case& c : cases(world, 4)) {
     const Potential here = potential(world, c.lagged, c.hand, c.tip);
     // The laws' slope jumps at the ends of their printed range.
-    const double gap = world.annulus.clearance() -
-                       eccentricity(c.tip, 0.5 * c.lagged.length).norm();
+    const double gap =
+        world.annulus.clearance() - eccentricity(c.tip, 0.5 * c.lagged.length).norm();
     if (c.lagged.length > 0 && gap > 0 && gap < 0.12e-9) continue;
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j) {

@@ -16,9 +16,7 @@ class KnownHand : public Device {
     time_ = t;
     return {pose_, t > 5};
   }
-  void render(const HandWrench& wrench) override {
-    velocity_ << -2e-3, 1e-3 * wrench.tail<4>();
-  }
+  void render(const HandWrench& wrench) override { velocity_ << -2e-3, 1e-3 * wrench.tail<4>(); }
 
  private:
   HandPose pose_;
@@ -38,8 +36,7 @@ TEST(Session, ARowPairsAForceWithTheVelocityThatAnswersIt) {
   ASSERT_GT(rows.size(), 4000u);
   for (std::size_t n = 0; n < rows.size(); ++n) {
     EXPECT_CLOSE(rows[n][kTime.begin], static_cast<double>(n) * 1e-3, 1e-14);
-    const HandWrench felt =
-        scaling.wrench_to_hand(rows[n].segment<5>(kHolder.begin).transpose());
+    const HandWrench felt = scaling.wrench_to_hand(rows[n].segment<5>(kHolder.begin).transpose());
     EXPECT_LT(std::abs(rows[n][kCommand.begin + 1] - 1e-3 * felt[1]), 1e-10 * 2e-3);
     if (n == 0) continue;
     EXPECT_EQ(rows[n].segment<5>(kHandVelocity.begin), rows[n - 1].segment<5>(kCommand.begin));

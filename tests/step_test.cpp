@@ -124,8 +124,8 @@ TEST(Step, AHandThatJumpsTenCentimetresIsStoppedByTheFace) {
 
 TEST(Step, AHandThatJumpsSidewaysInTheBoreIsHeldByTheWall) {
   const Scene scene = testing::bare();
-  State start = drive(scene.world, at_rest(scene.world, pose(1e-6, 0, 0)),
-                      pose(-50e-6, 0, 0), 50e-6).state;
+  State start =
+      drive(scene.world, at_rest(scene.world, pose(1e-6, 0, 0)), pose(-50e-6, 0, 0), 50e-6).state;
   const StepResult r = step(scene.world, start, pose(-50e-6, 400e-6, 0), 1e-3);
   EXPECT_EQ(r.status, StepStatus::ok);
   EXPECT_LT(r.state.tip[1], 0.6e-6);
@@ -242,7 +242,8 @@ TEST(Step, AlwaysReturnsSomethingFinite) {
       for (int i = 0; i < 3; ++i) hand[i] += reach * random.normal();
       for (int i = 3; i < 5; ++i) hand[i] += 10 * reach * random.normal();
       hand = hand.cwiseMax(-1e-3).cwiseMin(1e-3);
-      const StepResult r = step(scene.world, state, hand, std::pow(10.0, -6 + 5 * random.uniform()));
+      const StepResult r =
+          step(scene.world, state, hand, std::pow(10.0, -6 + 5 * random.uniform()));
       ASSERT_TRUE(to_row(r.state).allFinite());
       ASSERT_TRUE(r.forces.holder.allFinite());
       not_converged += r.status != StepStatus::ok;

@@ -14,9 +14,8 @@ namespace {
 const TraineeTask kTask = {HandPose::Zero(), 0.02, 2e-3, 0, 1e-3};
 
 std::function<double()> chance(std::uint64_t trial) {
-  return [random = RandomStream(1, trial, Draw::operator_hand)]() mutable {
-    return random.uniform();
-  };
+  return
+      [random = RandomStream(1, trial, Draw::operator_hand)]() mutable { return random.uniform(); };
 }
 
 // Poses of a trainee that feels `force(t)`.
@@ -73,8 +72,8 @@ TEST(Trainee, SlowsDownUnderForce) {
   const auto free = run(traits, [](double) { return Eigen::Vector3d::Zero(); });
   const auto loaded =
       run(traits, [f](double t) { return Eigen::Vector3d(t > 0.05 ? f : 0.0, 0, 0); });
-  EXPECT_CLOSE(static_cast<double>(loaded.size()) - 800, 2 * (static_cast<double>(free.size()) - 800),
-               0.02);
+  EXPECT_CLOSE(static_cast<double>(loaded.size()) - 800,
+               2 * (static_cast<double>(free.size()) - 800), 0.02);
 }
 
 TEST(Trainee, TremblesBetweenEightAndTwelveHertz) {
