@@ -31,8 +31,10 @@ std::string script(const Plot& plot) {
       "set terminal svg size {},{} dynamic enhanced font 'sans-serif,14' background '#ffffff'\n"
       "set multiplot layout {},1 title {} noenhanced\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd'\n"
-      "set key outside right top noenhanced\nset format '%g'\n",
-      plot.width, panels * plot.panel_height, panels, quoted(plot.title));
+      "set key outside right top noenhanced\nset format '%g'\n"
+      "set lmargin at screen 0.1\nset rmargin at screen 0.77\nset autoscale xfix\n{}",
+      plot.width, panels * plot.panel_height, panels, quoted(plot.title),
+      plot.equal_scales ? "set size ratio -1\nset offsets graph 0.05, 0.05, 0.05, 0.05\n" : "");
   for (int p = 0; p < panels; ++p) {
     const Axes& axes = plot.panels[static_cast<std::size_t>(p)];
     std::string command = "plot ";
@@ -49,7 +51,7 @@ std::string script(const Plot& plot) {
       const char* colour = kColours[i % kColours.size()];
       command +=
           fmt::format("{}$d{}_{} using 1:2 {} lc rgb '{}' title {}", i ? ", " : "", p, i,
-                      series.style == Series::line ? "with lines lw 2" : "with points pt 7 ps 0.3",
+                      series.style == Series::line ? "with lines lw 2" : "with points pt 7 ps 0.35",
                       colour, quoted(series.name));
     }
     s += fmt::format("{} logscale x\n{} logscale y\n", axes.log_x ? "set" : "unset",

@@ -22,6 +22,7 @@ struct Plot {
   std::string title;
   std::vector<Axes> panels;  // one above the other
   int width = 860, panel_height = 420;
+  bool equal_scales = false;  // one unit is as long on x as on y
 };
 
 // Throws FileTrouble if gnuplot is not there or refuses.

@@ -12,7 +12,7 @@ namespace {
 // tenths of a micrometre of it [m].
 constexpr double kBeyond = 2e-6;
 
-constexpr double kPress = 0.4;  // half a micronewton at the tip with the paper's scaling [N]
+constexpr double kPress = 0.6;  // 0.7 uN at the tip with the paper's scaling [N]
 
 }  // namespace
 

@@ -1,0 +1,317 @@
+#include "app/report.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/campaign_table.hpp"
+#include "app/force_table.hpp"
+#include "app/plot.hpp"
+#include "app/verb.hpp"
+
+namespace ferrule {
+namespace {
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  return out;
+}
+
+// An SVG as an image of its own, so that the names in one do not meet those in another.
+std::string image(const std::string& svg, const std::string& alt) {
+  std::string data;
+  for (const char c : svg)
+    if (c == '%' || c == '#' || c == '"' || c == '<' || c == '>' || c == '\n')
+      data += fmt::format("%{:02X}", static_cast<unsigned char>(c));
+    else
+      data += c;
+  return fmt::format("<img alt=\"{}\" src=\"data:image/svg+xml,{}\">\n", escaped(alt), data);
+}
+
+std::string figure(const Plot& plot, const std::string& caption) {
+  return "<figure>\n" + image(draw_svg(plot), plot.title) + "<figcaption>" + caption +
+         "</figcaption></figure>\n";
+}
+
+std::string number_or_dash(double x, const char* format) {
+  return std::isfinite(x) ? fmt::format(fmt::runtime(format), x) : std::string("&ndash;");
+}
+
+Plot gap_plot(const Scene& scene) {
+  std::vector<ForceRow> rows;
+  for (const double gap : parse_range("1:500:200:log", "gap"))
+    rows.push_back(force_row(scene.world, gap, 100, std::nullopt));
+  Plot plot = force_plot(rows, Sweep::gap, scene.name);
+  plot.title = "Non-contact forces against the gap, 100 um inserted";
+  return plot;
+}
+
+Plot depth_plot(const Scene& scene) {
+  std::vector<ForceRow> rows;
+  for (const double depth : parse_range("0:12:121", "depth"))
+    rows.push_back(force_row(scene.world, 0, 100, depth));
+  Plot plot = force_plot(rows, Sweep::depth, scene.name);
+  plot.title = "Forces at a closed contact against the penetration";
+  return plot;
+}
+
+// One demonstration as Fig. 10 of the paper shows one: velocity and forces over time, at the tip.
+Plot demonstration_plot(const Episode& episode, const Scene& scene) {
+  const double motion = scene_scaling(scene).motion;
+  const auto column = [&](const char* name, auto value, auto style) {
+    Series series{name, {}, {}, style};
+    const Eigen::Index stride = std::max<Eigen::Index>(1, episode.rows.rows() / 1500);
+    for (Eigen::Index n = 0; n < episode.rows.rows(); n += stride) {
+      const RowVector row = episode.rows.row(n);
+      series.x.push_back(row[kTime.begin]);
+      series.y.push_back(1e6 * value(row));
+    }
+    return series;
+  };
+  const auto velocity = [motion](int axis) {
+    return [=](const RowVector& row) { return row[kCommand.begin + axis] / motion; };
+  };
+  const auto term = [](int number, int axis) { return kForces.begin + 3 * number + axis; };
+  const auto surface = [=](const RowVector& row) {
+    return row[term(0, 1)] + row[term(1, 1)] + row[term(2, 1)] + row[term(3, 1)];
+  };
+  const auto contact = [=](const RowVector& row) {
+    const double force = row[term(4, 1)] + row[term(6, 1)];
+    return force == 0 ? NAN : force;  // dots only where there is contact
+  };
+  const auto felt = [](int axis) {
+    return [=](const RowVector& row) { return row[kHolder.begin + axis]; };
+  };
+  Axes speeds{"",
+              "velocity [um/s]",
+              false,
+              false,
+              {column("v_x", velocity(0), Series::line), column("v_y", velocity(1), Series::line),
+               column("v_z", velocity(2), Series::line)}};
+  Axes forces{"",
+              "force along y [uN]",
+              false,
+              false,
+              {column("non-contact (5)", surface, Series::line),
+               column("contact (11)", contact, Series::points)}};
+  Axes holder{"time [s]",
+              "felt at the holder [uN]",
+              false,
+              false,
+              {column("F_x", felt(0), Series::line), column("F_y", felt(1), Series::line),
+               column("F_z", felt(2), Series::line)}};
+  return {"One demonstration, at the tip's scale", {speeds, forces, holder}, 860, 260};
+}
+
+// Outcome of every trial against where it started.
+Plot start_map(const Report& r, const std::vector<TrialResult>& results, const char* title) {
+  Axes axes{"start y [um]", "start z [um]", false, false, {}};
+  for (int i = 0; i < kOutcomes; ++i) {
+    Series series{name(static_cast<Outcome>(i)), {}, {}, Series::points};
+    for (std::size_t k = 0; k < results.size(); ++k) {
+      if (results[k].outcome != static_cast<Outcome>(i)) continue;
+      const State start = draw_start(*r.scene, r.seed + 1'000'003, k);
+      series.x.push_back(1e6 * start.tip[1]);
+      series.y.push_back(1e6 * start.tip[2]);
+    }
+    if (!series.x.empty()) axes.series.push_back(series);
+  }
+  return {title, {axes}, 700, 520, true};
+}
+
+std::string gains_table(const ControllerFile& c) {
+  std::string html =
+      "<table><tr><th>gain</th><th></th><th>value</th><th>95 % interval</th><th>unit</th></tr>\n";
+  for (std::size_t i = 0; i < kGains; ++i) {
+    const FittedGain& g = c.gains[i];
+    const std::string interval = std::isfinite(g.low)
+                                     ? fmt::format("{:.4g} to {:.4g}", g.low, g.high)
+                                     : std::string("open: at its bound");
+    html += fmt::format(
+        "<tr><td>{}</td><td>{}</td><td class=n>{:.4g}</td><td class=n>{}</td><td>{}</td></tr>\n",
+        kGainTable[i].name, kGainTable[i].symbol, g.value, interval, kGainTable[i].unit);
+  }
+  return html + "</table>\n";
+}
+
+std::string success_table(const CampaignSummary& learned, const CampaignSummary& baseline) {
+  std::string html =
+      "<table><tr><th></th><th>inserted</th><th>success</th><th>95 % (Wilson)</th><th>time [s], "
+      "median / p95</th><th>peak force [uN], median / p95</th><th>joint loss [dB], median / "
+      "p95</th></tr>\n";
+  for (const auto& [who, s] : {std::pair<const char*, const CampaignSummary&>{"learned", learned},
+                               {"constant velocity", baseline}}) {
+    const auto pair = [](const Spread& x, double unit, const char* format) {
+      return number_or_dash(unit * x.median, format) + " / " + number_or_dash(unit * x.p95, format);
+    };
+    html += fmt::format(
+        "<tr><td>{}</td><td class=n>{} of {}</td><td class=n>{:.1f} %</td><td class=n>{:.1f} to "
+        "{:.1f} %</td><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td></tr>\n",
+        who, s.successes, s.trials, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high,
+        pair(s.time, 1, "{:.1f}"), pair(s.peak_force, 1e6, "{:.2f}"), pair(s.loss_dB, 1, "{:.3f}"));
+  }
+  return html + "</table>\n";
+}
+
+std::string outcome_table(const CampaignSummary& learned, const CampaignSummary& baseline) {
+  std::string html =
+      "<table><tr><th>how a trial ended</th><th>learned</th><th>constant velocity</th></tr>\n";
+  for (std::size_t i = 0; i < kOutcomes; ++i)
+    if (learned.outcomes[i] + baseline.outcomes[i] > 0)
+      html += fmt::format("<tr><td>{}</td><td class=n>{}</td><td class=n>{}</td></tr>\n",
+                          name(static_cast<Outcome>(i)), learned.outcomes[i], baseline.outcomes[i]);
+  return html + "</table>\n";
+}
+
+std::string recorded_table(const Report& r) {
+  std::string html =
+      "<table><tr><th>skill</th><th>episodes</th><th>inserted</th><th>median time [s]</th>"
+      "<th>median peak force [uN]</th></tr>\n";
+  for (std::size_t i = 0; i < r.recorded.size();) {
+    const double skill = r.recorded[i].skill;
+    std::size_t episodes = 0, inserted = 0;
+    std::vector<double> time, force;
+    for (; i < r.recorded.size() && r.recorded[i].skill == skill; ++i, ++episodes) {
+      const Recorded& one = r.recorded[i].recorded;
+      inserted += one.outcome == Outcome::inserted;
+      time.push_back(one.summary.time);
+      force.push_back(1e6 * one.summary.peak_force);
+    }
+    html += fmt::format(
+        "<tr><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td><td class=n>{:.1f}</td>"
+        "<td class=n>{:.2f}</td></tr>\n",
+        skill, episodes, inserted, quantile(time, 0.5), quantile(force, 0.5));
+  }
+  return html + "</table>\n";
+}
+
+constexpr const char* kHead = R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>ferrule: demo report</title>
+<meta name="viewport" content="width=device-width, initial-scale=1"><style>
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+       color: #222; background: #fff }
+h1, h2 { line-height: 1.2; font-weight: 600 } h2 { margin-top: 2.5rem }
+table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem }
+th, td { padding: 0.3rem 0.8rem; border-bottom: 1px solid #ddd; text-align: left }
+th { vertical-align: bottom } td.n { text-align: right; font-variant-numeric: tabular-nums }
+figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
+figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
+pre { padding: 0.8rem; overflow-x: auto } .big { font-size: 1.25rem }
+</style></head><body>
+)";
+
+}  // namespace
+
+void write_report(const std::string& file, const Report& r) {
+  const Scene& scene = *r.scene;
+  const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
+  const Comparison comparison = compare(r.learned, r.baseline);
+  const ControllerFile& c = r.fit.controller;
+
+  std::string html = kHead;
+  html += fmt::format(
+      "<h1>Inserting a {:g} um fibre into a {:g} um bore</h1>\n"
+      "<p class=big>A controller fitted to {} demonstrations inserted the fibre in {} of {} trials "
+      "({:.1f} %; 95 % interval {:.1f} to {:.1f} %). Pushing straight in at constant speed did so "
+      "in {} of the same {} trials ({:.1f} %).</p>\n",
+      2e6 * scene.world.annulus.fibre_radius, 2e6 * scene.world.annulus.bore_radius,
+      r.recorded.size(), learned.successes, learned.trials, 100 * learned.success_rate,
+      100 * learned.wilson.low, 100 * learned.wilson.high, baseline.successes, baseline.trials,
+      100 * baseline.success_rate);
+  html += fmt::format(
+      "<p>Everything here is simulated, the operators too. Scene <code>{}</code>, seed {}. The "
+      "fibre starts {:g} um outside the bore, misaligned sideways with a standard deviation of "
+      "{:g} "
+      "um in each direction and tilted with {:g} mrad; a trial fails when the force at the holder "
+      "exceeds {:g} uN. Recording took {:.1f} s, fitting {:.1f} s, the trials {:.1f} s.</p>\n",
+      escaped(scene.name), r.seed, 1e6 * scene.start.distance, 1e6 * scene.start.lateral_sd,
+      1e3 * scene.start.tilt_sd, 1e6 * scene.limits.force, r.record_seconds, r.fit_seconds,
+      r.evaluate_seconds);
+
+  html += "<h2>The forces</h2>\n";
+  html += figure(gap_plot(scene),
+                 "Magnitudes; laws in the form the scene asks for. Compare Fig. 5 of the paper.");
+  html += figure(depth_plot(scene), "Attraction negative. Compare Fig. 7 of the paper.");
+
+  html += "<h2>The demonstrations</h2>\n" + recorded_table(r);
+  if (!r.shown.empty())
+    html +=
+        figure(demonstration_plot(read_episode(r.shown), scene),
+               "In the manner of Fig. 10 of the paper: the speed along &minus;x rises and falls "
+               "back to 0; dots are the contact force. File <code>" +
+                   escaped(r.shown) + "</code>.");
+
+  html +=
+      "<h2>The fitted law</h2>\n<pre>" +
+      escaped(
+          "v_x = -v_c (1 - exp(-t/t_r)) (1 - exp((d - d_e)/L)) / (1 + k |f|^2) + A_x f_x\n"
+          "v_y = A_y f_y + b_y\nv_z = A_z f_z + b_z") +
+      "</pre>\n<p>In the hand's world: f is the felt force relative to that at rest, d the depth "
+      "of the hand past the entrance, t the time since the start.</p>\n" +
+      gains_table(c);
+  html += fmt::format(
+      "<p>{} training episodes, {} held out. Velocity residual {:.3g} mm/s, held out {:.3g} mm/s; "
+      "the law explains {:.0f} % of the velocities' variance. The operators' reaction time was "
+      "identified as {:.2f} s and is not imitated.</p>\n",
+      c.episodes.size(), c.held_out.size(), 1e3 * c.residual, 1e3 * c.held_out_residual,
+      100 * r.fit.explained, c.reaction_time);
+
+  html += "<h2>By itself</h2>\n" + success_table(learned, baseline);
+  html += fmt::format(
+      "<p>On the same trials the learned controller succeeds {:+.1f} percentage points more often "
+      "(95 % {:+.1f} to {:+.1f}; McNemar p = {:.2g}).</p>\n",
+      100 * comparison.difference, 100 * comparison.interval.low, 100 * comparison.interval.high,
+      comparison.mcnemar_p);
+  html += "<h2>Where the failures come from</h2>\n" + outcome_table(learned, baseline);
+  html += figure(start_map(r, r.learned, "Learned controller: outcome against start"), "");
+  html += figure(start_map(r, r.baseline, "Constant velocity: outcome against start"),
+                 "Without yielding, the lateral force grows with the misalignment until it exceeds "
+                 "the limit; beyond the rim of the lead-in the fibre lands on the front face.");
+
+  html += "<h2>Again, step by step</h2>\n<pre>";
+  html += escaped(fmt::format(
+      "./ferrule record --scene {0} --skill 0.5 --episodes 10 --seed {1} --out episodes\n"
+      "./ferrule record --scene {0} --skill 0.9 --episodes 10 --seed {1} --out episodes --append\n"
+      "./ferrule fit episodes --method ceres --seed {1} --out controller.json\n"
+      "./ferrule evaluate controller.json --scene {0} --trials {2} --seed {3} "
+      "--baseline constant-velocity",
+      scene.name, r.seed, learned.trials, r.seed + 1'000'003));
+  html += fmt::format("</pre>\n<p>ferrule {}, {}.</p>\n</body></html>\n", program_version(),
+                      escaped(program_build()));
+  write_text(file, html);
+}
+
+Json report_json(const Report& r) {
+  Json json = to_json(summarise(r.learned));
+  json["scene"] = r.scene->name;
+  json["seed"] = r.seed;
+  json["baseline"] = to_json(summarise(r.baseline));
+  add_json(compare(r.learned, r.baseline), json["baseline"]);
+  return json;
+}
+
+std::string report_text(const Report& r) {
+  const Comparison c = compare(r.learned, r.baseline);
+  return to_text("learned controller", summarise(r.learned)) +
+         to_text("constant velocity", summarise(r.baseline)) +
+         fmt::format("same trials: {:+.1f} % ({:+.1f} to {:+.1f}), McNemar p = {:.2g}\n",
+                     100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p);
+}
+
+}  // namespace ferrule

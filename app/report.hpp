@@ -1,0 +1,29 @@
+// The report of a demo: one HTML file that opens from disk and needs no network.
+#pragma once
+
+#include "app/recording.hpp"
+#include "controller/campaign.hpp"
+#include "learn/fit_law.hpp"
+
+namespace ferrule {
+
+struct Report {
+  const Scene* scene = nullptr;
+  std::uint64_t seed = 0;
+  struct OfSkill {
+    double skill;
+    Recorded recorded;
+  };
+  std::vector<OfSkill> recorded;
+  std::string shown;  // file of the demonstration that is drawn
+  FitReport fit;
+  std::vector<TrialResult> learned, baseline;
+  double record_seconds = 0, fit_seconds = 0, evaluate_seconds = 0;
+};
+
+// Throws FileTrouble.
+void write_report(const std::string& file, const Report& report);
+std::string report_text(const Report& report);
+Json report_json(const Report& report);
+
+}  // namespace ferrule

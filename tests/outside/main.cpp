@@ -1,0 +1,19 @@
+#include <capture/episode.hpp>
+#include <controller/trial.hpp>
+#include <iostream>
+#include <learn/fit_law.hpp>
+#include <sim/scene.hpp>
+
+int main(int, char** arguments) {
+  using namespace ferrule;
+  const Scene scene = load_scene(arguments[1], {"limits.speed_um_s=40"});
+  State state = draw_start(scene, 1, 1);
+  Pose hand = state.hand;
+  for (int n = 0; n < 100; ++n) {
+    hand[0] -= 10e-9;
+    state = step(scene.world, state, hand, 1e-3).state;
+  }
+  std::cout << "tip at x = " << 1e6 * state.tip[0] << " um\n";
+  const ConstantVelocity controller(8e-3);
+  std::cout << name(run_trial(scene, scene_scaling(scene), controller, 1, 1).outcome) << "\n";
+}

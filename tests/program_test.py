@@ -1,0 +1,549 @@
+"""Whole runs of the program, as a user and a reader of its files sees them.
+
+usage: program_test.py GROUP PROGRAM SOURCE_FOLDER BUILD_FOLDER
+"""
+
+import copy
+import glob
+import json
+import math
+import os
+import random
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+import h5py
+import jsonschema
+import numpy
+
+PROGRAM, SOURCE, BUILD = "", "", ""
+QUICK = ["--set", "start.distance_um=10", "--set", "success.depth_um=8",
+         "--set", "limits.speed_um_s=20", "--set", "start.lateral_sd_um=4"]
+
+
+def ferrule(*arguments, **options):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
+                          timeout=600, **options)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="ferrule-test-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def done(self, *arguments, **options):
+        run = ferrule(*arguments, **options)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return run
+
+    def refused(self, code, *arguments, says=(), **options):
+        run = ferrule(*arguments, **options)
+        self.assertEqual(run.returncode, code, run.stderr + run.stdout)
+        self.assertEqual(run.stdout, "")
+        self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        for text in says:
+            self.assertIn(text, run.stderr)
+
+    def record(self, out, *more, episodes=3):
+        self.done("record", "--scene", "paper", *QUICK, "--episodes", episodes, "--out", out, *more)
+        return sorted(glob.glob(out + "/*.h5"))
+
+
+class Forces(Case):
+    def test_curves_are_the_printed_formulas(self):
+        hamaker, volts, gamma, angle, film = 1.3e-19, 0.37, 0.031, math.radians(41), 55e-9
+        run = self.done("forces", "--gap-nm", "1:500:50:log", "--length-um", 73, "--json",
+                        "--set", f"laws.van_der_waals.hamaker_J={hamaker}",
+                        "--set", f"laws.electrostatic.voltage_V={volts}",
+                        "--set", f"laws.capillary.surface_tension_N_m={gamma}",
+                        "--set", f"laws.capillary.contact_angle_deg={math.degrees(angle)}",
+                        "--set", f"laws.capillary.film_nm={film * 1e9}")
+        document = json.loads(run.stdout)
+        self.assertEqual(document["scene"], "paper")
+        rows = document["rows"]
+        self.assertEqual(len(rows), 50)
+        self.assertEqual(rows[-1]["gap_nm"], 500)
+        area = 62.5e-6 * math.pi / 2 * 73e-6
+        for row in rows:
+            h = row["gap_nm"] * 1e-9
+            vdw = -hamaker * area / (24 * math.pi * h**3) if h <= 100e-9 else 0
+            self.same(row["van_der_waals_uN"], vdw * 1e6)
+            self.same(row["electrostatic_uN"], -8.85e-12 * volts**2 * area / (2 * h**2) * 1e6)
+            r1 = h / (2 * math.cos(angle))
+            cap = -2 * gamma * 73e-6 * (1 - (h - 2 * film) / (2 * r1)) * math.cos(angle)
+            self.same(row["capillary_uN"], cap * 1e6)
+            self.same(row["gravity_uN"], -2330 * math.pi * 62.5e-6**2 * 0.05 * 1e6)
+            self.assertEqual(row["adhesion_uN"], 0)
+            self.assertEqual(row["friction_uN"], 0)
+
+    def same(self, a, b):
+        self.assertLessEqual(abs(a - b), 1e-11 * abs(b), (a, b))
+
+    def test_adhesion_and_friction_of_table_i_against_depth(self):
+        rows = json.loads(self.done("forces", "--depth-nm", "0:10:11", "--json").stdout)["rows"]
+        self.assertEqual([row["depth_nm"] for row in rows], list(range(11)))
+        for row, adhesion, friction in ((rows[0], -5.574418828, 0.1296897463),
+                                        (rows[10], -7.830277437, 0.1728765087)):
+            self.assertAlmostEqual(row["adhesion_uN"] / adhesion, 1, delta=2e-9)
+            self.assertAlmostEqual(row["friction_uN"] / friction, 1, delta=2e-9)
+
+    def test_forces_grow_in_a_straight_line_with_the_inserted_length(self):
+        rows = json.loads(self.done("forces", "--length-um", "0:200:21", "--json").stdout)["rows"]
+        for row in rows:
+            self.assertAlmostEqual(row["capillary_uN"], rows[10]["capillary_uN"] *
+                                   row["length_um"] / 100, delta=1e-9)
+
+    def test_plot_is_a_drawing(self):
+        file = self.path("plot.svg")
+        for sweep in (["--gap-nm", "1:500:50:log"], ["--length-um", "0:200:21"],
+                      ["--depth-nm", "0:10:11"]):
+            self.done("forces", *sweep, "--plot", file)
+            text = open(file).read()
+            self.assertIn("</svg>", text)
+            self.assertGreater(text.count("<path"), 5)
+
+    def test_forms(self):
+        self.refused(2, "forces", "--form", "corrected", says=["van_der_waals", "adhesion"])
+        run = self.done("forces", "--form", "corrected", "--scene", self.only_gravity(), "--json")
+        self.assertAlmostEqual(json.loads(run.stdout)["rows"][0]["gravity_uN"], -14.020, delta=1e-3)
+
+    def only_gravity(self):
+        scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
+        scene["laws"] = {"gravity": {"form": "printed"}}
+        json.dump(scene, open(self.path("gravity.json"), "w"))
+        return self.path("gravity.json")
+
+    def test_bad_ranges(self):
+        for text in ("", "a", "1:2", "1:2:0", "1:2:3:lin", "0:5:3:log", "-1", "1:2:2.5", "nan"):
+            self.refused(2, "forces", "--gap-nm=" + text, says=["--gap-nm"])
+
+
+class Scenes(Case):
+    def setUp(self):
+        super().setUp()
+        self.schema = json.load(open(SOURCE + "/data/scenes/scene.schema.json"))
+        jsonschema.Draft202012Validator.check_schema(self.schema)
+        self.validator = jsonschema.Draft202012Validator(self.schema)
+        self.paper = json.load(open(SOURCE + "/data/scenes/paper.json"))
+
+    def program_takes(self, scene):
+        file = self.path("scene.json")
+        with open(file, "w") as out:
+            json.dump(scene, out)
+        run = ferrule("forces", "--scene", file, "--json")
+        self.assertIn(run.returncode, (0, 2), run.stderr)
+        if run.returncode == 2:
+            self.assertTrue(run.stderr.startswith("ferrule: " + file + ": "), run.stderr)
+            self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        return run.returncode == 0
+
+    def test_all_shipped_scenes_are_valid(self):
+        for file in glob.glob(SOURCE + "/data/scenes/*.json"):
+            if not file.endswith(".schema.json"):
+                self.validator.validate(json.load(open(file)))
+                self.assertTrue(self.program_takes(json.load(open(file))), file)
+
+    def test_schema_and_program_agree_on_broken_scenes(self):
+        draw = random.Random(4)
+        paths = []
+
+        def walk(node, path):
+            if isinstance(node, dict):
+                for key in node:
+                    paths.append(path + [key])
+                    walk(node[key], path + [key])
+
+        walk(self.paper, [])
+        values = [-1, 0, "text", None, [], {}, True, 1e-3, 0.3, 95, [0, 0], 1e300]
+        refused = 0
+        for _ in range(150):
+            scene = copy.deepcopy(self.paper)
+            path = draw.choice(paths)
+            place = scene
+            for key in path[:-1]:
+                place = place[key]
+            how = draw.randrange(4)
+            if how == 0:
+                del place[path[-1]]
+            elif how == 1:
+                place["surprise"] = draw.choice(values)
+            else:
+                place[path[-1]] = draw.choice(values)
+            # What no schema can say: relations between keys.
+            if path[-1] in ("diameter_um", "bore_diameter_um", "depth_um", "length_mm"):
+                continue
+            valid = self.validator.is_valid(scene)
+            self.assertEqual(self.program_takes(scene), valid, (path, how, scene))
+            refused += not valid
+        self.assertGreater(refused, 50)
+
+    def test_every_verb_takes_scene_and_set(self):
+        for verb in ("forces", "record", "evaluate"):
+            text = self.done(verb, "--help").stdout
+            self.assertIn("--scene", text)
+            self.assertIn("--set", text)
+
+    def test_messages(self):
+        self.refused(2, "forces", "--set", "ferrule.bore_diameter_um=124.9",
+                     says=["paper.json", "ferrule.bore_diameter_um = 124.9", "wider than the fibre"])
+        self.refused(2, "forces", "--set", "fibre.poisson=0.6", says=["fibre.poisson = 0.6"])
+        self.refused(2, "forces", "--set", "holder.tpye=3", says=["holder.tpye = 3", "unknown key"])
+        self.refused(3, "forces", "--scene", "nowhere", says=["nowhere", "paper"])
+        self.refused(3, "forces", "--scene", "/no/where.json", says=["/no/where.json"])
+        broken = self.path("broken.json")
+        for text in ('{"name": "x",\n "fibre": NaN}', "", "[1, 2]", "\x00\xff", '{"name": 1e999}'):
+            with open(broken, "w") as out:
+                out.write(text)
+            self.refused(2, "forces", "--scene", broken, says=[broken])
+
+
+class Usage(Case):
+    def test_wrong_usage_is_one_line_and_code_2(self):
+        for arguments in ([], ["dance"], ["forces", "--gap"], ["record"], ["record", "--skill", "2",
+                          "--out", "x"], ["evaluate"], ["fit", "x"], ["evaluate", "--trials", "0",
+                          "--baseline", "constant-velocity"], ["record", "--episodes", "many",
+                          "--out", "x"], ["evaluate", "--baseline", "hope"]):
+            self.refused(2, *arguments)
+
+    def test_help_and_version(self):
+        text = self.done("--help").stdout
+        for verb in ("demo", "forces", "record", "recover", "replay", "fit", "evaluate"):
+            self.assertIn(verb, text)
+            self.assertTrue(self.done(verb, "--help").stdout)
+        self.assertRegex(self.done("--version").stdout, r"^\d+\.\d+\.\d+ ")
+
+    def test_a_full_output_is_noticed(self):
+        with open("/dev/full", "w") as full:
+            run = subprocess.run([PROGRAM, "forces", "--json"], stdout=full, stderr=subprocess.PIPE)
+        self.assertEqual(run.returncode, 3)
+
+    def test_the_start_script_names_missing_packages(self):
+        tools = self.path("bin")
+        os.mkdir(tools)
+        with open(tools + "/dpkg-query", "w") as out:
+            out.write("#!/bin/sh\necho installed g++\nexit 1\n")
+        os.chmod(tools + "/dpkg-query", 0o755)
+        clone = self.path("clone")
+        os.mkdir(clone)
+        shutil.copy(SOURCE + "/ferrule", clone)
+        run = subprocess.run([clone + "/ferrule", "demo"], capture_output=True, text=True,
+                             env={**os.environ, "FERRULE_NO_INSTALL": "1",
+                                  "PATH": tools + ":" + os.environ["PATH"]})
+        self.assertEqual(run.returncode, 3)
+        self.assertEqual(run.stdout, "")
+        self.assertIn("missing packages:", run.stderr)
+        self.assertIn("libceres-dev", run.stderr)
+        self.assertNotIn("g++", run.stderr)
+
+
+class Recording(Case):
+    def test_an_episode_is_read_by_h5py_as_documented(self):
+        files = self.record(self.path("out"))
+        self.assertEqual(len(files), 3)
+        with h5py.File(files[1]) as f:
+            self.assertEqual(f.attrs["format"], b"ferrule episode")
+            self.assertEqual(f.attrs["outcome"], b"inserted")
+            self.assertEqual(json.loads(f.attrs["scene"])["name"], "paper")
+            self.assertEqual(f.attrs["trial"], 2)
+            self.assertAlmostEqual(f.attrs["alpha_x"], 250)
+            demo = f["data/demo_0"]
+            n = demo.attrs["num_samples"]
+            self.assertEqual(f["data"].attrs["total"], n)
+            arguments = json.loads(f["data"].attrs["env_args"])
+            self.assertTrue({"env_name", "type", "env_type", "env_version", "env_kwargs"}
+                            <= set(arguments))
+            for name in ("actions", "states"):
+                self.assertEqual(demo[name].shape[0], n)
+                self.assertEqual(demo[name].compression, "gzip")
+            self.assertEqual(demo["rewards"].shape, (n,))
+            self.assertEqual(demo["dones"][-1], 1)
+            self.assertEqual(demo["rewards"][-1], 1)
+            self.assertLessEqual(abs(demo["actions"][:]).max(), 1)
+            for key in demo["obs"]:
+                now, later = demo["obs"][key][:], demo["next_obs"][key][:]
+                self.assertTrue((now[1:] == later[:-1]).all())
+            # Unscaled actions are the commands, and commands move the hand.
+            scale = demo["actions"].attrs["scale_m_s"]
+            command = demo["rows/command"][:]
+            numpy.testing.assert_allclose(demo["actions"][:, 0] * scale, command[:, 0], rtol=1e-12)
+            pose = demo["rows/hand_pose"][:]
+            numpy.testing.assert_allclose(numpy.diff(pose, axis=0) / 1e-3, command[:-1], atol=1e-11)
+            # The hand's world is the tip's, scaled: the hand in the state is the hand's pose.
+            numpy.testing.assert_allclose(demo["states"][:, 5:8] * 250, pose[:, :3], rtol=1e-12)
+            wrench = demo["rows/holder_wrench"][:, :3]
+            numpy.testing.assert_allclose(demo["obs/wrench_N"][:, :3], wrench * 8.46e5, rtol=1e-5,
+                                          atol=1e-6)
+            # In equilibrium the holder carries the sum of all other forces.
+            total = demo["rows/forces"][:].reshape(n, 8, 3).sum(axis=1)
+            numpy.testing.assert_allclose(total, wrench, atol=5e-11)
+
+            def units(name, item):
+                if isinstance(item, h5py.Dataset):
+                    self.assertIn("unit", item.attrs, name)
+                    self.assertIn("columns", item.attrs, name)
+
+            demo.visititems(units)
+
+    def test_same_seed_same_rows_other_seed_other_rows(self):
+        a = self.record(self.path("a"), "--seed", 5, episodes=1)[0]
+        b = self.record(self.path("b"), "--seed", 5, episodes=1)[0]
+        c = self.record(self.path("c"), "--seed", 6, episodes=1)[0]
+        states = [h5py.File(f)["data/demo_0/states"][:] for f in (a, b, c)]
+        self.assertTrue((states[0] == states[1]).all())
+        self.assertFalse(states[0].shape == states[2].shape and (states[0] == states[2]).all())
+
+    def test_a_folder_with_episodes_is_only_added_to_when_asked(self):
+        out = self.path("out")
+        self.record(out, episodes=1)
+        self.refused(2, "record", "--out", out, says=["--append"])
+        self.assertEqual(len(self.record(out, "--append", episodes=2)), 3)
+
+    def test_kill_loses_no_finished_episode_and_recover_brings_back_the_running_one(self):
+        for delay in (0.3, 0.8, 1.3):
+            out = self.path(f"out{delay}")
+            process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
+                                        "--out", out], stdout=subprocess.PIPE, text=True)
+            first = process.stdout.readline()
+            self.assertIn("episode_0001.h5", first)
+            time.sleep(delay)
+            process.kill()
+            told = [first] + process.stdout.read().splitlines()
+            process.wait()
+            process.stdout.close()
+            whole = glob.glob(out + "/*.h5")
+            self.assertGreaterEqual(len(whole), len([t for t in told if ".h5" in t]))
+            parts = glob.glob(out + "/*.part")
+            # Between two episodes there may be none; one that had no rows yet stays.
+            result = json.loads(self.done("recover", out, "--json").stdout)["recovered"]
+            self.assertEqual(len(result), len(parts))
+            for each in result:
+                if each["file"]:
+                    with h5py.File(each["file"]) as f:
+                        self.assertEqual(f["data/demo_0/states"].shape[0], each["rows"])
+                        self.assertEqual(f.attrs["outcome"], b"interrupted")
+            for file in sorted(glob.glob(out + "/*.h5"))[-3:]:
+                self.done("replay", file, "--verify")
+            self.assertEqual(glob.glob(out + "/*.tmp"), [])
+
+    def test_ctrl_c_ends_the_episode_cleanly_and_says_so(self):
+        out = self.path("out")
+        process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
+                                    "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        process.stdout.readline()
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn("stopped by Ctrl-C", errors)
+        self.assertEqual(glob.glob(out + "/*.part"), [])
+        for file in sorted(glob.glob(out + "/*.h5"))[-3:]:
+            self.done("replay", file, "--verify")
+
+    def test_a_full_disk_is_one_line_and_keeps_what_was_flushed(self):
+        out = self.path("out")
+
+        def small_files():
+            import resource
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+
+        run = ferrule("record", "--scene", "paper", "--episodes", 1, "--out", out,
+                      preexec_fn=small_files)
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        self.assertEqual(glob.glob(out + "/*.h5") + glob.glob(out + "/*.tmp"), [])
+        recovered = json.loads(self.done("recover", out, "--json").stdout)["recovered"]
+        self.assertGreater(recovered[0]["rows"], 4000)
+        self.done("replay", recovered[0]["file"], "--verify")
+
+    def test_a_folder_that_cannot_be_made(self):
+        self.refused(3, "record", "--out", "/proc/nothing/here", says=["/proc/nothing/here"])
+
+
+class Replay(Case):
+    def test_a_changed_number_is_reported_at_its_row(self):
+        file = self.record(self.path("out"), episodes=1)[0]
+        self.done("replay", file)
+        self.assertTrue(json.loads(self.done("replay", file, "--verify", "--json").stdout)["identical"])
+        with h5py.File(file) as f:
+            names = []
+            f["data/demo_0"].visititems(
+                lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        self.assertGreater(len(names), 14)
+        for name in names:
+            for row in (0, 321, -1):
+                changed = self.path("changed.h5")
+                shutil.copy(file, changed)
+                with h5py.File(changed, "r+") as f:
+                    data = f["data/demo_0/" + name]
+                    value = data[row]
+                    flat = numpy.atleast_1d(value).copy()
+                    if flat.dtype.kind == "f":
+                        flat[-1] = numpy.nextafter(flat[-1], flat.dtype.type(1e9))
+                    else:
+                        flat[-1] += 1
+                    data[row] = flat.reshape(numpy.shape(value))
+                    expected = row % data.shape[0]
+                run = ferrule("replay", changed, "--verify", "--json")
+                self.assertEqual(run.returncode, 1, (name, row, run.stderr))
+                found = json.loads(run.stdout)["difference"]["row"]
+                self.assertLessEqual(abs(found - expected), 1, (name, row))
+
+    def test_flipped_bytes_are_never_taken_for_a_whole_file(self):
+        file = self.record(self.path("out"), episodes=1)[0]
+        whole = open(file, "rb").read()
+        with h5py.File(file) as f:
+            data = f["data/demo_0/states"]
+            chunk = data.id.get_chunk_info(1)
+        draw = random.Random(1)
+        for _ in range(25):
+            changed = bytearray(whole)
+            at = chunk.byte_offset + draw.randrange(chunk.size)
+            changed[at] ^= 1 << draw.randrange(8)
+            with open(self.path("flipped.h5"), "wb") as out:
+                out.write(changed)
+            run = ferrule("replay", self.path("flipped.h5"), "--verify")
+            self.assertIn(run.returncode, (1, 3), at)
+        for _ in range(60):  # anywhere: no crash, no hang
+            changed = bytearray(whole)
+            for _ in range(20):
+                changed[draw.randrange(len(changed))] ^= 1 << draw.randrange(8)
+            with open(self.path("flipped.h5"), "wb") as out:
+                out.write(changed)
+            run = ferrule("replay", self.path("flipped.h5"), "--verify")
+            self.assertIn(run.returncode, (0, 1, 2, 3), run.stderr)
+
+    def test_not_an_episode(self):
+        with open(self.path("x.h5"), "w") as out:
+            out.write("hello")
+        self.refused(3, "replay", self.path("x.h5"), says=["x.h5"])
+        with h5py.File(self.path("y.h5"), "w") as f:
+            f["a"] = 1
+        self.refused(3, "replay", self.path("y.h5"), says=["not a ferrule episode"])
+        self.refused(3, "replay", self.path("z.h5"), says=["z.h5"])
+
+
+class Learning(Case):
+    KEYS = {"trials", "successes", "success_rate", "wilson_low", "wilson_high", "outcomes", "time_s",
+            "peak_force_uN", "loss_dB"}
+
+    def test_record_fit_evaluate(self):
+        out, controller = self.path("out"), self.path("controller.json")
+        self.record(out, episodes=6)
+        self.assertIn("ramp_time", self.done("fit", out, "--out", controller).stdout)
+        again = self.path("again.json")
+        self.done("fit", out, "--out", again, "--json")
+        self.assertEqual(open(controller).read(), open(again).read())
+
+        arguments = ["evaluate", controller, "--scene", "paper", *QUICK, "--trials", 30, "--seed", 9,
+                     "--json", "--baseline", "constant-velocity"]
+        outputs = {self.done(*arguments, "--threads", n).stdout for n in (1, 2, 5, 0)}
+        self.assertEqual(len(outputs), 1)
+        result = json.loads(outputs.pop())
+        for part in (result, result["baseline"]):
+            self.assertTrue(self.KEYS <= set(part))
+            self.assertEqual(sum(part["outcomes"].values()), 30)
+            self.assertEqual(part["outcomes"].get("inserted", 0), part["successes"])
+        self.assertIn("mcnemar_p", result["baseline"])
+        alone = json.loads(self.done("evaluate", "--baseline", "constant-velocity", "--scene",
+                                     "paper", *QUICK, "--trials", 30, "--seed", 9, "--json").stdout)
+        for key in self.KEYS:
+            self.assertEqual(alone[key], result["baseline"][key])
+
+    def test_a_recorded_controller_is_fitted_back(self):
+        out, first, second = self.path("out"), self.path("first.json"), self.path("second.json")
+        self.record(out, episodes=6)
+        self.done("fit", out, "--out", first)
+        known = json.load(open(first))
+        known["gains"]["yield_y"]["value"] = 8.8e-4
+        known["gains"]["slowing"]["value"] = 0.21
+        known["gains"]["yield_x"]["value"] = 1.3e-4
+        json.dump(known, open(first, "w"))
+        by_law = self.path("by_law")
+        self.done("record", "--operator", first, "--scene", "paper", *QUICK, "--episodes", 6,
+                  "--out", by_law)
+        self.done("fit", by_law, "--out", second)
+        back = json.load(open(second))
+        for name, gain in known["gains"].items():
+            self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
+                                   msg=name)
+
+    def test_refusals(self):
+        out = self.path("out")
+        self.record(out, episodes=2)
+        self.refused(2, "fit", out, "--out", self.path("c.json"), says=["too few demonstrations"])
+        self.assertFalse(os.path.exists(self.path("c.json")))
+        self.refused(3, "fit", self.path("none"), "--out", self.path("c.json"), says=["none"])
+        self.refused(3, "evaluate", self.path("none.json"), says=["none.json"])
+        for text, code in (("{}", 2), ("", 2), ('{"format": "ferrule controller"}', 2)):
+            with open(self.path("bad.json"), "w") as f:
+                f.write(text)
+            self.refused(code, "evaluate", self.path("bad.json"), says=["bad.json"])
+
+
+class Demo(Case):
+    """Slow; only in the release build."""
+
+    def test_the_main_job_and_its_steps(self):
+        out = self.path("demo")
+        run = self.done("demo", "--out", out, "--seed", 3, "--json")
+        result = json.loads(run.stdout)
+        self.assertGreaterEqual(result["success_rate"], 0.95)
+        self.assertLessEqual(result["baseline"]["success_rate"], 0.60)
+        self.assertIn(out + "/report.html", run.stderr)
+        html = open(out + "/report.html").read()
+        for text in ("95 % interval", "yield_y", "force_limit", "McNemar"):
+            self.assertIn(text, html)
+        self.assertNotRegex(html, r"(src|href)=\"(?!data:)")
+        self.assertEqual(html.count("<figure>"), 5)
+        # The steps that the report names give the same numbers.
+        again, controller = self.path("again"), self.path("controller.json")
+        for skill, more in ((0.5, []), (0.9, ["--append"])):
+            self.done("record", "--scene", "demo", "--skill", skill, "--episodes", 10, "--seed", 3,
+                      "--out", again, *more)
+        self.done("fit", again, "--method", "ceres", "--seed", 3, "--out", controller)
+        gains = [json.load(open(f))["gains"] for f in (controller, out + "/controller.json")]
+        self.assertEqual(*gains)
+        # It runs again over its own folder, and not over a stranger's.
+        other = self.path("other")
+        os.mkdir(other)
+        open(other + "/mine", "w").close()
+        self.refused(2, "demo", "--out", other, says=["was not made by a demo"])
+
+
+class Install(Case):
+    """Slow; only in the release build."""
+
+    def test_an_outside_project_finds_the_package_and_steps_a_scene(self):
+        prefix = self.path("prefix")
+        subprocess.run(["cmake", "--install", BUILD, "--prefix", prefix], check=True,
+                       stdout=subprocess.DEVNULL)
+        listing = subprocess.run([prefix + "/bin/ferrule", "forces", "--scene", "dry", "--json"],
+                                 capture_output=True, text=True, check=True).stdout
+        self.assertEqual(json.loads(listing)["scene"], "dry")
+        outside = self.path("outside")
+        shutil.copytree(SOURCE + "/tests/outside", outside)
+        subprocess.run(["cmake", "-S", outside, "-B", outside + "/build", "-G", "Ninja",
+                        "-DCMAKE_PREFIX_PATH=" + prefix, "-DCMAKE_BUILD_TYPE=Release"], check=True,
+                       stdout=subprocess.DEVNULL)
+        subprocess.run(["cmake", "--build", outside + "/build"], check=True,
+                       stdout=subprocess.DEVNULL)
+        run = subprocess.run([outside + "/build/outside", prefix + "/share/ferrule/scenes/paper.json"],
+                             capture_output=True, text=True, check=True)
+        self.assertIn("inserted", run.stdout)
+
+
+if __name__ == "__main__":
+    words = [w for w in sys.argv[1:] if not w.startswith("-")]
+    PROGRAM, SOURCE = os.path.abspath(words[1]), os.path.abspath(words[2])
+    BUILD = os.path.abspath(words[3])
+    unittest.main(argv=[sys.argv[0], words[0], "-v"])
