@@ -3,13 +3,14 @@
 
 #include <fmt/format.h>
 
+#include "app/demonstration_plot.hpp"
 #include "app/verb.hpp"
 
 namespace ferrule {
 namespace {
 
 struct Arguments {
-  std::string file;
+  std::string file, plot;
   bool verify = false, json = false;
 };
 
@@ -17,8 +18,13 @@ int replay_verb(const Arguments& a) {
   const Episode episode = read_episode(a.file);
   const EpisodeInfo& info = episode.info;
   const auto rows = static_cast<std::size_t>(episode.rows.rows());
+  const Scene scene = parse_scene(parse_json(info.scene, a.file), a.file);
+  if (!a.plot.empty()) {
+    write_svg(a.plot, demonstration_plot(episode, scene));
+    fmt::print(stderr, "wrote {}\n", a.plot);
+  }
   Json json = {{"file", a.file},
-               {"scene", Json::parse(info.scene)["name"]},
+               {"scene", scene.name},
                {"operator", info.operator_},
                {"outcome", name(info.outcome)},
                {"rows", rows},
@@ -58,7 +64,6 @@ int replay_verb(const Arguments& a) {
   }
   fmt::print("{:>8} {:>10} {:>10} {:>10} {:>9} {:>9} {:>9} {:>10} {:>10} {:>10}\n", "t_s", "x_um",
              "y_um", "z_um", "vx_um_s", "vy_um_s", "vz_um_s", "Fx_uN", "Fy_uN", "Fz_uN");
-  const Scene scene = parse_scene(Json::parse(info.scene), a.file);
   const double motion = scene_scaling(scene).motion;
   const std::size_t stride = std::max<std::size_t>(1, rows / 40);
   for (std::size_t n = 0; n < rows; n += stride) {
@@ -83,6 +88,7 @@ void add_replay(CLI::App& app, Run& run) {
   verb->add_flag("--verify", a->verify,
                  "Drive the simulator from the recorded hand and compare bit for bit; exit code 1 "
                  "at a difference");
+  verb->add_option("--plot", a->plot, "Draw velocity and forces over time")->type_name("FILE.svg");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] { run = [a] { return replay_verb(*a); }; });
 }
