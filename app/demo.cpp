@@ -35,13 +35,17 @@ void make_folder(const std::string& folder) {
   if (fs::exists(folder) && !fs::is_empty(folder, error)) {
     if (error || !fs::exists(marker))
       throw BadInput(folder + ": exists and was not made by a demo; choose another with --out");
-    for (const char* name : {"episodes", "controller.json", "report.html"})
-      fs::remove_all(fs::path(folder) / name, error);
+    for (const char* name : {"controller.json", "report.html"})
+      fs::remove(fs::path(folder) / name, error);
+    for (int number = 1; number <= kEpisodesPerSkill * static_cast<int>(std::size(kSkills));
+         ++number)
+      for (const char* ending : {".h5", ".part"})
+        fs::remove(fs::path(folder) / "episodes" / (episode_name(number) + ending), error);
   }
   fs::create_directories(folder, error);
   if (error) throw FileTrouble(folder + ": cannot be made: " + error.message());
   write_text(marker.string(),
-             "made by ferrule demo, which empties this folder before it runs again\n");
+             "made by ferrule demo, which replaces its own files here when it runs again\n");
 }
 
 class Clock {
@@ -74,6 +78,8 @@ int demo_verb(const Arguments& a) {
     for (const double skill : kSkills)
       for (int i = 0; i < kEpisodesPerSkill; ++i) {
         const auto trial = static_cast<std::uint64_t>(++number);
+        if (claim_episode(episodes, number) != number)
+          throw BadInput(episodes + ": holds other episodes; choose another folder with --out");
         const State start = draw_start(scene, a.seed, trial);
         const auto device = simulated_operator(scene, start, skill, 1e-3, a.seed, trial);
         report.recorded.push_back(
@@ -87,6 +93,7 @@ int demo_verb(const Arguments& a) {
       }
   }
   report.record_seconds = clock.seconds();
+  stop_watching_for_interrupt();
 
   tell("2/4 fitting the insertion law");
   const Clock fit_clock;
@@ -139,9 +146,7 @@ void add_demo(CLI::App& app, Run& run) {
   verb->add_option("--out", a->out, "Folder for episodes, controller and report")
       ->capture_default_str()
       ->type_name("DIR");
-  verb->add_option("--seed", a->seed, "Seed of everything")
-      ->capture_default_str()
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
+  add_seed(*verb, a->seed, "Seed of everything");
   verb->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")
       ->capture_default_str()
       ->check(CLI::Range(0, 4096));

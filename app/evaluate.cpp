@@ -55,10 +55,11 @@ int evaluate_verb(const Arguments& a) {
     json["baseline"].update(to_json(baseline));
     add_json(comparison, json["baseline"]);
     if (!a.json)
-      fmt::print("{}same trials: {:+.1f} % ({:+.1f} to {:+.1f}), McNemar p = {:.2g}\n",
-                 to_text(a.baseline, baseline), 100 * comparison.difference,
-                 100 * comparison.interval.low, 100 * comparison.interval.high,
-                 comparison.mcnemar_p);
+      fmt::print(
+          "{}same trials: {:+.1f} percentage points (95 % {:+.1f} to {:+.1f}), McNemar p = "
+          "{:.2g}\n",
+          to_text(a.baseline, baseline), 100 * comparison.difference, 100 * comparison.interval.low,
+          100 * comparison.interval.high, comparison.mcnemar_p);
   }
   if (a.json) print_json(json);
   return kDone;
@@ -115,7 +116,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   verb->add_option("--trials", a->trials, "How many")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
-  verb->add_option("--seed", a->seed, "Seed of the starts")->capture_default_str();
+  add_seed(*verb, a->seed, "Seed of the starts");
   verb->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")
       ->capture_default_str()
       ->check(CLI::Range(0, 4096));

@@ -1,5 +1,6 @@
 // ferrule fit: a controller from demonstrations.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/verb.hpp"
 #include "learn/fit_law.hpp"
@@ -21,6 +22,9 @@ int fit_verb(const Arguments& a) {
   } catch (const BadInput& error) {
     throw BadInput(a.folder + ": " + error.what());
   }
+  if (set.scenes.size() > 1)
+    fmt::print(stderr, "note: the episodes are of {} different scenes: {}\n", set.scenes.size(),
+               fmt::join(set.scenes, ", "));
   write_controller(a.out, report.controller);
   const ControllerFile& c = report.controller;
   if (a.json) {
@@ -55,9 +59,7 @@ void add_fit(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(CLI::IsMember({"ceres"}));
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
-  verb->add_option("--seed", a->seed, "Seed of the split into training and held-out episodes")
-      ->capture_default_str()
-      ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{INT64_MAX}));
+  add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
   verb->add_flag("--json", a->json, "The controller file on stdout as well");
   verb->callback([a, &run] { run = [a] { return fit_verb(*a); }; });
 }

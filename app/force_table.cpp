@@ -20,6 +20,11 @@ constexpr Term kContact[] = {{"adhesion", &ForceRow::adhesion},
                              {"friction", &ForceRow::friction},
                              {"gravity", &ForceRow::gravity}};
 
+// The branch on which the surfaces touch.
+int contact_branch(const World& world) {
+  return world.adhesion && world.adhesion->curve ? world.adhesion->curve->branches() : 0;
+}
+
 }  // namespace
 
 ForceRow force_row(const World& world, double gap_nm, double length_um,
@@ -31,15 +36,18 @@ ForceRow force_row(const World& world, double gap_nm, double length_um,
       row.van_der_waals = length * van_der_waals(*world.van_der_waals, world.annulus, gap).force;
     if (world.electrostatic)
       row.electrostatic = length * electrostatic(*world.electrostatic, world.annulus, gap).force;
-    if (world.capillary) row.capillary = length * capillary(*world.capillary, gap).force;
+    if (world.capillary)
+      row.capillary = length * capillary(*world.capillary, world.annulus, gap, true).force;
   }
   // Towards the wall below the fibre.
   if (world.gravity) row.gravity = -gravity(*world.gravity, world.fibre);
   if (depth_nm) {
     const double depth = 1e-9 * *depth_nm;
-    if (world.adhesion) row.adhesion = adhesion(*world.adhesion, depth).force;
-    row.wall = wall(world.wall, depth).force;
-    if (world.friction) row.friction = friction(*world.friction, printed_contact_radius(depth));
+    const int branch = contact_branch(world);
+    if (world.adhesion) row.adhesion = adhesion(*world.adhesion, depth, branch).force;
+    if (world.wall) row.wall = wall(*world.wall, depth).force;
+    if (world.friction)
+      row.friction = friction(*world.friction, friction_radius(world, depth, branch));
   }
   return row;
 }
@@ -73,6 +81,7 @@ Json to_json(const ForceRow& row) {
   return {{"gap_nm", row.gap_nm},
           {"length_um", row.length_um},
           {"depth_nm", row.depth_nm.value_or(0.0)},
+          {"in_contact", row.depth_nm.has_value()},
           {"van_der_waals_uN", kMicro * row.van_der_waals},
           {"electrostatic_uN", kMicro * row.electrostatic},
           {"capillary_uN", kMicro * row.capillary},

@@ -19,6 +19,15 @@ int main(int argc, char** argv) {
   add_replay(app, run);
   add_fit(app, run);
   add_evaluate(app, run);
+  const auto is_verb = [&](const std::string& word) {
+    for (const CLI::App* verb : app.get_subcommands({}))
+      if (verb->get_name() == word) return true;
+    return false;
+  };
+  if (argc > 1 && argv[1][0] != '-' && !is_verb(argv[1])) {
+    fmt::print(stderr, "ferrule: unknown verb \"{}\" (see ferrule --help)\n", argv[1]);
+    return kBadInput;
+  }
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version

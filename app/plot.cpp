@@ -20,7 +20,9 @@ constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
 
 std::string quoted(const std::string& text) {
   std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("''") : std::string(1, c);
+  for (const char c : text)
+    out += c == '\'' ? std::string("''")
+                     : std::string(1, static_cast<unsigned char>(c) < 32 ? ' ' : c);
   return out + "'";
 }
 
@@ -32,7 +34,7 @@ std::string script(const Plot& plot) {
       "set multiplot layout {},1 title {} noenhanced\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd'\n"
       "set key outside right top noenhanced\nset format '%g'\n"
-      "set lmargin at screen 0.1\nset rmargin at screen 0.77\nset autoscale xfix\n{}",
+      "set lmargin at screen 0.13\nset rmargin at screen 0.77\nset autoscale xfix\n{}",
       plot.width, panels * plot.panel_height, panels, quoted(plot.title),
       plot.equal_scales ? "set size ratio -1\nset offsets graph 0.05, 0.05, 0.05, 0.05\n" : "");
   for (int p = 0; p < panels; ++p) {
@@ -77,7 +79,8 @@ std::string draw_svg(const Plot& plot) {
   write_text(name, script(plot));
   std::string svg;
   const auto close = [](FILE* f) { ::pclose(f); };
-  std::unique_ptr<FILE, decltype(close)> pipe(::popen(("gnuplot " + name).c_str(), "r"), close);
+  std::unique_ptr<FILE, decltype(close)> pipe(
+      ::popen(("gnuplot " + name + " 2>/dev/null").c_str(), "r"), close);
   if (!pipe) throw FileTrouble("gnuplot cannot be started");
   std::array<char, 65536> part;
   for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe.get())) > 0;)

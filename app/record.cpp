@@ -61,6 +61,7 @@ int record_verb(const Arguments& a) {
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
+  int next = first;
   const std::string name =
       simulated ? fmt::format("simulated, skill {}", a.skill) : "controller " + a.operator_;
   const Scaling scaling = scene_scaling(scene);
@@ -70,7 +71,8 @@ int record_verb(const Arguments& a) {
   std::size_t inserted = 0;
   Progress progress("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted(); ++i) {
-    const int number = first + i;
+    const int number = claim_episode(a.out, next);
+    next = number + 1;
     const auto trial = static_cast<std::uint64_t>(number);
     const State start = draw_start(scene, a.seed, trial);
     std::unique_ptr<Device> device;
@@ -91,6 +93,7 @@ int record_verb(const Arguments& a) {
       fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um\n", r.file,
                  ferrule::name(r.outcome), r.summary.time, 1e6 * r.summary.peak_force,
                  1e6 * r.summary.depth);
+    std::fflush(stdout);
     progress(static_cast<std::size_t>(i) + 1);
   }
   if (a.json)
@@ -99,7 +102,7 @@ int record_verb(const Arguments& a) {
     fmt::print("{} of {} episodes inserted\n", inserted, list.size());
   if (!interrupted()) return kDone;
   fmt::print(stderr,
-             "stopped by Ctrl-C: the running episode was ended and kept, {} of {} recorded\n",
+             "stopped by Ctrl-C: the running episode was ended and kept; {} of {} are there\n",
              list.size(), a.episodes);
   return kInterrupted;
 }
@@ -127,7 +130,9 @@ int recover_verb(const RecoverArguments& a) {
     print_json({{"recovered", list}});
   else if (all.empty())
     fmt::print("{}: nothing to recover\n", a.folder);
-  return kDone;
+  const bool damaged =
+      std::any_of(all.begin(), all.end(), [](const Recovered& r) { return r.damaged; });
+  return damaged ? kFileTrouble : kDone;
 }
 
 }  // namespace
@@ -142,11 +147,11 @@ void add_record(CLI::App& app, Run& run) {
       ->type_name("simulated|FILE");
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
-      ->check(CLI::Range(0.0, 1.0));
+      ->check(number_between(0, 1));
   verb->add_option("--episodes", a->episodes, "How many")
       ->capture_default_str()
       ->check(CLI::Range(1, 1000000));
-  verb->add_option("--seed", a->seed, "Seed of starts and operator")->capture_default_str();
+  add_seed(*verb, a->seed, "Seed of starts and operator");
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   verb->add_flag("--json", a->json, "One JSON document on stdout");

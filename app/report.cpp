@@ -180,7 +180,8 @@ void write_report(const std::string& file, const Report& r) {
   std::string html = kHead;
   html += fmt::format(
       "<h1>Inserting a {:g} um fibre into a {:g} um bore</h1>\n"
-      "<p class=big>A controller fitted to {} demonstrations inserted the fibre in {} of {} trials "
+      "<p class=big>A controller learned from {} demonstrations (a fifth held out) inserted the "
+      "fibre in {} of {} trials "
       "({:.1f} %; 95 % interval {:.1f} to {:.1f} %). Pushing straight in at constant speed did so "
       "in {} of the same {} trials ({:.1f} %).</p>\n",
       2e6 * scene.world.annulus.fibre_radius, 2e6 * scene.world.annulus.bore_radius,
@@ -263,8 +264,10 @@ std::string report_text(const Report& r) {
   const Comparison c = compare(r.learned, r.baseline);
   return to_text("learned controller", summarise(r.learned)) +
          to_text("constant velocity", summarise(r.baseline)) +
-         fmt::format("same trials: {:+.1f} % ({:+.1f} to {:+.1f}), McNemar p = {:.2g}\n",
-                     100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p);
+         fmt::format(
+             "same trials: {:+.1f} percentage points (95 % {:+.1f} to {:+.1f}), McNemar p = "
+             "{:.2g}\n",
+             100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p);
 }
 
 }  // namespace ferrule

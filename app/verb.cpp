@@ -45,8 +45,31 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
       ->take_all();
 }
 
+void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help) {
+  const auto whole = [](const std::string& text) {
+    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+    const bool fits = text.size() < 19 || (text.size() == 19 && text <= "9223372036854775807");
+    return digits && fits ? std::string()
+                          : "must be a whole number from 0 to 2^63 - 1, not " + text;
+  };
+  verb.add_option("--seed", seed, help)
+      ->capture_default_str()
+      ->check(CLI::Validator(whole, "WHOLE"));
+}
+
+CLI::Validator number_between(double low, double high) {
+  const auto inside = [low, high](const std::string& text) {
+    double value = NAN;
+    const bool number = CLI::detail::lexical_cast(text, value);
+    return number && value >= low && value <= high
+               ? std::string()
+               : fmt::format("must be a number from {} to {}, not {}", low, high, text);
+  };
+  return CLI::Validator(inside, fmt::format("[{} to {}]", low, high));
+}
+
 void print_json(const Json& json) {
-  std::cout << json.dump() << std::endl;
+  std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
 }
 
 void watch_for_interrupt() {
@@ -59,6 +82,11 @@ void watch_for_interrupt() {
 
 bool interrupted() noexcept {
   return g_interrupts > 0;
+}
+
+void stop_watching_for_interrupt() {
+  ::signal(SIGINT, SIG_DFL);
+  ::signal(SIGTERM, SIG_DFL);
 }
 
 struct Progress::State {

@@ -34,12 +34,20 @@ struct SceneArguments {
   Scene load() const { return load_scene(scene, settings); }
 };
 
+// --seed: a whole number from 0 to 2^63 - 1.
+void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help);
+
+// A finite number within bounds.
+CLI::Validator number_between(double low, double high);
+
 // The one JSON document of --json, on stdout.
 void print_json(const Json& json);
 
 // Ctrl-C: the first one asks the verb to end cleanly, the second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;
+// Ctrl-C ends the program at once again.
+void stop_watching_for_interrupt();
 
 // Progress of long work on a terminal: a bar with rate and time left; nothing elsewhere.
 class Progress {

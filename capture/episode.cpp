@@ -1,8 +1,5 @@
 #include "capture/episode.hpp"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
@@ -181,14 +178,14 @@ void write_tables(const Writer& out, const Episode& episode, const Scene& scene)
   }
 }
 
-void sync_and_rename(const std::string& beside, const std::string& file) {
-  const int fd = ::open(beside.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd >= 0) {
-    ::fsync(fd);
-    ::close(fd);
-  }
-  if (::rename(beside.c_str(), file.c_str()) != 0)
-    throw FileTrouble(file + ": cannot be written: " + std::strerror(errno));
+// The bytes of a file that was built in memory.
+std::string file_image(hid_t file, const std::string& trouble) {
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), trouble);
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
+  if (size < 0) throw FileTrouble(trouble);
+  std::string image(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file, image.data(), image.size()) < 0) throw FileTrouble(trouble);
+  return image;
 }
 
 // HDF5 reports errors to stderr by itself; here they become exceptions.
@@ -203,8 +200,8 @@ class Reader {
         file_(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
               name + ": not a readable HDF5 file") {}
 
-  std::string text(const char* key) const {
-    const Handle a = open_attribute(key);
+  std::string text(const char* key, const char* place = "/") const {
+    const Handle a = open_attribute(key, place);
     const Handle type(H5Aget_type(a), H5Tclose, trouble(key));
     if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
       throw FileTrouble(trouble(key));
@@ -213,14 +210,14 @@ class Reader {
     while (!value.empty() && value.back() == '\0') value.pop_back();
     return value;
   }
-  double number(const char* key) const {
+  double number(const char* key, const char* place = "/") const {
     double value = 0;
-    check(H5Aread(open_attribute(key), H5T_NATIVE_DOUBLE, &value), trouble(key));
+    check(H5Aread(open_attribute(key, place), H5T_NATIVE_DOUBLE, &value), trouble(key));
     return value;
   }
   std::uint64_t whole(const char* key) const {
     std::uint64_t value = 0;
-    check(H5Aread(open_attribute(key), H5T_NATIVE_UINT64, &value), trouble(key));
+    check(H5Aread(open_attribute(key, "/"), H5T_NATIVE_UINT64, &value), trouble(key));
     return value;
   }
 
@@ -256,8 +253,9 @@ class Reader {
   std::string trouble(const std::string& key) const {
     return name_ + ": not a ferrule episode, or damaged (at " + key + ")";
   }
-  Handle open_attribute(const char* key) const {
-    return {H5Aopen(file_, key, H5P_DEFAULT), H5Aclose, trouble(std::string("attribute ") + key)};
+  Handle open_attribute(const char* key, const char* place) const {
+    return {H5Aopen_by_name(file_, place, key, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+            trouble(std::string("attribute ") + key)};
   }
 
   std::string name_;
@@ -282,39 +280,33 @@ void write_episode(const std::string& file, const Episode& episode) {
   silence_hdf5();
   const EpisodeInfo& info = episode.info;
   const Scene scene = parse_scene(parse_json(info.scene, file), file);
-  const std::string beside = file + ".tmp";
-  const std::string trouble = file + ": cannot be written";
-  try {
-    Handle h5(H5Fcreate(beside.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose,
-              trouble);
-    {
-      const Writer out(h5, file);
-      out.attribute(h5, "format", std::string(kFormat));
-      out.attribute(h5, "format_version", kFormatVersion);
-      out.attribute(h5, "ferrule_version", info.version);
-      out.attribute(h5, "build", info.build);
-      out.attribute(h5, "scene", info.scene);
-      out.attribute(h5, "operator", info.operator_);
-      out.attribute(h5, "seed", info.seed);
-      out.attribute(h5, "trial", info.trial);
-      out.attribute(h5, "period_s", info.period);
-      out.attribute(h5, "alpha_x", scene_scaling(scene).motion);
-      out.attribute(h5, "alpha_f", scene_scaling(scene).force);
-      out.attribute(h5, "outcome", std::string(name(info.outcome)));
-      const Handle data = out.group("/data");
-      out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
-      out.attribute(data, "env_args", environment(info).dump());
-      const Handle demo = out.group(kDemo);
-      out.attribute(demo, "num_samples", static_cast<std::int64_t>(episode.rows.rows()));
-      write_tables(out, episode, scene);
-    }
-    h5.close(trouble);
-    sync_and_rename(beside, file);
-  } catch (...) {
-    std::error_code ignored;
-    fs::remove(beside, ignored);
-    throw;
+  // Built in memory: a disk that fills up meets plain writes, not HDF5 half way through a file.
+  const std::string trouble = file + ": cannot be built";
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, trouble);
+  check(H5Pset_fapl_core(access, 1 << 22, false), trouble);
+  const Handle h5(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose, trouble);
+  const Writer out(h5, file);
+  out.attribute(h5, "format", std::string(kFormat));
+  out.attribute(h5, "format_version", kFormatVersion);
+  out.attribute(h5, "ferrule_version", info.version);
+  out.attribute(h5, "build", info.build);
+  out.attribute(h5, "scene", info.scene);
+  out.attribute(h5, "operator", info.operator_);
+  out.attribute(h5, "seed", info.seed);
+  out.attribute(h5, "trial", info.trial);
+  out.attribute(h5, "period_s", info.period);
+  out.attribute(h5, "alpha_x", scene_scaling(scene).motion);
+  out.attribute(h5, "alpha_f", scene_scaling(scene).force);
+  out.attribute(h5, "outcome", std::string(name(info.outcome)));
+  {
+    const Handle data = out.group("/data");
+    out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
+    out.attribute(data, "env_args", environment(info).dump());
+    const Handle demo = out.group(kDemo);
+    out.attribute(demo, "num_samples", static_cast<std::int64_t>(episode.rows.rows()));
+    write_tables(out, episode, scene);
   }
+  write_text(file, file_image(h5, trouble), false);
 }
 
 Episode read_episode(const std::string& file) {
@@ -334,11 +326,15 @@ Episode read_episode(const std::string& file) {
   info.seed = in.whole("seed");
   info.trial = in.whole("trial");
   info.period = in.number("period_s");
-  info.outcome = outcome_from_name(in.text("outcome"));
+  try {
+    info.outcome = outcome_from_name(in.text("outcome"));
+    parse_scene(parse_json(info.scene, "scene"), "scene");
+  } catch (const BadInput& error) {
+    throw FileTrouble(file + ": damaged: " + error.what());
+  }
   if (!(info.period > 0)) throw FileTrouble(file + ": damaged: period_s is not positive");
-  parse_scene(parse_json(info.scene, file), file);
-
   const Eigen::Index count = in.table(rows_path(kTime), 1, -1).rows();
+  if (count == 0) throw FileTrouble(file + ": damaged: it holds no rows");
   episode.rows.resize(count, Eigen::NoChange);
   for (const Block& b : kBlocks)
     episode.rows.middleCols(b.begin, b.width) = in.table(rows_path(b), b.width, count);
@@ -349,6 +345,22 @@ std::optional<Difference> derived_difference(const std::string& file, const Epis
   silence_hdf5();
   const Reader in(file);
   const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
+  const double rows = static_cast<double>(episode.rows.rows());
+  const std::string actions = kDemo + std::string("/actions");
+  const struct {
+    const char *key, *place;
+    double expected;
+  } attributes[] = {{"alpha_x", "/", scene_scaling(scene).motion},
+                    {"alpha_f", "/", scene_scaling(scene).force},
+                    {"total", "/data", rows},
+                    {"num_samples", kDemo, rows},
+                    {"scale_m_s", actions.c_str(), action_scale(scene)[0]},
+                    {"scale_rad_s", actions.c_str(), action_scale(scene)[4]}};
+  for (const auto& [key, place, expected] : attributes)
+    if (const double recorded = in.number(key, place); recorded != expected)
+      return Difference{0, std::string("attribute ") + key, recorded, expected};
+  if (in.text("env_args", "/data") != environment(episode.info).dump())
+    return Difference{0, "attribute env_args", 0, 0};
   for (const Table& table : derived_tables(episode, scene)) {
     const auto width = static_cast<int>(table.values.cols());
     const Matrix recorded = in.table(table.path, width, table.values.rows());

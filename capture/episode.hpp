@@ -47,7 +47,8 @@ std::string program_build();
 // Scaling of a scene.
 Scaling scene_scaling(const Scene& scene) noexcept;
 
-// Writes beside `file` and renames when whole. Throws FileTrouble.
+// Writes beside `file` and gives it its name when whole. Throws FileTrouble, also if there is a
+// file of that name: an episode never replaces another.
 void write_episode(const std::string& file, const Episode& episode);
 
 // Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it
@@ -61,7 +62,8 @@ struct Difference {
   double recorded, expected;
 };
 
-// Compares actions, rewards, dones, obs and next_obs of `file` with what follows from its rows.
+// Compares actions, rewards, dones, obs, next_obs and the attributes of `file` with what follows
+// from its rows.
 std::optional<Difference> derived_difference(const std::string& file, const Episode& episode);
 
 // The episode files of a folder, sorted. Throws FileTrouble if there is no such folder.

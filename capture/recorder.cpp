@@ -38,7 +38,7 @@ std::string header(const EpisodeInfo& info) {
                      {"operator", info.operator_}, {"seed", info.seed},
                      {"trial", info.trial},        {"period_s", info.period},
                      {"version", info.version},    {"build", info.build}};
-  return json.dump() + "\n";
+  return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
 EpisodeInfo parse_header(const std::string& text, const std::string& file) {
@@ -59,13 +59,15 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
 }
 
 Recovered recover_one(const fs::path& journal) {
-  Recovered result{journal.string(), "", 0, ""};
+  Recovered result;
+  result.journal = journal.string();
   fs::path file = journal;
   file.replace_extension(".h5");
 
   const int fd = ::open(journal.c_str(), O_RDONLY | O_CLOEXEC);
   if (fd < 0) {
     result.remark = std::string("cannot be read: ") + std::strerror(errno);
+    result.damaged = true;
     return result;
   }
   const bool free = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
@@ -74,15 +76,11 @@ Recovered recover_one(const fs::path& journal) {
     result.remark = "is still being recorded: left alone";
     return result;
   }
-  if (fs::exists(file)) {
-    fs::remove(journal);
-    result.remark = "was already whole as " + file.filename().string() + ": journal removed";
-    return result;
-  }
   const std::string text = read_text(journal.string());
   const auto line = text.find('\n');
   if (line == std::string::npos) {
-    result.remark = "holds no whole header: left as it is";
+    fs::remove(journal);
+    result.remark = "was killed before its first row: removed";
     return result;
   }
   try {
@@ -90,8 +88,18 @@ Recovered recover_one(const fs::path& journal) {
     episode.info = parse_header(text.substr(0, line), journal.string());
     episode.info.outcome = Outcome::interrupted;
     result.rows = (text.size() - line - 1) / kRowBytes;
+    if (fs::exists(file)) {
+      const auto whole = static_cast<std::size_t>(read_episode(file.string()).rows.rows());
+      if (whole < result.rows)
+        throw BadInput(file.string() + " has fewer rows (" + std::to_string(whole) + ")");
+      fs::remove(journal);
+      result.rows = 0;
+      result.remark = "was already whole as " + file.filename().string() + ": journal removed";
+      return result;
+    }
     if (result.rows == 0) {
-      result.remark = "holds no rows: left as it is";
+      fs::remove(journal);
+      result.remark = "was killed before its first flush: removed";
       return result;
     }
     episode.rows.resize(static_cast<Eigen::Index>(result.rows), Eigen::NoChange);
@@ -99,12 +107,10 @@ Recovered recover_one(const fs::path& journal) {
     write_episode(file.string(), episode);
     result.file = file.string();
     fs::remove(journal);
-  } catch (const BadInput& error) {
+  } catch (const std::exception& error) {
     result.rows = 0;
-    result.remark = std::string("is damaged: ") + error.what();
-  } catch (const Json::exception&) {
-    result.rows = 0;
-    result.remark = "is damaged: its header is not that of a journal";
+    result.damaged = true;
+    result.remark = std::string("was left as it is: ") + error.what();
   }
   return result;
 }
@@ -126,17 +132,35 @@ int next_episode_number(const std::string& folder) {
   return next;
 }
 
-Recorder::Recorder(const std::string& folder, int number, const EpisodeInfo& info) {
+int claim_episode(const std::string& folder, int first) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileTrouble(folder + ": cannot be made: " + error.message());
+  for (int number = first;; ++number) {
+    const std::string stem = folder + "/" + episode_name(number);
+    if (fs::exists(stem + ".h5")) continue;
+    const std::string journal = stem + ".part";
+    const int fd = ::open(journal.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0644);
+    if (fd < 0 && errno == EEXIST) continue;
+    if (fd < 0) throw FileTrouble(journal + ": cannot be made: " + std::strerror(errno));
+    ::close(fd);
+    // Another recorder may have finished this number since it was looked at.
+    if (!fs::exists(stem + ".h5")) return number;
+    ::unlink(journal.c_str());
+  }
+}
+
+Recorder::Recorder(const std::string& folder, int number, const EpisodeInfo& info) {
   episode_.info = info;
   const std::string stem = folder + "/" + episode_name(number);
   journal_ = stem + ".part";
   file_ = stem + ".h5";
-  fd_ = ::open(journal_.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_APPEND | O_CLOEXEC, 0644);
+  fd_ = ::open(journal_.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0644);
   if (fd_ < 0) throw FileTrouble(journal_ + ": cannot be made: " + std::strerror(errno));
-  ::flock(fd_, LOCK_EX | LOCK_NB);
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 || ::lseek(fd_, 0, SEEK_END) != 0) {
+    ::close(fd_);
+    throw FileTrouble(journal_ + ": another recording is in it");
+  }
   const std::string start = header(info);
   write_all(fd_, start.data(), start.size(), journal_);
 }
@@ -173,7 +197,8 @@ std::vector<Recovered> recover(const std::string& folder) {
   std::vector<fs::path> journals;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".part") journals.push_back(entry.path());
+    if (entry.path().extension() == ".part" && entry.is_regular_file())
+      journals.push_back(entry.path());
   if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
   std::sort(journals.begin(), journals.end());
   for (const auto& journal : journals) results.push_back(recover_one(journal));

@@ -17,7 +17,7 @@ namespace ferrule {
 
 class Recorder {
  public:
-  // Starts episode `number` in `folder` (made if it is not there). Throws FileTrouble.
+  // Starts episode `number` in `folder`, which must be there. Throws FileTrouble.
   Recorder(const std::string& folder, int number, const EpisodeInfo& info);
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
@@ -44,11 +44,16 @@ class Recorder {
 std::string episode_name(int number);
 int next_episode_number(const std::string& folder);
 
+// Reserves the first number from `first` on that no file and no other recorder has, with an empty
+// journal; makes the folder if it is not there. Throws FileTrouble.
+int claim_episode(const std::string& folder, int first);
+
 // What became of one journal.
 struct Recovered {
   std::string journal, file;  // `file` is empty where nothing was recovered
   std::size_t rows = 0;
   std::string remark;
+  bool damaged = false;  // it could not be read, and was left as it is
 };
 
 // Turns every journal in `folder` that nobody is writing to into an episode with outcome

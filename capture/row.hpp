@@ -33,13 +33,17 @@ inline constexpr Block kHolder{"holder_wrench", 16, 5, "N N N N.m N.m",
                                "Fx Fy Fz My Mz; at the tip's scale, of the fibre on the hand"};
 inline constexpr Block kForces{
     "forces", 21, 3 * kTerms, "N",
-    "x y z of each of van_der_waals electrostatic gravity capillary adhesion wall friction drag"};
-inline constexpr Block kStatus{"status", 45, 1, "1", "0 ok, 1 not converged, 2 bad command"};
+    "x y z of each of van_der_waals electrostatic gravity capillary adhesion wall friction drag "
+    "meniscus"};
+inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
+                               "0 ok, 1 not converged, 2 bad command"};
 inline constexpr Block kStates{
-    "states", 46, kStateSize, "m, rad, s",
-    "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; on_face; time; "
-    "end contact: closed depth stuck_x stuck_y stuck_z; side contact: the same"};
-inline constexpr int kRowSize = 46 + kStateSize;
+    "states", kStatus.begin + 1, kStateSize, "m, rad, s",
+    "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "
+    "bridge; "
+    "end contact: closed depth stuck_x stuck_y stuck_z branch; side contact: the same; "
+    "velocity (5); tip before (5); velocity before (5); period before"};
+inline constexpr int kRowSize = kStates.begin + kStateSize;
 inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,
                                        kHolder, kForces,   kStatus,       kStates};
 

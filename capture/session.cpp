@@ -8,7 +8,7 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, doub
   const Scaling scaling = scene_scaling(scene);
   InsertionWatch watch(scene, start);
   State state = start;
-  Outcome outcome = Outcome::interrupted;
+  Outcome outcome = Outcome::stopped_short;
   HandSample sample = device.read(0);
   HandTwist velocity = HandTwist::Zero();  // over the period before
   for (std::int64_t n = 0; !sample.finished; ++n) {
@@ -29,6 +29,7 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, doub
     if (now) outcome = *now;
     if (now && *now != Outcome::inserted) return outcome;
     if (stop()) return Outcome::interrupted;
+    if (t >= scene.limits.time) return outcome;
     velocity = command;
     sample = next;
   }

@@ -10,8 +10,9 @@
 namespace ferrule {
 
 // Runs one episode from `start` until the device is finished, the insertion fails, or `stop`
-// returns true; every tick becomes a row. The outcome is `inserted` if the operator finished with
-// the fibre deep enough, `interrupted` if it finished or stopped before that.
+// returns true, for the scene's longest trial at most; every tick becomes a row. The outcome is
+// `inserted` if the fibre got deep enough, `stopped_short` if the operator finished before that,
+// and `interrupted` if `stop` ended it.
 Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
                     const std::function<void(const RowVector&)>& record,
                     const std::function<bool()>& stop);

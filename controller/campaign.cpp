@@ -62,12 +62,13 @@ Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialRes
     only_b += in_b && !in_a;
   }
   const double n = static_cast<double>(a.size());
-  const double surplus = static_cast<double>(only_a) - static_cast<double>(only_b);
-  const double discordant = static_cast<double>(only_a + only_b);
-  // Wald interval of a difference of paired proportions.
-  const double half = 1.959963984540054 * std::sqrt(discordant - surplus * surplus / n) / n;
-  const double d = surplus / n;
-  return {d, {d - half, d + half}, mcnemar_p(only_a, only_b)};
+  const double count_a = static_cast<double>(only_a), count_b = static_cast<double>(only_b);
+  // Bonett and Price 2012: Wald's interval with one discordant pair added on either side.
+  const double p_a = (count_a + 1) / (n + 2), p_b = (count_b + 1) / (n + 2), d = p_a - p_b;
+  const double half = 1.959963984540054 * std::sqrt((p_a + p_b - d * d) / (n + 2));
+  return {(count_a - count_b) / n,
+          {std::max(-1.0, d - half), std::min(1.0, d + half)},
+          mcnemar_p(only_a, only_b)};
 }
 
 }  // namespace ferrule

@@ -48,7 +48,7 @@ void write_controller(const std::string& file, const ControllerFile& c) {
                      {"gains", gains},
                      {"reaction_time_s", c.reaction_time},
                      {"trained_on",
-                      {{"scene", c.scene},
+                      {{"scenes", c.scenes},
                        {"episodes", c.episodes},
                        {"held_out", c.held_out},
                        {"rows", c.rows},
@@ -56,7 +56,7 @@ void write_controller(const std::string& file, const ControllerFile& c) {
                      {"metrics",
                       {{"residual_m_s", c.residual},
                        {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
-  write_text(file, json.dump(2) + "\n");
+  write_text(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 ControllerFile read_controller(const std::string& file) {
@@ -81,7 +81,7 @@ ControllerFile read_controller(const std::string& file) {
   gains.finish();
   c.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   JsonFields trained = fields.object("trained_on");
-  c.scene = trained.text("scene");
+  c.scenes = text_list(trained, "scenes");
   c.episodes = text_list(trained, "episodes");
   c.held_out = text_list(trained, "held_out");
   c.rows = static_cast<std::size_t>(trained.integer("rows", 0, INT64_MAX));

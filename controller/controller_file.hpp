@@ -22,7 +22,7 @@ struct ControllerFile {
   std::array<FittedGain, kGains> gains;
   double reaction_time = 0;  // delay of the demonstrator, identified and not imitated [s]
   // Provenance.
-  std::string scene;                  // name of the scene it was learned in
+  std::vector<std::string> scenes;    // names of the scenes it was learned in
   std::vector<std::string> episodes;  // files it was fitted to
   std::vector<std::string> held_out;
   double residual = 0, held_out_residual = 0;  // root mean square of the velocity error [m/s]

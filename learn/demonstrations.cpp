@@ -23,6 +23,7 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
   DemonstrationSet set;
   Scaling first{};
   std::string first_file;
+  std::vector<Json> documents;  // of the scenes that differ
   for (const std::string& file : episode_files(folder)) {
     const Episode episode = read_episode(file);
     const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
@@ -30,9 +31,12 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
     if (first_file.empty()) {
       first_file = file;
       first = scaling;
-      set.scene = scene.name;
-      set.speed_scale = scaling.motion * scene.limits.speed;
     }
+    if (std::find(documents.begin(), documents.end(), scene.document) == documents.end()) {
+      documents.push_back(scene.document);
+      set.scenes.push_back(scene.name);
+    }
+    set.speed_scale = std::max(set.speed_scale, scaling.motion * scene.limits.speed);
     if (scaling.motion != first.motion || scaling.force != first.force)
       throw BadInput(file + ": was recorded with another scaling than " + first_file +
                      "; a law is learned in one hand's world");
@@ -41,6 +45,7 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
     else
       ++set.unsuccessful;
   }
+  std::sort(set.scenes.begin(), set.scenes.end());
   return set;
 }
 

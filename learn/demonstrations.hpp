@@ -23,8 +23,8 @@ struct Demonstration {
 struct DemonstrationSet {
   std::vector<Demonstration> demonstrations;  // the successful ones
   std::size_t unsuccessful = 0;               // left out
-  std::string scene;                          // its name
-  double speed_scale;  // of the hand: the scene's speed limit, scaled up [m/s]
+  std::vector<std::string> scenes;            // names, sorted; more than one where they differ
+  double speed_scale = 0;  // of the hand: the scene's speed limit, scaled up, largest [m/s]
 };
 
 // From the row layout of one episode.

@@ -79,7 +79,7 @@ struct Units {
 // Bounds of the scaled gains. Slowing and yielding are not negative: a law that goes faster where
 // it is pushed back is not passive.
 constexpr Gains kLow = {0, 1e-4, 0.2, 1e-2, 0, 0, 0, 0, -4, -4};
-constexpr Gains kHigh = {10, 100, 20, 20, 1e3, 20, 20, 20, 4, 4};
+constexpr Gains kHigh = {4, 30, 10, 10, 1e3, 20, 20, 20, 4, 4};
 
 struct RowError {
   const Sample& sample;
@@ -137,9 +137,8 @@ Solution solve(const std::vector<Samples>& episodes, const Units& units, double 
 }
 
 bool at_bound(const Gains& scaled, std::size_t i) {
-  const double margin = 1e-6 * (kHigh[i] - kLow[i]);
-  return scaled[i] - kLow[i] < std::min(margin, 1e-3 * std::abs(kLow[i]) + 1e-12) ||
-         kHigh[i] - scaled[i] < margin;
+  return scaled[i] - kLow[i] <= 1e-3 * std::abs(kLow[i]) + 1e-9 ||
+         kHigh[i] - scaled[i] <= 1e-2 * kHigh[i];
 }
 
 // Half widths of the 95 % intervals of the scaled gains; NaN where the data leave one open.
@@ -279,7 +278,7 @@ FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed) {
     c.gains[i] = {gains[i], gains[i] - half[i] * units.value[i],
                   gains[i] + half[i] * units.value[i]};
   }
-  c.scene = set.scene;
+  c.scenes = set.scenes;
   c.seed = seed;
   c.residual = root_mean_square(train, gains);
   c.held_out_residual = root_mean_square(test, gains);

@@ -3,13 +3,17 @@
 //   c = R - r     radial clearance [m]
 //   e             eccentricity, the distance between the two axes [m], 0 <= e
 //   h = c - e     smallest distance between fibre and bore [m]; h < 0 is overlap
+//
+// Rough surfaces: the mean planes of the solids never come closer than the roughness, so surface
+// forces act across h + roughness (6r).
 #pragma once
 
 namespace ferrule {
 
 struct Annulus {
-  double fibre_radius;  // r [m], > 0
-  double bore_radius;   // R [m], > r
+  double fibre_radius;   // r [m], > 0
+  double bore_radius;    // R [m], > r
+  double roughness = 0;  // smallest distance of the mean planes [m], >= 0
 
   double clearance() const noexcept { return bore_radius - fibre_radius; }
 };

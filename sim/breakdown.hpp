@@ -22,8 +22,9 @@ struct PointForce {
 };
 
 struct Breakdown {
-  PointForce van_der_waals, electrostatic, gravity, capillary, drag;
+  PointForce van_der_waals, electrostatic, gravity, capillary, meniscus;
   std::array<PointForce, kContactPlaces> adhesion, wall, friction;
+  std::array<PointForce, 2> drag;  // at two arms that together carry its moment
   Wrench holder = Wrench::Zero();  // felt at the holder: force and moment of the fibre on the hand
 
   // Everything that acts on the fibre but the holder, as a wrench at `tip`. In equilibrium it
@@ -34,10 +35,10 @@ struct Breakdown {
 };
 
 // The terms in the order of their columns in files and tables.
-inline constexpr int kTerms = 8;
+inline constexpr int kTerms = 9;
 inline constexpr std::array<const char*, kTerms> kTermNames = {
-    "van_der_waals", "electrostatic", "gravity",  "capillary",
-    "adhesion",      "wall",          "friction", "drag"};
+    "van_der_waals", "electrostatic", "gravity", "capillary", "adhesion",
+    "wall",          "friction",      "drag",    "meniscus"};
 // Force of each term, contact places added up [N], in that order.
 std::array<Vector3d, kTerms> term_forces(const Breakdown& breakdown) noexcept;
 

@@ -1,12 +1,15 @@
 #include "sim/capillary.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "sim/printed_range.hpp"
 
 namespace ferrule {
+namespace {
 
-LineForce capillary(const Capillary& law, double h) noexcept {
+LineForce layer_law(const Capillary& law, double h) noexcept {
   const double cosine = std::cos(law.contact_angle);
   const double pull = 2 * law.surface_tension * cosine;
   const double meet = 2 * law.film;
@@ -17,6 +20,44 @@ LineForce capillary(const Capillary& law, double h) noexcept {
                 -pull * ((1 - cosine) + meet * cosine / gap), pull * meet * cosine / (gap * gap)};
       },
       h);
+}
+
+// Half width of a bridge: the real root of x^3 + 6 R_e h x - 3 R_e A_l = 0, h >= 0.
+double half_width(double volume, double radius, double h) noexcept {
+  const double p = 2 * radius * h, q = 1.5 * radius * volume;  // x^3 + 3 p x - 2 q = 0
+  double x = std::cbrt(2 * q);
+  if (p > 0) {
+    const double root = std::sqrt(p);
+    x = 2 * root * std::sinh(std::asinh(q / (p * root)) / 3);
+  }
+  return x - ((x * x + 3 * p) * x - 2 * q) / (3 * (x * x + p));  // one step of Newton for rounding
+}
+
+LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noexcept {
+  const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
+  const double tension = 4 * law.surface_tension * std::cos(law.contact_angle);
+  const double open = std::max(h, 0.0);
+  const double x = half_width(law.volume, radius, open);
+  const double height = open + x * x / (2 * radius);
+  const double force = -tension * x / height;
+  if (h < 0) return {-tension * x - force * h, force, 0};
+  return {-tension * x, force, tension * x / (height * height) * (2 - x * x / (radius * height))};
+}
+
+}  // namespace
+
+double capillary_reach(const Capillary& law, bool bridge) noexcept {
+  if (law.form == Form::printed) return std::numeric_limits<double>::infinity();
+  return bridge ? law.rupture : 2 * law.film;
+}
+
+LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept {
+  if (law.form == Form::printed) return layer_law(law, h);
+  const double reach = capillary_reach(law, bridge);
+  if (h >= reach) return {};
+  LineForce force = bridge_law(law, annulus, h);
+  force.potential -= bridge_law(law, annulus, reach).potential;
+  return force;
 }
 
 }  // namespace ferrule

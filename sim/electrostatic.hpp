@@ -1,7 +1,12 @@
-// Electrostatic attraction between fibre and bore, equation (2) of the paper.
+// Electrostatic attraction between fibre and bore.
 //
-// Printed:  F = -eps0 U^2 S / (2 h^2),  S = r theta l_f,  theta = 90 degrees,  h >= a_0,
-//   with eps0 = 8.85e-12 as in Table I. Below a_0: sim/printed_range.hpp.
+// Printed, (2) of the paper:  F = -eps0 U^2 S / (2 h^2),  S = r theta l_f,  theta = 90 degrees,
+//   h >= a_0, with eps0 = 8.85e-12 as in Table I. Below a_0: sim/printed_range.hpp.
+// Corrected, (2c): exact for eccentric cylinders of parallel axes (Landau and Lifshitz, vol. 8,
+// sec.
+//   3), e = c - h:
+//     C' = 2 pi eps0 / acosh((R^2 + r^2 - e^2)/(2 r R)),   f = -(U^2/2) dC'/de
+//   with c and h enlarged by the roughness; in contact: sim/corrected_range.hpp.
 #pragma once
 
 #include "sim/annulus.hpp"
@@ -14,7 +19,8 @@ struct Electrostatic {
   double voltage;  // U [V], >= 0
 };
 
-// Force per inserted length at gap h [m]. Any finite h. Zero potential at infinite gap.
+// Force per inserted length at gap h [m]. Printed: any finite h, zero potential at infinite gap.
+// Corrected: h < 2 c; the potential is that of the charged capacitor at constant voltage.
 LineForce electrostatic(const Electrostatic& law, const Annulus& annulus, double h) noexcept;
 
 }  // namespace ferrule

@@ -1,15 +1,13 @@
 #include "sim/insertion.hpp"
 
-#include <numbers>
-
 #include "sim/random.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr std::array<const char*, kOutcomes> kNames = {"inserted",       "force_limit", "jam",
-                                                       "missed",         "timeout",     "buckled",
-                                                       "invalid_output", "interrupted"};
+constexpr std::array<const char*, kOutcomes> kNames = {
+    "inserted", "force_limit",    "jam",           "missed",     "timeout", "buckled",
+    "broken",   "invalid_output", "stopped_short", "interrupted"};
 
 }  // namespace
 
@@ -35,16 +33,7 @@ Outcome outcome_from_name(const std::string& text) {
 }
 
 Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept {
-  Vector3d force = breakdown.holder.head<3>();
-  if (world.gravity) force.y() += gravity(*world.gravity, world.fibre);
-  return force;
-}
-
-double euler_load(const World& world) noexcept {
-  constexpr double pi = std::numbers::pi;
-  const double r2 = world.fibre.radius * world.fibre.radius;
-  const double bending = world.fibre_young * 0.25 * pi * r2 * r2;
-  return 0.25 * pi * pi * bending / (world.fibre.length * world.fibre.length);
+  return (breakdown.holder - world.holder.weight).head<3>();
 }
 
 InsertionWatch::InsertionWatch(const Scene& scene, const State& start) noexcept
@@ -59,6 +48,8 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   const Vector3d move = (now.tip - before_.tip).head<3>();
   for (const PointForce& friction : f.friction)
     summary_.friction_work += std::max(0.0, -friction.force.dot(move));
+  summary_.peak_stress =
+      std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.hand));
   summary_.depth = now.inserted_length();
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();
@@ -70,7 +61,8 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
     if (now.contact[kEnd].closed && now.contact[kSide].closed) return Outcome::jam;
     return Outcome::force_limit;
   }
-  if (f.holder[0] > euler_load(scene_.world)) return Outcome::buckled;
+  if (f.holder[0] > scene_.world.holder.euler_load) return Outcome::buckled;
+  if (summary_.peak_stress > scene_.limits.proof_stress) return Outcome::broken;
   if (summary_.depth >= scene_.success.depth) return Outcome::inserted;
   if (now.time >= scene_.limits.time) return Outcome::timeout;
   return std::nullopt;

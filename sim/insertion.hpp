@@ -20,10 +20,12 @@ enum class Outcome {
   missed,          // the same, with the end on the front face
   timeout,         // time ran out
   buckled,         // the axial load exceeded Euler's load of the free length (clamped-free)
+  broken,          // the bending stress exceeded the scene's proof stress
   invalid_output,  // the controller or operator commanded something that is not a finite number
+  stopped_short,   // the operator finished before the success depth
   interrupted,     // the operator or user stopped it
 };
-inline constexpr int kOutcomes = 8;
+inline constexpr int kOutcomes = 10;
 const char* name(Outcome outcome) noexcept;
 // Throws BadInput if there is no such outcome.
 Outcome outcome_from_name(const std::string& name);
@@ -31,6 +33,7 @@ Outcome outcome_from_name(const std::string& name);
 struct InsertionSummary {
   double time = 0;           // [s]
   double peak_force = 0;     // largest force at the holder, weight apart [N]
+  double peak_stress = 0;    // largest bending stress of the free length [Pa]
   double friction_work = 0;  // work done against friction [J], >= 0
   double depth = 0;          // inserted length [m]
   double offset = 0;         // distance of the end's centre from the bore's axis [m]
@@ -56,8 +59,5 @@ class InsertionWatch {
 
 // Force at the holder without the fibre's weight [N].
 Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept;
-
-// Euler's load of the manipulated length, clamped at the holder and free at the end [N].
-double euler_load(const World& world) noexcept;
 
 }  // namespace ferrule

@@ -1,6 +1,7 @@
 #include "sim/json_fields.hpp"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -38,8 +39,18 @@ Rule between(double low, double high, std::string text) {
 }  // namespace rule
 
 Json parse_json(const std::string& text, const std::string& file) {
+  std::vector<std::set<std::string>> open;  // keys of the objects that are being read
+  std::string twice;
+  const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key && !open.back().insert(value).second) twice = value;
+    return true;
+  };
   try {
-    return Json::parse(text);
+    Json json = Json::parse(text, watch);
+    if (!twice.empty()) throw BadInput(file + ": the key \"" + twice + "\" is there twice");
+    return json;
   } catch (const Json::exception& error) {
     std::string reason =
         error.what();  // "[json.exception...] parse error at line 3, column 7: ..."
@@ -61,30 +72,56 @@ std::string read_text(const std::string& file) {
   return text.str();
 }
 
-void write_text(const std::string& file, const std::string& text) {
-  const std::string beside = file + ".tmp";
-  const auto give_up = [&](int error) {
-    std::error_code ignored;
-    std::filesystem::remove(beside, ignored);
-    throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
-  };
-  const int fd = ::open(beside.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
-  if (fd < 0) throw FileTrouble(file + ": cannot be written: " + std::strerror(errno));
+namespace {
+
+[[noreturn]] void cannot_write(const std::string& file, int error) {
+  throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
+}
+
+// 0 or errno.
+int write_all(int fd, const std::string& text) {
   for (std::size_t done = 0; done < text.size();) {
     const ssize_t n = ::write(fd, text.data() + done, text.size() - done);
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) {
-      const int error = errno;
-      ::close(fd);
-      give_up(error);
-    }
+    if (n < 0) return errno;
     done += static_cast<std::size_t>(n);
   }
-  const int synced = ::fsync(fd) == 0 ? 0 : errno;
-  const int closed = ::close(fd) == 0 ? 0 : errno;
-  if (synced && synced != EINVAL && synced != EROFS) give_up(synced);
-  if (closed) give_up(closed);
-  if (::rename(beside.c_str(), file.c_str()) != 0) give_up(errno);
+  return 0;
+}
+
+}  // namespace
+
+void write_text(const std::string& name, const std::string& text, bool replace) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  std::string file = name;
+  const fs::file_status there = fs::status(name, ignored);
+  if (fs::is_directory(there)) throw FileTrouble(name + ": is a directory");
+  if (fs::exists(there) && !fs::is_regular_file(there)) {  // a device or a pipe
+    const int fd = ::open(name.c_str(), O_WRONLY | O_CLOEXEC);
+    if (fd < 0) cannot_write(name, errno);
+    const int error = write_all(fd, text);
+    ::close(fd);
+    if (error) cannot_write(name, error);
+    return;
+  }
+  if (fs::is_symlink(fs::symlink_status(name, ignored)) && fs::exists(there))
+    file = fs::canonical(name).string();
+
+  std::string beside = file + ".XXXXXX.tmp";
+  const int fd = ::mkstemps(beside.data(), 4);
+  if (fd < 0) cannot_write(name, errno);
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  ::fchmod(fd, 0666 & ~mask);
+  int error = write_all(fd, text);
+  if (!error && ::fsync(fd) != 0 && errno != EINVAL && errno != EROFS) error = errno;
+  if (::close(fd) != 0 && !error) error = errno;
+  if (!error && replace && ::rename(beside.c_str(), file.c_str()) != 0) error = errno;
+  // A link is only made where there is no file yet.
+  if (!error && !replace && ::link(beside.c_str(), file.c_str()) != 0) error = errno;
+  if (error || !replace) ::unlink(beside.c_str());
+  if (error) cannot_write(name, error);
 }
 
 JsonFields::JsonFields(const Json& object, std::string file, std::string path)
@@ -158,6 +195,11 @@ JsonFields JsonFields::object(const std::string& key) {
 
 const Json& JsonFields::raw(const std::string& key) {
   return get(key, "a value");
+}
+
+bool JsonFields::present(const std::string& key) {
+  known_.insert(key);
+  return object_.contains(key);
 }
 
 bool JsonFields::has(const std::string& key) {

@@ -17,8 +17,9 @@ using Json = nlohmann::json;
 Json parse_json(const std::string& text, const std::string& file);
 // Throws FileTrouble if the file cannot be read.
 std::string read_text(const std::string& file);
-// Writes beside `file` and renames when whole. Throws FileTrouble.
-void write_text(const std::string& file, const std::string& text);
+// Writes beside `file` and renames when whole; a link is followed, a device or pipe written to.
+// With `replace` false an existing file is left alone. Throws FileTrouble.
+void write_text(const std::string& file, const std::string& text, bool replace = true);
 
 // What a number must be.
 struct Rule {
@@ -47,7 +48,9 @@ class JsonFields {
   std::size_t choice(const std::string& key, const std::vector<std::string>& choices);
   JsonFields object(const std::string& key);
   const Json& raw(const std::string& key);
-  // Is the key there, with a value other than null?
+  // Is the key there?
+  bool present(const std::string& key);
+  // Is it there with a value other than null?
   bool has(const std::string& key);
   // To be called last: throws BadInput on the first key that nobody asked for.
   void finish() const;

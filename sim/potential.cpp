@@ -3,7 +3,6 @@
 namespace ferrule {
 namespace {
 
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
 using Eigen::Matrix2d;
 
 // The direction of the surface forces is undefined on the bore's axis; it fades out within this
@@ -107,23 +106,80 @@ std::array<Depth, kContactPlaces> contact_depths(const World& world, const Lagge
   return {end_depth(world, lagged, tip), side_depth(world, lagged, tip)};
 }
 
-// Surface forces act at the middle of the inserted length, on the gap there.
-struct SurfaceLaws {
-  LineForce van_der_waals, electrostatic, capillary;
-};
-
-SurfaceLaws surface_laws(const World& world, double h) noexcept {
-  SurfaceLaws laws;
-  if (world.van_der_waals)
-    laws.van_der_waals = van_der_waals(*world.van_der_waals, world.annulus, h);
-  if (world.electrostatic)
-    laws.electrostatic = electrostatic(*world.electrostatic, world.annulus, h);
-  if (world.capillary) laws.capillary = capillary(*world.capillary, h);
-  return laws;
+// Calls visit(breakdown slot, force) for each surface law of `form`, at gap h.
+template <class Visit>
+void each_surface_law(const World& world, Form form, double h, bool bridge,
+                      const Visit& visit) noexcept {
+  if (world.van_der_waals && world.van_der_waals->form == form)
+    visit(&Breakdown::van_der_waals, van_der_waals(*world.van_der_waals, world.annulus, h));
+  if (world.electrostatic && world.electrostatic->form == form)
+    visit(&Breakdown::electrostatic, electrostatic(*world.electrostatic, world.annulus, h));
+  if (world.capillary && world.capillary->form == form)
+    visit(&Breakdown::capillary, capillary(*world.capillary, world.annulus, h, bridge));
 }
 
-bool has_surface_laws(const World& world) noexcept {
-  return world.van_der_waals || world.electrostatic || world.capillary;
+LineForce surface_sum(const World& world, Form form, double h, bool bridge) noexcept {
+  LineForce sum;
+  each_surface_law(world, form, h, bridge, [&](auto, const LineForce& force) {
+    sum.potential += force.potential;
+    sum.force += force.force;
+    sum.slope += force.slope;
+  });
+  return sum;
+}
+
+bool has_surface_law(const World& world, Form form) noexcept {
+  return (world.van_der_waals && world.van_der_waals->form == form) ||
+         (world.electrostatic && world.electrostatic->form == form) ||
+         (world.capillary && world.capillary->form == form);
+}
+
+// Inserted length of the pose itself, and its derivative by x.
+double inserted(const World& world, const Pose& tip) noexcept {
+  return std::clamp(-tip[0], 0.0, world.profile.length);
+}
+double inserted_slope(const World& world, const Pose& tip) noexcept {
+  return tip[0] < 0 && -tip[0] < world.profile.length ? -1 : 0;
+}
+
+// The smallest gap along the inserted length: at one of its ends, the distance of a straight line
+// from the axis being convex.
+double smallest_gap(const World& world, const Pose& tip) noexcept {
+  return world.annulus.clearance() -
+         std::max(eccentricity(tip, 0).norm(), eccentricity(tip, inserted(world, tip)).norm());
+}
+
+// Adds the surface forces of one form. Corrected ones act along the length of the pose itself,
+// which makes them pull along x; printed ones along that of the step's start.
+void add_surface(Potential& total, const World& world, const Lagged& lagged, Form form,
+                 const Pose& tip) noexcept {
+  const bool follows = form == Form::corrected;
+  const double length = follows ? inserted(world, tip) : lagged.length;
+  const double slope = follows ? inserted_slope(world, tip) : 0;
+  const double c = world.annulus.clearance();
+  double value = 0;              // per length
+  Pose gradient = Pose::Zero();  // of that
+  for (int n = 0; n < world.quadrature.order; ++n) {
+    const double node = world.quadrature.node[static_cast<std::size_t>(n)];
+    const double weight = world.quadrature.weight[static_cast<std::size_t>(n)];
+    const Radial radial(eccentricity(tip, node * length), c);
+    const LineForce s = surface_sum(world, form, c - radial.eccentricity, lagged.bridge);
+    Depth e;  // the eccentricity as a function of the pose
+    add_radial(e, radial, 1, node * length, tip, node * slope);
+    value += weight * s.potential;
+    gradient += weight * s.force * e.gradient;
+    total.hessian +=
+        weight * length * (s.force * e.hessian - s.slope * e.gradient * e.gradient.transpose());
+    total.force_scale += std::abs(weight * length * s.force);
+  }
+  total.value += length * value;
+  total.value_scale += std::abs(length * value);
+  total.gradient += length * gradient;
+  if (!follows) return;
+  total.gradient[0] += slope * value;
+  total.hessian.row(0) += slope * gradient.transpose();
+  total.hessian.col(0) += slope * gradient;
+  total.force_scale += std::abs(slope * value);
 }
 
 // Material point of a contact: on the fibre's surface along x, on its axis across.
@@ -143,66 +199,129 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
                                    : Vector3d(-friction.limit * stretch.normalized());
 }
 
-void add_friction(Potential& total, const World& world, const Lagged& lagged,
-                  const LaggedFriction& friction, const Pose& tip) noexcept {
-  const Vector3d stretch =
-      friction.tangential * (material_point(world, lagged, tip, friction.arm) - friction.stuck);
-  const double length = stretch.norm();
-  Vector3d gradient;
-  Eigen::Matrix3d hessian;
-  if (friction.stiffness * length <= friction.limit) {
-    total.value += 0.5 * friction.stiffness * length * length;
-    gradient = friction.stiffness * stretch;
-    hessian = friction.stiffness * friction.tangential;
-  } else {
-    const Vector3d direction = stretch / length;
-    total.value += friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
-    gradient = friction.limit * direction;
-    hessian = friction.limit / length * (friction.tangential - direction * direction.transpose());
-  }
+// Adds a potential of the point p = (x - r outward.tilt, axis at `arm`), given its derivatives by
+// p.
+void add_point(Potential& total, const World& world, const Lagged& lagged, double arm,
+               const Vector3d& gradient, const Eigen::Matrix3d& hessian, bool on_axis) noexcept {
   Eigen::Matrix<double, 3, 5> jacobian = Eigen::Matrix<double, 3, 5>::Zero();
   jacobian.leftCols<3>().setIdentity();
-  jacobian.block<1, 2>(0, 3) = -world.annulus.fibre_radius * lagged.outward.transpose();
-  jacobian(1, 3) = jacobian(2, 4) = friction.arm;
+  if (!on_axis)
+    jacobian.block<1, 2>(0, 3) = -world.annulus.fibre_radius * lagged.outward.transpose();
+  jacobian(1, 3) = jacobian(2, 4) = arm;
   total.gradient += jacobian.transpose() * gradient;
   total.hessian += jacobian.transpose() * hessian * jacobian;
   total.force_scale += gradient.norm();
 }
 
-ContactForce shared_adhesion(const World& world, const Lagged& lagged, double depth) noexcept {
+void add_friction(Potential& total, const World& world, const Lagged& lagged,
+                  const LaggedFriction& friction, const Pose& tip) noexcept {
+  const Vector3d stretch =
+      friction.tangential * (material_point(world, lagged, tip, friction.arm) - friction.stuck);
+  const double length = stretch.norm();
+  if (friction.stiffness * length <= friction.limit) {
+    total.value += 0.5 * friction.stiffness * length * length;
+    add_point(total, world, lagged, friction.arm, friction.stiffness * stretch,
+              friction.stiffness * friction.tangential, false);
+  } else {
+    const Vector3d direction = stretch / length;
+    total.value += friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
+    add_point(total, world, lagged, friction.arm, friction.limit * direction,
+              friction.limit / length * (friction.tangential - direction * direction.transpose()),
+              false);
+  }
+}
+
+// Displacement of the axis at `arm` since the step's start.
+Vector3d drag_move(const Lagged& lagged, const Pose& tip, double arm) noexcept {
+  const Pose move = tip - lagged.drag_from;
+  Vector3d moved;
+  moved << move[0], eccentricity(move, arm);
+  return moved;
+}
+
+AdhesionForce shared_adhesion(const World& world, const Lagged& lagged, int place,
+                              double depth) noexcept {
   if (!world.adhesion) return {};
-  const ContactForce whole = adhesion(*world.adhesion, depth);
+  AdhesionForce force =
+      adhesion(*world.adhesion, depth, lagged.branch[static_cast<std::size_t>(place)]);
   const double share = lagged.adhesion_share;
-  return {share * whole.potential, share * whole.force, share * whole.slope};
+  force.potential *= share;
+  force.force *= share;
+  force.slope *= share;
+  return force;
+}
+
+ContactForce wall_force(const World& world, double depth) noexcept {
+  return world.wall ? wall(*world.wall, depth) : ContactForce{};
+}
+
+void lag_drag(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
+  if (!world.drag || lagged.length == 0 || dt == 0) return;
+  const double middle = 0.5 * lagged.length, spread = lagged.length / std::sqrt(60.0);
+  const Vector2d e = eccentricity(state.tip, middle);
+  const DragCoefficients c = drag(*world.drag, world.annulus, e.norm(), lagged.length);
+  const Vector2d n = e.norm() > 0 ? Vector2d(e.normalized()) : Vector2d::UnitX();
+  lagged.drags = true;
+  lagged.dt = dt;
+  lagged.drag_from = state.tip;
+  lagged.drag_coefficients.setZero();
+  lagged.drag_coefficients(0, 0) = c.axial;
+  lagged.drag_coefficients.block<2, 2>(1, 1) =
+      c.tangential * Matrix2d::Identity() + (c.radial - c.tangential) * n * n.transpose();
+  lagged.drag_arm = {middle - spread, middle + spread};
+}
+
+void lag_inertia(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
+  if (world.dynamics != Dynamics::inertial || dt == 0) return;
+  lagged.inertial = true;
+  lagged.second_order = world.integrator == Integrator::bdf2 && state.dt_before > 0 &&
+                        std::abs(state.dt_before - dt) <= 1e-9 * dt;
+  if (lagged.second_order) {
+    lagged.inertia = 2.25 / (dt * dt) * world.holder.mass;
+    lagged.inertia_at = (4 * state.tip - state.tip_before) / 3 +
+                        2 * dt / 9 * (4 * state.velocity - state.velocity_before);
+  } else {
+    lagged.inertia = 1 / (dt * dt) * world.holder.mass;
+    lagged.inertia_at = state.tip + dt * state.velocity;
+  }
 }
 
 }  // namespace
 
-Lagged lag(const World& world, const State& state) noexcept {
+Lagged lag(const World& world, const State& state, double dt) noexcept {
   Lagged lagged;
-  lagged.length = std::min(state.inserted_length(), world.profile.length);
+  lagged.length = inserted(world, state.tip);
   const Vector2d e = state.tip.segment<2>(1);
-  lagged.outward = e.norm() > 0 ? Vector2d(e.normalized()) : Vector2d::UnitX();
+  if (e.norm() > 0) lagged.outward = e.normalized();
   const double r = world.annulus.fibre_radius;
   const double x_rim = state.tip[0] - r * lagged.outward.dot(state.tip.tail<2>());
   const EdgeDepth d = edge_depth(world.profile, x_rim, e.norm() + r);
   lagged.side = edge_side(d, state.side);
   lagged.side_can_touch = state.tip[0] < 0 && !(lagged.side == EdgeSide::face && d.inside());
-  if (state.contact[kEnd].closed && state.contact[kSide].closed) lagged.adhesion_share = 0.5;
-  if (!world.friction) return lagged;
+  lagged.bridge = state.bridge;
+  lag_drag(world, state, dt, lagged);
+  lag_inertia(world, state, dt, lagged);
+  for (std::size_t place = 0; place < kContactPlaces; ++place)
+    lagged.branch[place] = state.contact[place].branch;
+  const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
+  if (both && world.adhesion && world.adhesion->form == Form::printed) lagged.adhesion_share = 0.5;
+  if (!world.friction || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
+    return lagged;
 
   const auto depths = contact_depths(world, lagged, state.tip);
-  for (int place = 0; place < kContactPlaces; ++place) {
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const ContactState& contact = state.contact[place];
-    if (!contact.closed || !(depths[place].value > 0)) continue;
+    if (!contact.closed || depths[place].value == -INFINITY) continue;
+    const double a = friction_radius(world, depths[place].value, contact.branch);
+    if (!(a > 0)) continue;
     LaggedFriction& friction = lagged.friction[place];
     const Vector3d& n = depths[place].normal;
-    const double a = printed_contact_radius(depths[place].value);
     friction.acts = true;
     friction.stuck = contact.stuck;
     friction.tangential = Eigen::Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
-    friction.limit = lagged.adhesion_share * ferrule::friction(*world.friction, a);
+    const double share = both && world.friction->form == Form::printed ? 0.5 : 1.0;
+    friction.limit = share * ferrule::friction(*world.friction, a);
     friction.stiffness = stuck_stiffness(*world.friction, a);
   }
   return lagged;
@@ -212,46 +331,53 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
                     const Pose& tip) noexcept {
   Potential total;
   const Pose stretch = tip - hand;
-  Pose stiffness;
-  stiffness << Vector3d::Constant(world.holder.stiffness),
-      Vector2d::Constant(world.holder.tilt_stiffness);
-  total.gradient = stiffness.cwiseProduct(stretch);
+  total.gradient = world.holder.stiffness * stretch;
   total.value = total.value_scale = 0.5 * stretch.dot(total.gradient);
-  total.hessian.diagonal() = stiffness;
+  total.hessian = world.holder.stiffness;
   total.force_scale = total.gradient.head<3>().norm();
 
-  if (world.gravity) {
-    const double weight = gravity(*world.gravity, world.fibre);
-    total.value += weight * tip[1];
-    total.value_scale += std::abs(weight * tip[1]);
-    total.gradient[1] += weight;
-    total.force_scale += weight;
-  }
+  const double weight = world.holder.weight.dot(tip);
+  total.value -= weight;
+  total.value_scale += std::abs(weight);
+  total.gradient -= world.holder.weight;
+  total.force_scale += std::abs(world.holder.weight[1]);
 
-  if (lagged.length > 0 && has_surface_laws(world)) {
-    const double arm = 0.5 * lagged.length;
-    const Radial radial(eccentricity(tip, arm), world.annulus.clearance());
-    const SurfaceLaws laws = surface_laws(world, world.annulus.clearance() - radial.eccentricity);
-    const double force = laws.van_der_waals.force + laws.electrostatic.force + laws.capillary.force;
-    const double slope = laws.van_der_waals.slope + laws.electrostatic.slope + laws.capillary.slope;
-    Depth e;  // the eccentricity as a function of the pose
-    add_radial(e, radial, 1, arm, tip, 0);
-    const double value = lagged.length * (laws.van_der_waals.potential +
-                                          laws.electrostatic.potential + laws.capillary.potential);
-    total.value += value;
-    total.value_scale += std::abs(value);
-    total.gradient += lagged.length * force * e.gradient;
-    total.hessian +=
-        lagged.length * (force * e.hessian - slope * e.gradient * e.gradient.transpose());
-    total.force_scale -= lagged.length * force;
+  if (lagged.inertial) {
+    const Pose move = tip - lagged.inertia_at;
+    const Pose force = lagged.inertia * move;
+    total.value += 0.5 * move.dot(force);
+    total.value_scale += 0.5 * move.dot(force);
+    total.gradient += force;
+    total.hessian += lagged.inertia;
+    total.force_scale += force.head<3>().norm();
   }
+  if (lagged.length > 0 && has_surface_law(world, Form::printed))
+    add_surface(total, world, lagged, Form::printed, tip);
+  if (tip[0] < 0 && has_surface_law(world, Form::corrected))
+    add_surface(total, world, lagged, Form::corrected, tip);
+  if (world.meniscus && tip[0] < 0) {
+    const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
+    total.value += pull * tip[0];
+    total.value_scale -= pull * tip[0];
+    total.gradient[0] += pull;
+    total.force_scale += pull;
+  }
+  if (lagged.drags)
+    for (const double arm : lagged.drag_arm) {
+      const Vector3d moved = drag_move(lagged, tip, arm);
+      const Eigen::Matrix3d rate = 0.5 / lagged.dt * lagged.drag_coefficients;
+      const Vector3d force = rate * moved;
+      total.value += 0.5 * moved.dot(force);
+      total.value_scale += 0.5 * moved.dot(force);
+      add_point(total, world, lagged, arm, force, rate, true);
+    }
 
   const auto depths = contact_depths(world, lagged, tip);
   for (int place = 0; place < kContactPlaces; ++place) {
-    const Depth& depth = depths[place];
+    const Depth& depth = depths[static_cast<std::size_t>(place)];
     if (depth.value == -INFINITY) continue;
-    const ContactForce push = wall(world.wall, depth.value);
-    const ContactForce pull = shared_adhesion(world, lagged, depth.value);
+    const ContactForce push = wall_force(world, depth.value);
+    const AdhesionForce pull = shared_adhesion(world, lagged, place, depth.value);
     const double force = push.force + pull.force;
     const double slope = push.slope + pull.slope;
     total.value += push.potential + pull.potential;
@@ -259,7 +385,7 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
     if (force == 0 && slope == 0) continue;
     total.gradient += force * depth.gradient;
     total.hessian += slope * depth.gradient * depth.gradient.transpose() + force * depth.hessian;
-    total.force_scale += push.force - pull.force;
+    total.force_scale += push.force + std::abs(pull.force);
   }
   for (const LaggedFriction& friction : lagged.friction)
     if (friction.acts) add_friction(total, world, lagged, friction, tip);
@@ -270,39 +396,67 @@ Forces forces(const World& world, const Lagged& lagged, const Pose& hand,
               const Pose& tip) noexcept {
   Forces out;
   Breakdown& b = out.breakdown;
-  b.holder << world.holder.stiffness * (tip - hand).head<3>(),
-      world.holder.tilt_stiffness * (tip - hand).tail<2>();
-  if (world.gravity) b.gravity = {{0, -gravity(*world.gravity, world.fibre), 0}, tip.head<3>()};
+  b.holder = world.holder.stiffness * (tip - hand);
+  b.gravity = {{0, world.holder.weight[1], 0}, tip.head<3>() + world.holder.weight_arm};
 
-  if (lagged.length > 0 && has_surface_laws(world)) {
-    const double arm = 0.5 * lagged.length;
-    const Vector2d e = eccentricity(tip, arm);
-    const Radial radial(e, world.annulus.clearance());
-    const SurfaceLaws laws = surface_laws(world, world.annulus.clearance() - radial.eccentricity);
-    const Vector3d towards_wall = outward3(radial.normal);
-    const Vector3d point = Vector3d(tip[0] + arm, e.x(), e.y());
-    b.van_der_waals = {-lagged.length * laws.van_der_waals.force * towards_wall, point};
-    b.electrostatic = {-lagged.length * laws.electrostatic.force * towards_wall, point};
-    b.capillary = {-lagged.length * laws.capillary.force * towards_wall, point};
+  const double c = world.annulus.clearance();
+  for (const Form form : {Form::printed, Form::corrected}) {
+    const bool follows = form == Form::corrected;
+    const double length = follows ? inserted(world, tip) : lagged.length;
+    if (length == 0 || !has_surface_law(world, form)) continue;
+    const double slope = follows ? inserted_slope(world, tip) : 0;
+    for (int n = 0; n < world.quadrature.order; ++n) {
+      const double node = world.quadrature.node[static_cast<std::size_t>(n)];
+      const double weight = world.quadrature.weight[static_cast<std::size_t>(n)];
+      const Vector2d e = eccentricity(tip, node * length);
+      const Radial radial(e, c);
+      const Vector3d point(tip[0] + node * length, e.x(), e.y());
+      each_surface_law(
+          world, form, c - radial.eccentricity, lagged.bridge,
+          [&](PointForce Breakdown::*slot, const LineForce& law) {
+            Vector3d f = -weight * length * law.force * outward3(radial.normal);
+            f.x() = -slope * weight *
+                    (law.potential + length * law.force * node * radial.normal.dot(tip.tail<2>()));
+            // Each law acts at the mean of its nodes, weighed by their forces.
+            PointForce& to = b.*slot;
+            const double before = to.force.tail<2>().norm(), now = f.tail<2>().norm();
+            if (before + now > 0) to.point = (before * to.point + now * point) / (before + now);
+            to.force += f;
+          });
+    }
   }
+  if (world.capillary)
+    out.bridge =
+        tip[0] < 0 && smallest_gap(world, tip) < capillary_reach(*world.capillary, lagged.bridge);
+  if (world.meniscus && tip[0] < 0)
+    b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, tip.head<3>()};
+  if (lagged.drags)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double arm = lagged.drag_arm[i];
+      const Vector2d e = eccentricity(tip, arm);
+      b.drag[i] = {-0.5 / lagged.dt * lagged.drag_coefficients * drag_move(lagged, tip, arm),
+                   {tip[0] + arm, e.x(), e.y()}};
+    }
 
   const auto depths = contact_depths(world, lagged, tip);
   for (int place = 0; place < kContactPlaces; ++place) {
-    const Depth& depth = depths[place];
+    const auto at = static_cast<std::size_t>(place);
+    const Depth& depth = depths[at];
     const double arm = place == kSide ? std::max(0.0, -tip[0]) : 0.0;
-    out.material[place] = material_point(world, lagged, tip, arm);
+    out.material[at] = material_point(world, lagged, tip, arm);
     if (depth.value == -INFINITY) continue;
-    b.wall[place] = {wall(world.wall, depth.value).force * depth.normal, depth.point};
-    b.adhesion[place] = {shared_adhesion(world, lagged, depth.value).force * depth.normal,
-                         depth.point};
-    out.contact[place].closed = depth.value > 0;
-    out.contact[place].depth = std::max(0.0, depth.value);
-    const LaggedFriction& friction = lagged.friction[place];
+    const AdhesionForce pull = shared_adhesion(world, lagged, place, depth.value);
+    b.wall[at] = {wall_force(world, depth.value).force * depth.normal, depth.point};
+    b.adhesion[at] = {pull.force * depth.normal, depth.point};
+    out.contact[at].closed = depth.value > 0 || pull.radius > 0;
+    out.contact[at].depth = out.contact[at].closed ? depth.value : 0.0;
+    out.contact[at].branch = pull.branch;
+    const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
-    const Vector3d material = material_point(world, lagged, tip, friction.arm);
     Vector3d point = depth.point;
     point.x() = tip[0] + friction.arm;
-    b.friction[place] = {friction_force(friction, material), point};
+    b.friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
+                      point};
   }
   return out;
 }

@@ -12,74 +12,118 @@ namespace fs = std::filesystem;
 
 constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
 constexpr double degree = std::numbers::pi / 180;
+constexpr int kUsualNodes = 5;  // of the quadrature along the insertion
 
-// Which laws exist in the corrected form.
-constexpr const char* kCorrectedLaws[] = {"gravity"};
-
-bool has_corrected(const std::string& law) {
-  return std::find(std::begin(kCorrectedLaws), std::end(kCorrectedLaws), law) !=
-         std::end(kCorrectedLaws);
+Form read_form(JsonFields& law) {
+  return law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
 }
 
-Form read_form(JsonFields& law, const std::string& name) {
-  const Form form =
-      law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
-  if (form == Form::corrected && !has_corrected(name))
-    law.refuse("form", "the corrected form of this law does not exist yet; use \"printed\"");
-  return form;
+// Liquid in the gap has no printed drag or meniscus.
+Form only_corrected(JsonFields& law) {
+  law.choice("form", {"corrected"});
+  return Form::corrected;
 }
 
-void read_laws(JsonFields laws, World& world) {
+double read_contact_angle(JsonFields& law) {
+  Rule wetting = rule::between(0, 90, "must be at least 0 and below 90 degrees");
+  wetting.high_open = true;
+  return degree * law.number("contact_angle_deg", wetting);
+}
+
+Capillary read_capillary(JsonFields f) {
+  Capillary law;
+  law.form = read_form(f);
+  law.surface_tension = f.number("surface_tension_N_m", rule::positive());
+  law.contact_angle = read_contact_angle(f);
+  law.film = nano * f.number("film_nm", rule::positive());
+  // Needed by the corrected form; the printed one may carry them along.
+  if (law.form == Form::corrected || f.present("volume_per_length_m2"))
+    law.volume = f.number("volume_per_length_m2", rule::positive());
+  if (law.form == Form::corrected || f.present("rupture_nm")) {
+    law.rupture = nano * f.number("rupture_nm", rule::positive());
+    if (!(law.rupture > 2 * law.film))
+      f.refuse("rupture_nm", "must be more than twice film_nm, where a bridge forms");
+  }
+  f.finish();
+  return law;
+}
+
+Adhesion read_adhesion(JsonFields f, double modulus, double fibre_radius) {
+  Adhesion law;
+  law.form = read_form(f);
+  const bool printed = law.form == Form::printed;
+  law.work_of_adhesion = f.number("work_of_adhesion_J_m2", rule::positive());
+  law.maugis_lambda =
+      f.number("maugis_lambda", printed ? rule::between(0.12, 5.8, "must be from 0.12 to 5.8")
+                                        : rule::between(0.01, 100, "must be from 0.01 to 100"));
+  law.m = 1;
+  if (printed || f.present("m"))
+    law.m = f.number("m", {1, INFINITY, false, true, "must be at least 1"});
+  law.reduced_modulus = modulus;
+  law.radius = fibre_radius;
+  if (f.present("radius_um")) {
+    const double radius = micro * f.number("radius_um", rule::positive());
+    if (!printed) law.radius = radius;
+  }
+  f.finish();
+  if (!printed) law.curve = std::make_shared<const MaugisCurve>(law.maugis_lambda);
+  return law;
+}
+
+// `friction` comes with the shear moduli.
+void read_laws(JsonFields laws, World& world, Friction friction, double modulus) {
   if (laws.has("van_der_waals")) {
     JsonFields f = laws.object("van_der_waals");
-    world.van_der_waals = {read_form(f, "van_der_waals"), f.number("hamaker_J", rule::positive())};
+    world.van_der_waals = {read_form(f), f.number("hamaker_J", rule::positive())};
     f.finish();
   }
   if (laws.has("electrostatic")) {
     JsonFields f = laws.object("electrostatic");
-    world.electrostatic = {read_form(f, "electrostatic"),
-                           f.number("voltage_V", rule::not_negative())};
+    world.electrostatic = {read_form(f), f.number("voltage_V", rule::not_negative())};
     f.finish();
   }
   if (laws.has("gravity")) {
     JsonFields f = laws.object("gravity");
-    world.gravity = {read_form(f, "gravity")};
+    world.gravity = {read_form(f)};
     f.finish();
   }
-  if (laws.has("capillary")) {
-    JsonFields f = laws.object("capillary");
-    Rule wetting = rule::between(0, 90, "must be at least 0 and below 90 degrees");
-    wetting.high_open = true;
-    Capillary law;
-    law.form = read_form(f, "capillary");
-    law.surface_tension = f.number("surface_tension_N_m", rule::positive());
-    law.contact_angle = degree * f.number("contact_angle_deg", wetting);
-    law.film = nano * f.number("film_nm", rule::positive());
-    world.capillary = law;
-    f.finish();
-  }
-  if (laws.has("adhesion")) {
-    JsonFields f = laws.object("adhesion");
-    Adhesion law;
-    law.form = read_form(f, "adhesion");
-    law.work_of_adhesion = f.number("work_of_adhesion_J_m2", rule::positive());
-    law.maugis_lambda =
-        f.number("maugis_lambda", rule::between(0.12, 5.8, "must be from 0.12 to 5.8"));
-    law.m = f.number("m", {1, INFINITY, false, true, "must be at least 1"});
-    law.reduced_modulus = world.wall.reduced_modulus;
-    law.radius = world.annulus.fibre_radius;
-    world.adhesion = law;
-    f.finish();
-  }
+  if (laws.has("capillary")) world.capillary = read_capillary(laws.object("capillary"));
+  if (laws.has("adhesion"))
+    world.adhesion = read_adhesion(laws.object("adhesion"), modulus, world.annulus.fibre_radius);
   if (laws.has("friction")) {
     JsonFields f = laws.object("friction");
-    world.friction->form = read_form(f, "friction");
-    world.friction->burgers = nano * f.number("burgers_nm", rule::positive());
+    friction.form = read_form(f);
+    friction.burgers = nano * f.number("burgers_nm", rule::positive());
     f.finish();
-  } else {
-    world.friction.reset();
+    world.friction = friction;
+  }
+  if (laws.has("drag")) {
+    JsonFields f = laws.object("drag");
+    world.drag = {only_corrected(f), f.number("viscosity_Pa_s", rule::positive())};
+    f.finish();
+  }
+  if (laws.has("meniscus")) {
+    JsonFields f = laws.object("meniscus");
+    world.meniscus = {only_corrected(f), f.number("surface_tension_N_m", rule::positive()),
+                      read_contact_angle(f)};
+    f.finish();
   }
   laws.finish();
+}
+
+Holder read_holder(JsonFields f, const World& world) {
+  Holder holder;
+  if (f.choice("type", {"rigid_hand", "elastic_fibre"}) == 0) {
+    holder = rigid_hand(f.number("stiffness_N_m", rule::positive()),
+                        f.number("tilt_stiffness_N_m_rad", rule::positive()), world.fibre,
+                        world.fibre_young, world.gravity);
+  } else {
+    holder = elastic_fibre(milli * f.number("free_length_mm", rule::positive()),
+                           f.number("gripper_stiffness_N_m", rule::positive()), world.fibre,
+                           world.fibre_young, world.gravity);
+  }
+  f.finish();
+  return holder;
 }
 
 World read_world(JsonFields& scene) {
@@ -125,21 +169,28 @@ World read_world(JsonFields& scene) {
   }
   ferrule.finish();
 
-  // Key for the mean separation of rough surfaces; only smooth ones exist in the printed forms.
-  if (scene.number("roughness_nm", rule::not_negative()) != 0)
-    scene.refuse("roughness_nm", "the printed laws know smooth surfaces only: must be 0");
+  world.annulus.roughness = nano * scene.number("roughness_nm", rule::not_negative());
 
-  world.wall = {reduced_modulus(world.fibre_young, fibre_poisson, ferrule_young, ferrule_poisson),
-                world.annulus.fibre_radius, 0};
-  world.friction = friction;
-  read_laws(scene.object("laws"), world);
-  if (world.adhesion && world.adhesion->form == Form::printed) world.wall.begins = kPrintedDepth;
+  const double modulus =
+      reduced_modulus(world.fibre_young, fibre_poisson, ferrule_young, ferrule_poisson);
+  read_laws(scene.object("laws"), world, friction, modulus);
+  if (!world.adhesion || world.adhesion->form == Form::printed)
+    world.wall = {modulus, world.annulus.fibre_radius, world.adhesion ? kPrintedDepth : 0.0};
 
-  JsonFields holder = scene.object("holder");
-  holder.choice("type", {"rigid_hand"});
-  world.holder.stiffness = holder.number("stiffness_N_m", rule::positive());
-  world.holder.tilt_stiffness = holder.number("tilt_stiffness_N_m_rad", rule::positive());
-  holder.finish();
+  world.holder = read_holder(scene.object("holder"), world);
+  if (scene.present("dynamics") && scene.choice("dynamics", {"quasi_static", "inertial"}) == 1)
+    world.dynamics = Dynamics::inertial;
+  if (scene.present("integrator") && scene.choice("integrator", {"backward_euler", "bdf2"}) == 1)
+    world.integrator = Integrator::bdf2;
+  // Between tilted axes the corrected laws are integrated along the insertion; the printed ones
+  // know one gap.
+  const auto corrected = [](const auto& law) { return law && law->form == Form::corrected; };
+  const bool integrated = corrected(world.van_der_waals) || corrected(world.electrostatic) ||
+                          corrected(world.capillary);
+  int order = integrated ? kUsualNodes : 1;
+  if (scene.present("quadrature"))
+    order = static_cast<int>(scene.integer("quadrature", 1, kMostNodes));
+  world.quadrature = Quadrature::gauss_legendre(order);
   return world;
 }
 
@@ -193,9 +244,9 @@ Scene parse_scene(const Json& document, const std::string& file) {
   JsonFields fields(document, file);
   Scene scene{};
   scene.document = document;
-  if (fields.has("$schema")) fields.text("$schema");
+  if (fields.present("$schema")) fields.text("$schema");
   scene.name = fields.text("name");
-  if (fields.has("about")) fields.text("about");
+  if (fields.present("about")) fields.text("about");
   scene.world = read_world(fields);
 
   JsonFields start = fields.object("start");
@@ -214,6 +265,8 @@ Scene parse_scene(const Json& document, const std::string& file) {
   Rule time = rule::between(0, 3600, "must be positive and at most 3600");
   time.low_open = true;
   scene.limits.time = limits.number("time_s", time);
+  if (limits.present("proof_stress_GPa"))
+    scene.limits.proof_stress = giga * limits.number("proof_stress_GPa", rule::positive());
   limits.finish();
 
   JsonFields success = fields.object("success");
@@ -228,6 +281,10 @@ Scene parse_scene(const Json& document, const std::string& file) {
   scene.scaling.hand_force = scaling.number("hand_force_N", rule::positive());
   scene.scaling.tip_force = micro * scaling.number("tip_force_uN", rule::positive());
   scaling.finish();
+  const ScalingRanges& r = scene.scaling;
+  for (const double ratio : {r.hand_range / r.tip_range, r.hand_force / r.tip_force})
+    if (!(ratio > 1e-12 && ratio < 1e12))
+      fields.refuse("scaling", "the ranges of hand and tip must be within a factor of 1e12");
   fields.finish();
   return scene;
 }
@@ -256,10 +313,10 @@ void set_form(Json& document, Form form, const std::string& file) {
   std::string lacking;
   for (auto& [name, law] : document["laws"].items()) {
     if (!law.is_object()) continue;
-    if (form == Form::corrected && !has_corrected(name)) lacking += " " + name;
+    if (form == Form::printed && (name == "drag" || name == "meniscus")) lacking += " " + name;
     law["form"] = form == Form::printed ? "printed" : "corrected";
   }
-  if (!lacking.empty()) throw BadInput(file + ": laws that have no corrected form yet:" + lacking);
+  if (!lacking.empty()) throw BadInput(file + ": laws that the paper does not print:" + lacking);
 }
 
 }  // namespace ferrule

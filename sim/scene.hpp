@@ -2,6 +2,7 @@
 // the hand to the tip. One JSON file (data/README.md describes every key); SI inside.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,7 @@ struct Limits {
   double force;  // largest force felt at the holder, weight apart [N], > 0
   double speed;  // largest speed commanded [m/s], > 0
   double time;   // longest trial [s], > 0
+  double proof_stress = std::numeric_limits<double>::infinity();  // of bending [Pa], > 0
 };
 
 struct Success {
@@ -57,7 +59,7 @@ Scene load_scene(const std::string& name_or_file, const std::vector<std::string>
 std::vector<std::string> shipped_scenes();
 
 // Changes the form of all laws of a scene document. Throws BadInput naming the laws that do not
-// exist in that form.
+// exist in that form (the paper prints no drag and no meniscus).
 void set_form(Json& document, Form form, const std::string& file);
 
 }  // namespace ferrule

@@ -29,29 +29,38 @@ struct ContactState {
   bool closed = false;
   double depth = 0;                   // penetration of mean surfaces [m], where closed
   Vector3d stuck = Vector3d::Zero();  // where the contact's material point is stuck [m]
+  int branch = 0;                     // of the adhesion's curve (sim/maugis.hpp)
 };
 
 struct State {
   Pose tip = Pose::Zero();   // pose of the inserted end [m, rad]
   Pose hand = Pose::Zero();  // pose commanded by the holder at `time` [m, rad]
+  double time = 0;           // [s]
   EdgeSide side = EdgeSide::throat;
+  bool bridge = false;  // a liquid bridge spans the gap
   std::array<ContactState, kContactPlaces> contact;
-  double time = 0;  // [s]
+  // Of the step before, for inertia and second order; dt_before is 0 where there was none.
+  Pose velocity = Pose::Zero();         // of the end [m/s, rad/s]
+  Pose tip_before = Pose::Zero();       // [m, rad]
+  Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
+  double dt_before = 0;                 // [s]
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
 };
 
 // A state as a row of numbers, and back: for files and for comparing bit for bit.
-inline constexpr int kStateSize = 22;
+inline constexpr int kStateSize = 41;
 using StateRow = Eigen::Matrix<double, kStateSize, 1>;
 
 inline StateRow to_row(const State& s) noexcept {
   StateRow row;
-  row << s.tip, s.hand, s.side == EdgeSide::face ? 1.0 : 0.0, s.time, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0;
+  row << s.tip, s.hand, s.time, s.side == EdgeSide::face ? 1.0 : 0.0, s.bridge ? 1.0 : 0.0,
+      StateRow::Zero().head<12>(), s.velocity, s.tip_before, s.velocity_before, s.dt_before;
   for (int place = 0; place < kContactPlaces; ++place) {
     const ContactState& c = s.contact[place];
-    row.segment<5>(12 + 5 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck;
+    row.segment<6>(13 + 6 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck,
+        static_cast<double>(c.branch);
   }
   return row;
 }
@@ -60,14 +69,20 @@ inline State from_row(const StateRow& row) noexcept {
   State s;
   s.tip = row.head<5>();
   s.hand = row.segment<5>(5);
-  s.side = row[10] != 0 ? EdgeSide::face : EdgeSide::throat;
-  s.time = row[11];
+  s.time = row[10];
+  s.side = row[11] != 0 ? EdgeSide::face : EdgeSide::throat;
+  s.bridge = row[12] != 0;
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& c = s.contact[place];
-    c.closed = row[12 + 5 * place] != 0;
-    c.depth = row[13 + 5 * place];
-    c.stuck = row.segment<3>(14 + 5 * place);
+    c.closed = row[13 + 6 * place] != 0;
+    c.depth = row[14 + 6 * place];
+    c.stuck = row.segment<3>(15 + 6 * place);
+    c.branch = static_cast<int>(row[18 + 6 * place]);
   }
+  s.velocity = row.segment<5>(25);
+  s.tip_before = row.segment<5>(30);
+  s.velocity_before = row.segment<5>(35);
+  s.dt_before = row[40];
   return s;
 }
 

@@ -9,11 +9,10 @@
 namespace ferrule {
 namespace {
 
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
 constexpr int kMaxIterations = 200;
 constexpr int kMaxHalvings = 50;
 constexpr int kMaxSubsteps = 8192;
+constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
 constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
@@ -26,21 +25,17 @@ struct Minimum {
 
 // Residual of a gradient [N], tilts weighed by the length that makes both stiffnesses equal.
 double residual(const World& world, const Pose& gradient) noexcept {
-  const double length = std::sqrt(world.holder.tilt_stiffness / world.holder.stiffness);
   return std::max(gradient.head<3>().cwiseAbs().maxCoeff(),
-                  gradient.tail<2>().cwiseAbs().maxCoeff() / length);
+                  gradient.tail<2>().cwiseAbs().maxCoeff() / world.holder.tilt_length);
 }
 
 // The Newton direction; where the Hessian is not positive definite it is shifted by multiples of
 // the holder's stiffness until it is.
 Pose newton_direction(const World& world, const Potential& here) noexcept {
-  Pose shift;
-  shift << Vector3d::Constant(world.holder.stiffness),
-      Vector2d::Constant(world.holder.tilt_stiffness);
   double factor = 0;
   for (int attempt = 0; attempt < 80; ++attempt) {
     Matrix5 hessian = here.hessian;
-    hessian.diagonal() += factor * shift;
+    if (factor > 0) hessian += factor * world.holder.stiffness;
     const Eigen::LLT<Matrix5> cholesky(hessian);
     if (cholesky.info() == Eigen::Success) {
       const Pose direction = -cholesky.solve(here.gradient);
@@ -48,7 +43,7 @@ Pose newton_direction(const World& world, const Potential& here) noexcept {
     }
     factor = factor == 0 ? 1 : 4 * factor;
   }
-  return -here.gradient.cwiseQuotient(shift);
+  return -here.gradient.cwiseQuotient(world.holder.stiffness.diagonal());
 }
 
 Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
@@ -119,6 +114,48 @@ void update_contacts(const Lagged& lagged, const Forces& now, State& state) noex
   }
 }
 
+// The lagged quantities once more, where the end has got to; time still runs from the step's start.
+Lagged lag_again(const World& world, const State& start, const Lagged& first,
+                 const Pose& tip) noexcept {
+  State there = start;
+  there.tip = tip;
+  there.side = first.side;
+  Lagged again = lag(world, there, 0);
+  again.drags = first.drags;
+  again.drag_from = first.drag_from;
+  again.drag_coefficients = first.drag_coefficients;
+  again.drag_arm = first.drag_arm;
+  again.dt = first.dt;
+  again.inertial = first.inertial;
+  again.second_order = first.second_order;
+  again.inertia = first.inertia;
+  again.inertia_at = first.inertia_at;
+  return again;
+}
+
+// Velocities after a step that ends at `tip`, by the rule that the step used.
+void update_velocity(const Lagged& lagged, const Pose& tip, double dt, State& state) noexcept {
+  if (!lagged.inertial) return;
+  const Pose velocity = lagged.second_order
+                            ? Pose((3 * tip - 4 * state.tip + state.tip_before) / (2 * dt))
+                            : Pose((tip - state.tip) / dt);
+  state.velocity_before = state.velocity;
+  state.tip_before = state.tip;
+  state.velocity = velocity;
+  state.dt_before = dt;
+}
+
+// Nothing near the fibre now or where the hand goes, and no inertia: it hangs on the holder alone.
+bool flies_free(const World& world, const State& state, const Pose& hand) noexcept {
+  if (world.dynamics == Dynamics::inertial) return false;
+  const double reach = world.profile.lead_in_length + world.annulus.clearance();
+  const double lever = world.annulus.fibre_radius;
+  const Pose goal = hand + world.holder.sag;
+  return std::min({state.tip[0], state.hand[0], goal[0]}) -
+             lever * (state.tip.tail<2>().cwiseAbs().sum() + goal.tail<2>().cwiseAbs().sum()) >
+         reach;
+}
+
 int substeps_for(const World& world, const State& state, const Pose& hand) noexcept {
   const Pose move = hand - state.hand;
   const double clearance = world.annulus.clearance();
@@ -139,23 +176,48 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
   result.state = state;
   if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
     result.status = StepStatus::bad_command;
-    result.forces = forces(world, lag(world, state), state.hand, state.tip).breakdown;
+    result.forces = forces(world, lag(world, state, 0), state.hand, state.tip).breakdown;
+    return result;
+  }
+  if (flies_free(world, state, hand)) {
+    result.state.tip = hand + world.holder.sag;
+    result.state.hand = hand;
+    result.state.time = state.time + dt;
+    result.state.bridge = false;
+    result.state.contact = {};
+    result.forces.holder = world.holder.weight;
+    result.forces.gravity = {{0, world.holder.weight[1], 0},
+                             result.state.tip.head<3>() + world.holder.weight_arm};
+    result.substeps = 1;
     return result;
   }
   const Pose from = state.hand;
   result.substeps = substeps_for(world, state, hand);
+  const double part_dt = dt / result.substeps;
   for (int k = 1; k <= result.substeps; ++k) {
     const double part = static_cast<double>(k) / result.substeps;
     const Pose command = k == result.substeps ? hand : Pose(from + part * (hand - from));
-    const Lagged lagged = lag(world, result.state);
-    const Minimum found = minimise(world, lagged, command, result.state.tip);
+    Lagged lagged = lag(world, result.state, part_dt);
+    const bool holds_still = world.dynamics == Dynamics::inertial && part_dt == 0;
+    Minimum found{result.state.tip, 0, true};
+    if (!holds_still) found = minimise(world, lagged, command, result.state.tip);
     result.iterations += found.iterations;
+    // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
+    for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
+      lagged = lag_again(world, result.state, lagged, found.tip);
+      const int before = found.iterations;
+      found = minimise(world, lagged, command, found.tip);
+      result.iterations += found.iterations;
+      if (found.iterations == 0 && before == 0) break;
+    }
     if (!found.converged) result.status = StepStatus::not_converged;
+    update_velocity(lagged, found.tip, part_dt, result.state);
     result.state.tip = found.tip;
     result.state.hand = command;
     result.state.side = lagged.side;
     const Forces now = forces(world, lagged, command, found.tip);
     update_contacts(lagged, now, result.state);
+    result.state.bridge = now.bridge;
     result.forces = now.breakdown;
   }
   result.state.time = state.time + dt;

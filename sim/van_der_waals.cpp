@@ -1,7 +1,9 @@
 #include "sim/van_der_waals.hpp"
 
+#include <cmath>
 #include <numbers>
 
+#include "sim/corrected_range.hpp"
 #include "sim/printed_range.hpp"
 
 namespace ferrule {
@@ -10,9 +12,16 @@ namespace {
 constexpr double kRange = 100e-9;  // [m], "h <= 100 nm"
 constexpr double kTaper = 1e-9;    // [m]
 
-}  // namespace
+LineForce annulus_law(double hamaker, const Annulus& annulus, double h) noexcept {
+  const double c = annulus.clearance() + annulus.roughness;
+  const double near = h + annulus.roughness;  // c - e, exact where it is small
+  const double e = c - near;
+  const double q = near * (c + e);  // c^2 - e^2
+  const double strength = hamaker * annulus.fibre_radius * c / (q * std::sqrt(q));
+  return {-strength / 6, -0.5 * strength * e / q, 0.5 * strength * (1 / q + 5 * e * e / (q * q))};
+}
 
-LineForce van_der_waals(const VanDerWaals& law, const Annulus& annulus, double h) noexcept {
+LineForce patch_law(const VanDerWaals& law, const Annulus& annulus, double h) noexcept {
   if (h >= kRange + kTaper) return {};
   const double strength =
       law.hamaker * annulus.fibre_radius * printed::kPatchAngle / (24.0 * std::numbers::pi);
@@ -32,6 +41,14 @@ LineForce van_der_waals(const VanDerWaals& law, const Annulus& annulus, double h
                 -strength / (g2 * gap), 3 * strength / (g2 * g2)};
       },
       h);
+}
+
+}  // namespace
+
+LineForce van_der_waals(const VanDerWaals& law, const Annulus& annulus, double h) noexcept {
+  if (law.form == Form::printed) return patch_law(law, annulus, h);
+  return corrected::held_in_contact(
+      [&](double gap) noexcept { return annulus_law(law.hamaker, annulus, gap); }, annulus, h);
 }
 
 }  // namespace ferrule

@@ -7,37 +7,43 @@
 #include "sim/adhesion.hpp"
 #include "sim/annulus.hpp"
 #include "sim/capillary.hpp"
+#include "sim/drag.hpp"
 #include "sim/electrostatic.hpp"
 #include "sim/ferrule_profile.hpp"
 #include "sim/friction.hpp"
 #include "sim/gravity.hpp"
+#include "sim/holder.hpp"
+#include "sim/meniscus.hpp"
+#include "sim/quadrature.hpp"
 #include "sim/state.hpp"
 #include "sim/van_der_waals.hpp"
 #include "sim/wall.hpp"
 
 namespace ferrule {
 
-// The rigid hand of the paper: a virtual coupling between the commanded pose and the fibre's end.
-//   energy = (k |p - p_hand|^2 + k_tilt |tilt - tilt_hand|^2) / 2
-struct RigidHand {
-  double stiffness;       // k [N/m], > 0, in each direction
-  double tilt_stiffness;  // k_tilt [N m/rad], > 0
-};
+// Whether the fibre's inertia is modelled, and how time is stepped where it (or drag) is.
+enum class Dynamics { quasi_static, inertial };
+enum class Integrator { backward_euler, bdf2 };
 
 struct World {
   Annulus annulus;
   FerruleProfile profile;
   FibreMass fibre;
   double fibre_young;  // E_o [Pa]
-  RigidHand holder;
+  Holder holder;
+  Dynamics dynamics = Dynamics::quasi_static;
+  Integrator integrator = Integrator::backward_euler;
+  Quadrature quadrature;  // of surface forces along the inserted length
 
   std::optional<VanDerWaals> van_der_waals;
   std::optional<Electrostatic> electrostatic;
   std::optional<Gravity> gravity;
   std::optional<Capillary> capillary;
   std::optional<Adhesion> adhesion;
-  Wall wall;
+  std::optional<Wall> wall;  // empty beside the corrected adhesion, which pushes back by itself
   std::optional<Friction> friction;
+  std::optional<Drag> drag;
+  std::optional<Meniscus> meniscus;
 };
 
 // Gap of the fibre's axis to the bore at arm s behind the end [m] is c - |eccentricity|; this is
@@ -48,5 +54,9 @@ inline Vector2d eccentricity(const Pose& tip, double s) noexcept {
 
 // State of a fibre whose end rests at `tip` in free air: the hand holds it there against gravity.
 State at_rest(const World& world, const Pose& tip) noexcept;
+
+// Contact radius [m] that friction takes at penetration `depth` [m]: prescribed by the printed
+// form, else that of the adhesion (6c) or, without adhesion, of Hertz.
+double friction_radius(const World& world, double depth, int branch) noexcept;
 
 }  // namespace ferrule

@@ -13,7 +13,7 @@ ControllerFile example() {
   for (std::size_t i = 0; i < kGains; ++i)
     c.gains[i] = {0.1 + static_cast<double>(i) / 3, 0.01, 10};
   c.gains[4].low = c.gains[4].high = NAN;
-  c.scene = "demo";
+  c.scenes = {"demo"};
   c.episodes = {"a.h5", "b.h5"};
   c.held_out = {"c.h5"};
   c.rows = 1234;

@@ -13,7 +13,7 @@ namespace {
 DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes, double noise,
                            std::uint64_t seed = 1, int delay = 0) {
   DemonstrationSet set;
-  set.scene = "synthetic";
+  set.scenes = {"synthetic"};
   set.speed_scale = 6e-3;
   for (int e = 0; e < episodes; ++e) {
     RandomStream random(seed, static_cast<std::uint64_t>(e), Draw::operator_hand);

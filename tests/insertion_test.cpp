@@ -56,7 +56,7 @@ TEST(InsertionWatch, TellsHowAnInsertionEnds) {
 TEST(InsertionWatch, EulerLoadIsThatOfAClampedFreeRod) {
   // Silica, 125 um, 10 mm: E pi r^4/4 pi^2/(4 L^2) = 21 mN.
   const Scene scene = testing::paper({"fibre.young_GPa=72", "fibre.manipulated_length_mm=10"});
-  EXPECT_CLOSE(euler_load(scene.world), 21e-3, 0.02);
+  EXPECT_CLOSE(scene.world.holder.euler_load, 21e-3, 0.02);
 }
 
 TEST(Outcome, NamesRoundTrip) {

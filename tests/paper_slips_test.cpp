@@ -35,12 +35,12 @@ TEST(Slip, E3WithTheAngularRangeTheMeniscusWouldHaveNoRadius) {
   const double degree = std::numbers::pi / 180;
   const double no_radius = 2 * 0.072 * kLength * std::cos(60 * degree);
   const Capillary law = {Form::printed, 0.072, 60 * degree, 80e-9};
-  EXPECT_CLOSE(-kLength * capillary(law, kGap).force / no_radius, 8.5, 1e-13);
+  EXPECT_CLOSE(-kLength * capillary(law, kTableI, kGap, true).force / no_radius, 8.5, 1e-13);
 }
 
 TEST(Slip, E4ThePrintedMeniscusNeverLetsGo) {
   const Capillary law = {Form::printed, 0.072, std::numbers::pi / 3, 80e-9};
-  for (double h = 0.1e-9; h < 1; h *= 3) EXPECT_LT(capillary(law, h).force, 0) << h;
+  for (double h = 0.1e-9; h < 1; h *= 3) EXPECT_LT(capillary(law, kTableI, h, true).force, 0) << h;
 }
 
 TEST(Slip, E5ModuliInKilogramsWouldBeTenTimesTooSoft) {

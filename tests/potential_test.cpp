@@ -34,7 +34,7 @@ std::vector<Case> cases(const World& world, std::uint64_t seed) {
       hand[1] -= 1e-8;
       state = step(world, state, hand, 1e-3).state;
     }
-    all.push_back({lag(world, state), hand, state.tip});
+    all.push_back({lag(world, state, 1e-3), hand, state.tip});
   }
   return all;
 }

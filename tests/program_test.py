@@ -83,6 +83,7 @@ class Forces(Case):
             self.same(row["gravity_uN"], -2330 * math.pi * 62.5e-6**2 * 0.05 * 1e6)
             self.assertEqual(row["adhesion_uN"], 0)
             self.assertEqual(row["friction_uN"], 0)
+            self.assertFalse(row["in_contact"])
 
     def same(self, a, b):
         self.assertLessEqual(abs(a - b), 1e-11 * abs(b), (a, b))
@@ -110,16 +111,56 @@ class Forces(Case):
             self.assertIn("</svg>", text)
             self.assertGreater(text.count("<path"), 5)
 
-    def test_forms(self):
-        self.refused(2, "forces", "--form", "corrected", says=["van_der_waals", "adhesion"])
-        run = self.done("forces", "--form", "corrected", "--scene", self.only_gravity(), "--json")
-        self.assertAlmostEqual(json.loads(run.stdout)["rows"][0]["gravity_uN"], -14.020, delta=1e-3)
+    def test_corrected_forms_are_those_of_the_literature(self):
+        lengths, roughness = 100e-6, 0
+        run = self.done("forces", "--form", "corrected", "--set",
+                        "laws.capillary.volume_per_length_m2=3e-12", "--set",
+                        "laws.capillary.rupture_nm=400", "--gap-nm", "1:450:31:log", "--json")
+        r, big_r = 62.5e-6, 63e-6
+        c, e0 = big_r - r, 8.8541878128e-12
+        for row in json.loads(run.stdout)["rows"]:
+            h = row["gap_nm"] * 1e-9
+            e = c - h
+            vdw = -3.67e-19 * r * c * e / (2 * ((c - e) * (c + e)) ** 2.5) * lengths
+            self.assertAlmostEqual(row["van_der_waals_uN"] / (vdw * 1e6), 1, delta=1e-8)
+            t = (c - e) * (c + e) / (2 * r * big_r)
+            root = math.sqrt(t * (2 + t))
+            angle = math.log1p(t + root)
+            slope = 2 * math.pi * e0 / angle**2 / root * e / (r * big_r)
+            self.assertAlmostEqual(row["electrostatic_uN"] / (-0.005 * slope * lengths * 1e6), 1,
+                                   delta=1e-7)
+            radius = r * big_r / c
+            low, high = 0, 1e-3
+            for _ in range(200):  # bisection for the half width
+                x = (low + high) / 2
+                low, high = (x, high) if 2 * (h * x + x**3 / (6 * radius)) < 3e-12 else (low, x)
+            cap = -4 * 0.072 * 0.5 * x / (h + x * x / (2 * radius)) * lengths * 1e6
+            self.assertAlmostEqual(row["capillary_uN"], cap if h < 400e-9 else 0, delta=1e-9 * abs(cap))
+            self.assertAlmostEqual(row["gravity_uN"], -14.020, delta=1e-3)
 
-    def only_gravity(self):
+    def test_forms(self):
+        self.refused(2, "forces", "--form", "corrected", "--set", "laws.capillary.rupture_nm=100",
+                     says=["laws.capillary.rupture_nm = 100", "film_nm"])
+        self.refused(2, "forces", "--form", "printed", "--set",
+                     'laws.drag={"form": "corrected", "viscosity_Pa_s": 1}', says=["drag"])
+
+    def test_names_cannot_reach_the_plotting_program(self):
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
-        scene["laws"] = {"gravity": {"form": "printed"}}
-        json.dump(scene, open(self.path("gravity.json"), "w"))
-        return self.path("gravity.json")
+        scene["name"] = f"x\nsystem \"touch {self.path('reached')}\"\n#'"
+        json.dump(scene, open(self.path("named.json"), "w"))
+        self.done("forces", "--scene", self.path("named.json"), "--gap-nm", "1:9:9", "--plot",
+                  self.path("p.svg"))
+        self.assertFalse(os.path.exists(self.path("reached")))
+
+    def test_a_plot_follows_a_link_and_leaves_a_device_a_device(self):
+        target, link = self.path("target.svg"), self.path("link.svg")
+        open(target, "w").close()
+        os.symlink(target, link)
+        for file in (link, "/dev/null"):
+            self.done("forces", "--gap-nm", "1:9:9", "--plot", file)
+        self.assertTrue(os.path.islink(link))
+        self.assertIn("</svg>", open(target).read())
+        self.assertFalse(os.path.isfile("/dev/null"))
 
     def test_bad_ranges(self):
         for text in ("", "a", "1:2", "1:2:0", "1:2:3:lin", "0:5:3:log", "-1", "1:2:2.5", "nan"):
@@ -195,11 +236,12 @@ class Scenes(Case):
         self.refused(2, "forces", "--set", "ferrule.bore_diameter_um=124.9",
                      says=["paper.json", "ferrule.bore_diameter_um = 124.9", "wider than the fibre"])
         self.refused(2, "forces", "--set", "fibre.poisson=0.6", says=["fibre.poisson = 0.6"])
+        self.refused(2, "forces", "--set", "scaling.tip_range_um=1e-320", says=["scaling"])
         self.refused(2, "forces", "--set", "holder.tpye=3", says=["holder.tpye = 3", "unknown key"])
         self.refused(3, "forces", "--scene", "nowhere", says=["nowhere", "paper"])
         self.refused(3, "forces", "--scene", "/no/where.json", says=["/no/where.json"])
         broken = self.path("broken.json")
-        for text in ('{"name": "x",\n "fibre": NaN}', "", "[1, 2]", "\x00\xff", '{"name": 1e999}'):
+        for text in ('{"name": "x",\n "fibre": NaN}', '{"name": "a", "name": "b"}', "", "[1, 2]", "\x00\xff", '{"name": 1e999}'):
             with open(broken, "w") as out:
                 out.write(text)
             self.refused(2, "forces", "--scene", broken, says=[broken])
@@ -282,7 +324,7 @@ class Recording(Case):
             numpy.testing.assert_allclose(demo["obs/wrench_N"][:, :3], wrench * 8.46e5, rtol=1e-5,
                                           atol=1e-6)
             # In equilibrium the holder carries the sum of all other forces.
-            total = demo["rows/forces"][:].reshape(n, 8, 3).sum(axis=1)
+            total = demo["rows/forces"][:].reshape(n, 9, 3).sum(axis=1)
             numpy.testing.assert_allclose(total, wrench, atol=5e-11)
 
             def units(name, item):
@@ -356,6 +398,17 @@ class Recording(Case):
             resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 
+        # The journal fits and the episode does not, or neither does.
+        whole = self.path("whole")
+        self.record(whole, episodes=1)
+        for limit in (os.path.getsize(glob.glob(whole + "/*.h5")[0]) // 2, 100):
+            def tight():
+                import resource
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            run = ferrule("record", "--scene", "paper", *QUICK, "--episodes", 1, "--out",
+                          self.path(f"tight{limit}"), preexec_fn=tight)
+            self.assertEqual(run.returncode, 3, run.stderr)
         run = ferrule("record", "--scene", "paper", "--episodes", 1, "--out", out,
                       preexec_fn=small_files)
         self.assertEqual(run.returncode, 3, run.stderr)
@@ -364,6 +417,56 @@ class Recording(Case):
         recovered = json.loads(self.done("recover", out, "--json").stdout)["recovered"]
         self.assertGreater(recovered[0]["rows"], 4000)
         self.done("replay", recovered[0]["file"], "--verify")
+
+    def test_two_recorders_share_a_folder(self):
+        out = self.path("out")
+        first = subprocess.Popen([PROGRAM, "record", "--scene", "paper", *QUICK, "--episodes", "6",
+                                  "--seed", "1", "--out", out], stdout=subprocess.PIPE, text=True)
+        first.stdout.readline()
+        second = self.done("record", "--scene", "paper", *QUICK, "--episodes", 6, "--seed", 99,
+                           "--out", out, "--append").stdout
+        told = first.communicate()[0] + second
+        self.assertEqual(first.returncode, 0)
+        files = sorted(glob.glob(out + "/*.h5"))
+        self.assertEqual(len(files), 12)
+        seeds = [int(h5py.File(file).attrs["seed"]) for file in files]
+        self.assertEqual((seeds.count(1), seeds.count(99)), (6, 6))
+        for file in files[1:]:
+            self.assertEqual(told.count(file), 1)
+
+    def test_recover_keeps_a_journal_whose_episode_cannot_be_read(self):
+        out = self.path("out")
+        process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
+                                    "--out", out], stdout=subprocess.PIPE)
+        process.stdout.readline()
+        time.sleep(0.05)
+        process.kill()
+        process.communicate()
+        for part in glob.glob(out + "/*.part"):
+            with open(part.replace(".part", ".h5"), "w") as junk:
+                junk.write("junk")
+            run = ferrule("recover", out)
+            self.assertEqual(run.returncode, 3)
+            self.assertTrue(os.path.exists(part))
+        os.mkdir(out + "/episode_0900.part")
+        ferrule("recover", out)
+
+    def test_the_longest_trial_ends_an_operator_that_never_finishes(self):
+        out, controller = self.path("out"), self.path("controller.json")
+        self.record(out, episodes=6)
+        self.done("fit", out, "--out", controller)
+        law = json.load(open(controller))
+        law["gains"]["end_depth"]["value"] = 8.3e-6 * 250
+        json.dump(law, open(controller, "w"))
+        run = self.done("record", "--operator", controller, "--scene", "paper", *QUICK, "--set",
+                        "limits.time_s=9", "--episodes", 1, "--out", self.path("by_law"), "--json")
+        self.assertLessEqual(json.loads(run.stdout)["episodes"][0]["time_s"], 9.001)
+
+    def test_numbers_out_of_range(self):
+        for option, value in (("--skill", "nan"), ("--skill", "1.1"), ("--seed", "-1"),
+                              ("--seed", "9" * 20), ("--seed", "1.5"), ("--episodes", "0")):
+            self.refused(2, "record", option, value, "--out", self.path("x"), says=[option])
+        self.assertFalse(os.path.exists(self.path("x")))
 
     def test_a_folder_that_cannot_be_made(self):
         self.refused(3, "record", "--out", "/proc/nothing/here", says=["/proc/nothing/here"])
@@ -546,4 +649,4 @@ if __name__ == "__main__":
     words = [w for w in sys.argv[1:] if not w.startswith("-")]
     PROGRAM, SOURCE = os.path.abspath(words[1]), os.path.abspath(words[2])
     BUILD = os.path.abspath(words[3])
-    unittest.main(argv=[sys.argv[0], words[0], "-v"])
+    unittest.main(argv=[sys.argv[0], words[0], "-v"], warnings="ignore")

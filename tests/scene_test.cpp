@@ -20,11 +20,11 @@ TEST(Scene, PaperIsTableI) {
   const World w = testing::paper().world;
   EXPECT_CLOSE(w.annulus.fibre_radius, 62.5e-6, 1e-15);
   EXPECT_CLOSE(w.annulus.clearance(), 0.5e-6, 1e-9);
-  EXPECT_CLOSE(w.wall.reduced_modulus, 4.2726925917809e10, 1e-13);
+  EXPECT_CLOSE(w.wall->reduced_modulus, 4.2726925917809e10, 1e-13);
   EXPECT_CLOSE(w.van_der_waals->hamaker, 3.67e-19, 1e-15);
   EXPECT_CLOSE(w.capillary->film, 80e-9, 1e-15);
   EXPECT_CLOSE(w.profile.mouth_radius(), 125e-6, 1e-14);
-  EXPECT_CLOSE(w.wall.begins, 10e-9, 1e-15);
+  EXPECT_CLOSE(w.wall->begins, 10e-9, 1e-15);
 }
 
 TEST(Scene, AllShippedScenesAreValid) {
@@ -44,7 +44,7 @@ TEST(Scene, NullRemovesALaw) {
 }
 
 TEST(Scene, AdhesionAbsentLetsTheWallBeginAtTouch) {
-  EXPECT_EQ(testing::paper({"laws.adhesion=null"}).world.wall.begins, 0);
+  EXPECT_EQ(testing::paper({"laws.adhesion=null"}).world.wall->begins, 0);
 }
 
 TEST(Scene, ComplaintsNameKeyValueAndRule) {
@@ -100,12 +100,13 @@ TEST(Scene, MissingFileIsFileTrouble) {
 }
 
 TEST(Scene, FormNamesTheLawsThatLackIt) {
-  Json document = testing::paper().document;
+  Json document =
+      testing::paper({"laws.drag={\"form\": \"corrected\", \"viscosity_Pa_s\": 1}"}).document;
   try {
-    set_form(document, Form::corrected, "paper");
+    set_form(document, Form::printed, "paper");
     FAIL();
   } catch (const BadInput& error) {
-    EXPECT_NE(std::string(error.what()).find("van_der_waals"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("drag"), std::string::npos);
     EXPECT_EQ(std::string(error.what()).find("gravity"), std::string::npos);
   }
 }

@@ -1,0 +1,83 @@
+#include "sim/holder.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+
+namespace ferrule {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+double euler(double bending_stiffness, double length) noexcept {
+  return 0.25 * pi * pi * bending_stiffness / (length * length);
+}
+
+double second_moment(double radius) noexcept {
+  return 0.25 * pi * std::pow(radius, 4);
+}
+
+void finish(Holder& holder) {
+  holder.sag = holder.stiffness.llt().solve(holder.weight);
+  holder.tilt_length = std::sqrt(holder.stiffness(3, 3) / holder.stiffness(1, 1));
+}
+
+}  // namespace
+
+double Holder::bending_stress(const Pose& tip, const Pose& hand) const noexcept {
+  if (free_length == 0) return 0;
+  const Wrench w = stiffness * (tip - hand);
+  // Moments at the end and, from there along the free length, at the gripper.
+  const Vector2d at_end = w.tail<2>(), at_gripper = at_end - free_length * w.segment<2>(1);
+  const double moment = std::max(at_end.norm(), at_gripper.norm());
+  return moment * fibre_radius / second_moment(fibre_radius);
+}
+
+Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibre, double young,
+                  const std::optional<Gravity>& gravity) {
+  Holder holder;
+  holder.stiffness.diagonal() << Vector3d::Constant(stiffness), Vector2d::Constant(tilt_stiffness);
+  if (gravity) holder.weight[1] = -ferrule::gravity(*gravity, fibre);
+  const double mass = ferrule::gravity({Form::printed}, fibre);  // rho pi r^2 l_b, a mass
+  holder.mass.diagonal() << Vector3d::Constant(mass),
+      Vector2d::Constant(mass * fibre.length * fibre.length / 3);
+  holder.euler_load = euler(young * second_moment(fibre.radius), fibre.length);
+  finish(holder);
+  return holder;
+}
+
+Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMass& fibre,
+                     double young, const std::optional<Gravity>& gravity) {
+  Holder holder;
+  const double L = free_length, r = fibre.radius;
+  const double EI = young * second_moment(r);
+  const double axial = young * pi * r * r / L;
+  holder.stiffness(0, 0) = axial * gripper_stiffness / (axial + gripper_stiffness);
+  const FibreMass free = {r, fibre.density, L};
+  const double mass = ferrule::gravity({Form::printed}, free);
+  holder.mass(0, 0) = mass / 3;
+  for (const int y : {1, 2}) {
+    const int tilt = y + 2;
+    const double k = EI / (L * L * L), m = mass / 420;
+    holder.stiffness(y, y) = 12 * k;
+    holder.stiffness(y, tilt) = holder.stiffness(tilt, y) = 6 * k * L;
+    holder.stiffness(tilt, tilt) = 4 * k * L * L;
+    holder.mass(y, y) = 156 * m;
+    holder.mass(y, tilt) = holder.mass(tilt, y) = 22 * m * L;
+    holder.mass(tilt, tilt) = 4 * m * L * L;
+  }
+  if (gravity) {
+    const double weight = ferrule::gravity(*gravity, free);
+    holder.weight[1] = -0.5 * weight;
+    holder.weight[3] = -weight * L / 12;
+    holder.weight_arm.x() = L / 6;
+  }
+  holder.free_length = L;
+  holder.bending_stiffness = EI;
+  holder.fibre_radius = r;
+  holder.euler_load = euler(EI, L);
+  finish(holder);
+  return holder;
+}
+
+}  // namespace ferrule

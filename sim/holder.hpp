@@ -1,0 +1,48 @@
+// What holds the fibre: a linear spring in all five coordinates between the commanded pose and the
+// fibre's end, with the weight and the inertia that belong to it.
+//
+// The wrench felt at the holder is stiffness (tip - hand).
+#pragma once
+
+#include <optional>
+
+#include "sim/gravity.hpp"
+#include "sim/state.hpp"
+
+namespace ferrule {
+
+using Matrix5 = Eigen::Matrix<double, 5, 5>;
+
+struct Holder {
+  Matrix5 stiffness = Matrix5::Zero();     // [N/m, N/rad, N m/rad], positive definite
+  Wrench weight = Wrench::Zero();          // load of gravity on the end's coordinates [N, N m]
+  Vector3d weight_arm = Vector3d::Zero();  // from the end to where it acts as one force [m]
+  Matrix5 mass = Matrix5::Zero();          // [kg, kg m, kg m^2]
+  Pose sag = Pose::Zero();                 // tip - hand in free air
+  double tilt_length = 1;  // of a lever that makes tilts comparable to positions [m]
+  double euler_load = 0;   // buckling load, clamped at the holder and free at the end [N]
+
+  // An elastic fibre's free length and section; 0 for a rigid hand.
+  double free_length = 0;        // L [m]
+  double bending_stiffness = 0;  // E I [N m^2]
+  double fibre_radius = 0;       // [m]
+
+  // Largest bending stress [Pa] in the free length when its end is at `tip`, E r |curvature|: at
+  // the holder or at the end. 0 for a rigid hand, which does not bend.
+  double bending_stress(const Pose& tip, const Pose& hand) const noexcept;
+};
+
+// The rigid hand of the paper: a virtual coupling of given stiffness [N/m] and [N m/rad] to the end
+// of a rigid fibre. It carries the weight at its own grip: the weight pulls, but does not tilt.
+Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibre, double young,
+                  const std::optional<Gravity>& gravity);
+
+// An elastic fibre of free length L, clamped in a gripper: Euler-Bernoulli,
+//   lateral deflection and slope of the end: E I/L^3 [[12, 6 L], [6 L, 4 L^2]]
+//   (the slope counted along x, towards the gripper), axial: E A/L in series with the gripper.
+// Weight and mass are the consistent loads of a uniform cantilever: the end sags by
+// rho A g L^4/(8 E I). `gripper_stiffness` [N/m], > 0.
+Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMass& fibre,
+                     double young, const std::optional<Gravity>& gravity);
+
+}  // namespace ferrule
