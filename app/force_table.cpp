@@ -28,16 +28,29 @@ int contact_branch(const World& world) {
 }  // namespace
 
 ForceRow force_row(const World& world, double gap_nm, double length_um,
-                   std::optional<double> depth_nm) {
+                   std::optional<double> depth_nm, double tilt) {
   ForceRow row{gap_nm, length_um, depth_nm, 0, 0, 0, 0, 0, 0, 0};
   const double gap = 1e-9 * gap_nm, length = 1e-6 * length_um;
+  // Printed laws know one gap, that at the middle; corrected ones are integrated along the length.
+  static const Quadrature middle, fine = Quadrature::gauss_legendre(kMostNodes);
+  const auto along = [&](Form form, const auto& force) {
+    const Quadrature& q = form == Form::printed || tilt == 0 ? middle : fine;
+    double sum = 0;
+    for (std::size_t n = 0; n < static_cast<std::size_t>(q.order); ++n)
+      sum += q.weight[n] * force(gap + tilt * q.node[n] * length);
+    return length * sum;
+  };
   if (length > 0) {
-    if (world.van_der_waals)
-      row.van_der_waals = length * van_der_waals(*world.van_der_waals, world.annulus, gap).force;
-    if (world.electrostatic)
-      row.electrostatic = length * electrostatic(*world.electrostatic, world.annulus, gap).force;
-    if (world.capillary)
-      row.capillary = length * capillary(*world.capillary, world.annulus, gap, true).force;
+    const Annulus& annulus = world.annulus;
+    if (const auto& law = world.van_der_waals)
+      row.van_der_waals =
+          along(law->form, [&](double h) { return van_der_waals(*law, annulus, h).force; });
+    if (const auto& law = world.electrostatic)
+      row.electrostatic =
+          along(law->form, [&](double h) { return electrostatic(*law, annulus, h).force; });
+    if (const auto& law = world.capillary)
+      row.capillary =
+          along(law->form, [&](double h) { return capillary(*law, annulus, h, true).force; });
   }
   // Towards the wall below the fibre.
   if (world.gravity) row.gravity = -gravity(*world.gravity, world.fibre);

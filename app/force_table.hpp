@@ -17,8 +17,10 @@ struct ForceRow {
   double van_der_waals, electrostatic, capillary, gravity, adhesion, wall, friction;
 };
 
+// Axes may be tilted by `tilt` [rad]: the gap is then the smallest, at one end of the inserted
+// length.
 ForceRow force_row(const World& world, double gap_nm, double length_um,
-                   std::optional<double> depth_nm);
+                   std::optional<double> depth_nm, double tilt = 0);
 
 enum class Sweep { gap, length, depth };
 Plot force_plot(const std::vector<ForceRow>& rows, Sweep sweep, const std::string& scene);

@@ -10,6 +10,7 @@ namespace {
 struct Arguments {
   SceneArguments scene;
   std::string form, gap, length, depth, plot;
+  double tilt_mrad = 0;
   bool json = false;
 };
 
@@ -48,11 +49,19 @@ int forces_verb(const Arguments& a) {
   const std::vector<double> gaps = lengths(gap, "--gap-nm");
   const std::vector<double> inserted = lengths(a.length, "--length-um");
 
+  const double tilt = 1e-3 * a.tilt_mrad;
+  for (const double g : gaps)
+    for (const double l : inserted)
+      if (tilt > 0 && 1e-9 * g + 1e-6 * l * tilt >= 2 * scene.world.annulus.clearance())
+        throw BadInput(fmt::format(
+            "--tilt-mrad {:g}: over {:g} um the fibre would leave the bore; at most {:g} mrad fit",
+            a.tilt_mrad, l, 1e3 * (2 * scene.world.annulus.clearance() - 1e-9 * g) / (1e-6 * l)));
+
   std::vector<ForceRow> rows;
   for (const double g : gaps)
     for (const double l : inserted) {
-      if (depths.empty()) rows.push_back(force_row(scene.world, g, l, std::nullopt));
-      for (const double d : depths) rows.push_back(force_row(scene.world, g, l, d));
+      if (depths.empty()) rows.push_back(force_row(scene.world, g, l, std::nullopt, tilt));
+      for (const double d : depths) rows.push_back(force_row(scene.world, g, l, d, tilt));
     }
 
   if (!a.plot.empty()) {
@@ -89,6 +98,10 @@ void add_forces(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->type_name(range);
   verb->add_option("--depth-nm", a->depth, "Penetration, for a closed contact")->type_name(range);
+  verb->add_option("--tilt-mrad", a->tilt_mrad,
+                   "Angle between the axes; the gap is the smallest then")
+      ->capture_default_str()
+      ->check(number_between(0, 100));
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
   verb->callback([a, &run] { run = [a] { return forces_verb(*a); }; });

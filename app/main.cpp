@@ -14,6 +14,7 @@ int main(int argc, char** argv) {
   Run run;
   add_demo(app, run);
   add_forces(app, run);
+  add_contact(app, run);
   add_record(app, run);
   add_recover(app, run);
   add_replay(app, run);

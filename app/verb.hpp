@@ -18,7 +18,9 @@ enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2, kFileTrouble = 3, kInterr
 using Run = std::function<int()>;
 
 void add_forces(CLI::App& app, Run& run);
+void add_contact(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
+void add_bench(CLI::App& app, Run& run);
 void add_recover(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);

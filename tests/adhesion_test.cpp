@@ -53,5 +53,42 @@ TEST(Adhesion, ForceAndSlopeAreDerivatives) {
   }
 }
 
+Adhesion corrected() {
+  Adhesion law = kTableI;
+  law.form = Form::corrected;
+  law.curve = std::make_shared<const MaugisCurve>(4.0);
+  return law;
+}
+
+// Fig. 7 of the paper: attractive at first, then quickly and increasingly repulsive.
+TEST(Adhesion, CorrectedAttractsAndThenPushesBack) {
+  const Adhesion law = corrected();
+  EXPECT_LT(adhesion(law, 0, 1).force, 0);
+  EXPECT_GT(adhesion(law, 5e-9, 1).force, 0);
+  double before = adhesion(law, 3e-9, 1).force;
+  for (double d = 4e-9; d < 50e-9; d += 1e-9) {
+    EXPECT_GT(adhesion(law, d, 1).force, before);
+    before = adhesion(law, d, 1).force;
+  }
+}
+
+TEST(Adhesion, CorrectedTendsToHertzFarIn) {
+  const Adhesion law = corrected();
+  const double d = 3e-6;
+  EXPECT_CLOSE(adhesion(law, d, 1).force, kModulus * std::sqrt(62.5e-6) * std::pow(d, 1.5), 2e-2);
+}
+
+TEST(Adhesion, CorrectedForceAndSlopeAreDerivatives) {
+  const Adhesion law = corrected();
+  const auto at = [&](double d) { return adhesion(law, d, 1); };
+  for (const double d : {-1.5e-9, -1e-9, 0.0, 2e-9, 10e-9, 100e-9, 400e-9}) {
+    const double step = 1e-12 + 1e-4 * std::abs(d);
+    EXPECT_CLOSE(at(d).force,
+                 testing::derivative([&](double x) { return at(x).potential; }, d, step), 1e-6);
+    EXPECT_CLOSE(at(d).slope, testing::derivative([&](double x) { return at(x).force; }, d, step),
+                 1e-5);
+  }
+}
+
 }  // namespace
 }  // namespace ferrule

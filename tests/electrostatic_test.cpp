@@ -38,5 +38,38 @@ TEST(Electrostatic, GrowsWithTheSquareOfTheVoltage) {
   EXPECT_EQ(electrostatic({Form::printed, 0}, kTableI, 20e-9).force, 0);
 }
 
+constexpr Electrostatic kCorrected = {Form::corrected, 0.1};
+
+TEST(Electrostatic, CorrectedHasThePublishedValues) {
+  const auto uN = [](double h) {
+    return 1e6 * 100e-6 * electrostatic(kCorrected, kTableI, h).force;
+  };
+  EXPECT_CLOSE(uN(1e-9), -27.58425092, 1e-9);
+  EXPECT_CLOSE(uN(10e-9), -0.8682646677, 1e-9);
+  EXPECT_CLOSE(uN(100e-9), -0.02585858162, 1e-9);
+  EXPECT_CLOSE(uN(450e-9), -0.0007087857017, 1e-8);
+}
+
+TEST(Electrostatic, CorrectedHas30DigitValuesNearContactAndNearTheAxis) {
+  const auto at = [](double h, double roughness) {
+    return electrostatic(kCorrected, {62.5e-6, 63e-6, roughness}, h).force;
+  };
+  EXPECT_CLOSE(at(1e-9, 5e-9), -0.018629413924989262, 1e-10);
+  EXPECT_CLOSE(at(0.5e-15, 1e-9), -0.27556933641191384, 1e-10);
+  EXPECT_CLOSE(at(499.9995e-9, 2e-9), -6.8987987221147745e-11, 1e-6) << "e = 0.5 pm";
+}
+
+TEST(Electrostatic, CorrectedForceAndSlopeAreDerivativesOverDecades) {
+  const Annulus rough = {62.5e-6, 63e-6, 2e-9};
+  const auto at = [&](double h) { return electrostatic(kCorrected, rough, h); };
+  for (double h = 1e-10; h < 480e-9; h *= 1.9) {
+    const double step = 1e-3 * (h + 2e-9) * (h > 1e-9 ? 1 : 1e-2);
+    EXPECT_CLOSE(at(h).force,
+                 -testing::derivative([&](double g) { return at(g).potential; }, h, step), 1e-6);
+    EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
+                 1e-6);
+  }
+}
+
 }  // namespace
 }  // namespace ferrule

@@ -53,5 +53,48 @@ TEST(VanDerWaals, PrintedIsContinuousAtTheEndsOfItsRangeAndZeroBeyond) {
   EXPECT_EQ(van_der_waals(kAluminium, kTableI, -5e-9).force, 0);
 }
 
+constexpr VanDerWaals kCorrected = {Form::corrected, 3.67e-19};
+
+TEST(VanDerWaals, CorrectedHasThePublishedValues) {
+  const auto uN = [](double h) {
+    return 1e6 * 100e-6 * van_der_waals(kCorrected, kTableI, h).force;
+  };
+  EXPECT_CLOSE(uN(1e-9), -9071.370714, 1e-9);
+  EXPECT_CLOSE(uN(10e-9), -28.81337847, 1e-9);
+  EXPECT_CLOSE(uN(100e-9), -0.09439300412, 1e-9);
+  EXPECT_CLOSE(uN(450e-9), -0.0009408450112, 1e-8);
+}
+
+// Relative to c, e and h are only known to the rounding of r and R: 1e-16 r/c; hence 1e-10.
+TEST(VanDerWaals, CorrectedHas30DigitValuesNearContactAndNearTheAxis) {
+  const auto at = [](double h, double roughness) {
+    return van_der_waals(kCorrected, {62.5e-6, 63e-6, roughness}, h).force;
+  };
+  EXPECT_CLOSE(at(0, 5e-9), -1.61784646067118772, 1e-10);
+  EXPECT_CLOSE(at(1e-13, 1e-9), -90.600391814722613, 1e-10);
+  EXPECT_CLOSE(at(499.9995e-9, 2e-9), -9.0296563377074e-11, 1e-6) << "e = 0.5 pm";
+}
+
+TEST(VanDerWaals, CorrectedForceAndSlopeAreDerivativesOverDecades) {
+  const Annulus rough = {62.5e-6, 63e-6, 2e-9};
+  const auto at = [&](double h) { return van_der_waals(kCorrected, rough, h); };
+  for (double h = 1e-11; h < 480e-9; h *= 1.9) {
+    const double step = 1e-3 * (h + 2e-9) * (h > 1e-10 ? 1 : 1e-3);
+    EXPECT_CLOSE(at(h).force,
+                 -testing::derivative([&](double g) { return at(g).potential; }, h, step), 1e-6);
+    EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
+                 1e-6);
+  }
+  EXPECT_EQ(at(-3e-9).force, at(0).force) << "held in contact";
+  EXPECT_EQ(at(-3e-9).slope, 0);
+}
+
+TEST(VanDerWaals, CorrectedTendsToTheHalfSpacesOfDerjaguinNearContact) {
+  // Force between a cylinder in a cylinder near contact, R_e = r R/c: integral over the parabola.
+  const double h = 1e-9, radius = 62.5e-6 * 63e-6 / 0.5e-6;
+  const double expected = -3.67e-19 * std::sqrt(2 * radius) / (16 * std::pow(h, 2.5));
+  EXPECT_CLOSE(van_der_waals(kCorrected, kTableI, h).force, expected, 2e-2);
+}
+
 }  // namespace
 }  // namespace ferrule
