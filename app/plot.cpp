@@ -53,7 +53,9 @@ std::string script(const Plot& plot) {
       const char* colour = kColours[i % kColours.size()];
       command +=
           fmt::format("{}$d{}_{} using 1:2 {} lc rgb '{}' title {}", i ? ", " : "", p, i,
-                      series.style == Series::line ? "with lines lw 2" : "with points pt 7 ps 0.35",
+                      series.style == Series::line             ? "with lines lw 2"
+                      : series.style == Series::points_on_line ? "with linespoints lw 1 pt 7 ps 0.6"
+                                                               : "with points pt 7 ps 0.35",
                       colour, quoted(series.name));
     }
     s += fmt::format("{} logscale x\n{} logscale y\n", axes.log_x ? "set" : "unset",

@@ -9,7 +9,7 @@ namespace ferrule {
 struct Series {
   std::string name;
   std::vector<double> x, y;  // points with a NaN are left out
-  enum { line, points } style = line;
+  enum { line, points, points_on_line } style = line;
 };
 
 struct Axes {

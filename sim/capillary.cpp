@@ -24,13 +24,12 @@ LineForce layer_law(const Capillary& law, double h) noexcept {
 
 // Half width of a bridge: the real root of x^3 + 6 R_e h x - 3 R_e A_l = 0, h >= 0.
 double half_width(double volume, double radius, double h) noexcept {
-  const double p = 2 * radius * h, q = 1.5 * radius * volume;  // x^3 + 3 p x - 2 q = 0
-  double x = std::cbrt(2 * q);
-  if (p > 0) {
-    const double root = std::sqrt(p);
-    x = 2 * root * std::sinh(std::asinh(q / (p * root)) / 3);
-  }
-  return x - ((x * x + 3 * p) * x - 2 * q) / (3 * (x * x + p));  // one step of Newton for rounding
+  const double p = 2 * radius * h, q = 1.5 * radius * volume;    // x^3 + 3 p x - 2 q = 0
+  const double u = std::cbrt(q + std::sqrt(q * q + p * p * p));  // Cardano
+  double x = u - p / u;
+  // Newton, for the digits that cancel where the bridge is much narrower than high.
+  for (int i = 0; i < 2; ++i) x -= ((x * x + 3 * p) * x - 2 * q) / (3 * (x * x + p));
+  return x;
 }
 
 LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noexcept {
@@ -42,6 +41,13 @@ LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noe
   const double force = -tension * x / height;
   if (h < 0) return {-tension * x - force * h, force, 0};
   return {-tension * x, force, tension * x / (height * height) * (2 - x * x / (radius * height))};
+}
+
+// Makes the potential zero at the gap `reach`.
+double potential_offset(const Capillary& law, const Annulus& annulus, double reach) noexcept {
+  const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
+  return 4 * law.surface_tension * std::cos(law.contact_angle) *
+         half_width(law.volume, radius, reach);
 }
 
 }  // namespace
@@ -56,7 +62,7 @@ LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool
   const double reach = capillary_reach(law, bridge);
   if (h >= reach) return {};
   LineForce force = bridge_law(law, annulus, h);
-  force.potential -= bridge_law(law, annulus, reach).potential;
+  force.potential += potential_offset(law, annulus, reach);
   return force;
 }
 

@@ -21,11 +21,12 @@ double hurtado_kim_b() noexcept {
 }
 
 double friction(const Friction& law, double contact_radius) noexcept {
+  static const double exponent = hurtado_kim_m() + 2, factor = std::pow(10.0, hurtado_kim_b());
   const double a = contact_radius / law.burgers;
   const double scale = law.effective_shear_modulus() * law.burgers * law.burgers;
   if (a < kSmall) return scale * kStressSmall * a * a;
   if (a > kLarge) return scale * kStressLarge * a * a;
-  return scale * std::pow(10.0, hurtado_kim_b()) * std::pow(a, hurtado_kim_m() + 2);
+  return scale * factor * std::pow(a, exponent);
 }
 
 double stuck_stiffness(const Friction& law, double contact_radius) noexcept {

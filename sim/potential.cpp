@@ -118,16 +118,6 @@ void each_surface_law(const World& world, Form form, double h, bool bridge,
     visit(&Breakdown::capillary, capillary(*world.capillary, world.annulus, h, bridge));
 }
 
-LineForce surface_sum(const World& world, Form form, double h, bool bridge) noexcept {
-  LineForce sum;
-  each_surface_law(world, form, h, bridge, [&](auto, const LineForce& force) {
-    sum.potential += force.potential;
-    sum.force += force.force;
-    sum.slope += force.slope;
-  });
-  return sum;
-}
-
 bool has_surface_law(const World& world, Form form) noexcept {
   return (world.van_der_waals && world.van_der_waals->form == form) ||
          (world.electrostatic && world.electrostatic->form == form) ||
@@ -152,7 +142,7 @@ double smallest_gap(const World& world, const Pose& tip) noexcept {
 // Adds the surface forces of one form. Corrected ones act along the length of the pose itself,
 // which makes them pull along x; printed ones along that of the step's start.
 void add_surface(Potential& total, const World& world, const Lagged& lagged, Form form,
-                 const Pose& tip) noexcept {
+                 const Pose& tip, Breakdown* breakdown) noexcept {
   const bool follows = form == Form::corrected;
   const double length = follows ? inserted(world, tip) : lagged.length;
   const double slope = follows ? inserted_slope(world, tip) : 0;
@@ -162,15 +152,52 @@ void add_surface(Potential& total, const World& world, const Lagged& lagged, For
   for (int n = 0; n < world.quadrature.order; ++n) {
     const double node = world.quadrature.node[static_cast<std::size_t>(n)];
     const double weight = world.quadrature.weight[static_cast<std::size_t>(n)];
-    const Radial radial(eccentricity(tip, node * length), c);
-    const LineForce s = surface_sum(world, form, c - radial.eccentricity, lagged.bridge);
-    Depth e;  // the eccentricity as a function of the pose
-    add_radial(e, radial, 1, node * length, tip, node * slope);
-    value += weight * s.potential;
-    gradient += weight * s.force * e.gradient;
-    total.hessian +=
-        weight * length * (s.force * e.hessian - s.slope * e.gradient * e.gradient.transpose());
-    total.force_scale += std::abs(weight * length * s.force);
+    const double arm = node * length;
+    const Vector2d axis = eccentricity(tip, arm);
+    const Radial radial(axis, c);
+    LineForce sum;
+    each_surface_law(world, form, c - radial.eccentricity, lagged.bridge,
+                     [&](PointForce Breakdown::*slot, const LineForce& law) {
+                       sum.potential += law.potential;
+                       sum.force += law.force;
+                       sum.slope += law.slope;
+                       if (!breakdown) return;
+                       Vector3d f = -weight * length * law.force * outward3(radial.normal);
+                       f.x() = -slope * weight *
+                               (law.potential + arm * law.force * radial.normal.dot(tip.tail<2>()));
+                       // Each law acts at the mean of its nodes, weighed by their forces.
+                       PointForce& to = breakdown->*slot;
+                       const Vector3d point(tip[0] + arm, axis.x(), axis.y());
+                       const double before = to.force.tail<2>().norm(), now = f.tail<2>().norm();
+                       if (before + now > 0)
+                         to.point = (before * to.point + now * point) / (before + now);
+                       to.force += f;
+                     });
+    // Chain rule through the eccentricity, whose gradient by the pose is n J with J = (by_x, 1,
+    // arm).
+    const Vector2d pull = weight * sum.force * radial.normal;
+    const Matrix2d stiff = weight * (sum.force * radial.curving -
+                                     sum.slope * radial.normal * radial.normal.transpose());
+    const double arm_per_x = node * slope;
+    const Vector2d by_x = arm_per_x * tip.tail<2>();
+    value += weight * sum.potential;
+    gradient[0] += pull.dot(by_x);
+    gradient.segment<2>(1) += pull;
+    gradient.tail<2>() += arm * pull;
+    const Matrix2d k = length * stiff;
+    total.hessian.block<2, 2>(1, 1) += k;
+    total.hessian.block<2, 2>(1, 3) += arm * k;
+    total.hessian.block<2, 2>(3, 1) += arm * k;
+    total.hessian.block<2, 2>(3, 3) += arm * arm * k;
+    if (follows) {
+      const Vector2d kx = k * by_x, cross = arm * kx + length * arm_per_x * pull;
+      total.hessian(0, 0) += by_x.dot(kx);
+      total.hessian.block<1, 2>(0, 1) += kx.transpose();
+      total.hessian.block<2, 1>(1, 0) += kx;
+      total.hessian.block<1, 2>(0, 3) += cross.transpose();
+      total.hessian.block<2, 1>(3, 0) += cross;
+    }
+    total.force_scale += std::abs(weight * length * sum.force);
   }
   total.value += length * value;
   total.value_scale += std::abs(length * value);
@@ -327,20 +354,24 @@ Lagged lag(const World& world, const State& state, double dt) noexcept {
   return lagged;
 }
 
-Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
-                    const Pose& tip) noexcept {
+Potential potential(const World& world, const Lagged& lagged, const Pose& hand, const Pose& tip,
+                    Forces* out) noexcept {
   Potential total;
+  if (out) *out = Forces();
+  Breakdown* const b = out ? &out->breakdown : nullptr;
   const Pose stretch = tip - hand;
   total.gradient = world.holder.stiffness * stretch;
   total.value = total.value_scale = 0.5 * stretch.dot(total.gradient);
   total.hessian = world.holder.stiffness;
   total.force_scale = total.gradient.head<3>().norm();
+  if (b) b->holder = total.gradient;
 
   const double weight = world.holder.weight.dot(tip);
   total.value -= weight;
   total.value_scale += std::abs(weight);
   total.gradient -= world.holder.weight;
   total.force_scale += std::abs(world.holder.weight[1]);
+  if (b) b->gravity = {{0, world.holder.weight[1], 0}, tip.head<3>() + world.holder.weight_arm};
 
   if (lagged.inertial) {
     const Pose move = tip - lagged.inertia_at;
@@ -352,29 +383,40 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
     total.force_scale += force.head<3>().norm();
   }
   if (lagged.length > 0 && has_surface_law(world, Form::printed))
-    add_surface(total, world, lagged, Form::printed, tip);
+    add_surface(total, world, lagged, Form::printed, tip, b);
   if (tip[0] < 0 && has_surface_law(world, Form::corrected))
-    add_surface(total, world, lagged, Form::corrected, tip);
+    add_surface(total, world, lagged, Form::corrected, tip, b);
+  if (out && world.capillary)
+    out->bridge =
+        tip[0] < 0 && smallest_gap(world, tip) < capillary_reach(*world.capillary, lagged.bridge);
   if (world.meniscus && tip[0] < 0) {
     const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
     total.value += pull * tip[0];
     total.value_scale -= pull * tip[0];
     total.gradient[0] += pull;
     total.force_scale += pull;
+    if (b) b->meniscus = {{-pull, 0, 0}, tip.head<3>()};
   }
   if (lagged.drags)
-    for (const double arm : lagged.drag_arm) {
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double arm = lagged.drag_arm[i];
       const Vector3d moved = drag_move(lagged, tip, arm);
       const Eigen::Matrix3d rate = 0.5 / lagged.dt * lagged.drag_coefficients;
       const Vector3d force = rate * moved;
       total.value += 0.5 * moved.dot(force);
       total.value_scale += 0.5 * moved.dot(force);
       add_point(total, world, lagged, arm, force, rate, true);
+      if (!b) continue;
+      const Vector2d e = eccentricity(tip, arm);
+      b->drag[i] = {-force, {tip[0] + arm, e.x(), e.y()}};
     }
 
   const auto depths = contact_depths(world, lagged, tip);
   for (int place = 0; place < kContactPlaces; ++place) {
-    const Depth& depth = depths[static_cast<std::size_t>(place)];
+    const auto at = static_cast<std::size_t>(place);
+    const Depth& depth = depths[at];
+    const LaggedFriction& friction = lagged.friction[at];
+    if (friction.acts) add_friction(total, world, lagged, friction, tip);
     if (depth.value == -INFINITY) continue;
     const ContactForce push = wall_force(world, depth.value);
     const AdhesionForce pull = shared_adhesion(world, lagged, place, depth.value);
@@ -382,83 +424,25 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
     const double slope = push.slope + pull.slope;
     total.value += push.potential + pull.potential;
     total.value_scale += push.potential + std::abs(pull.potential);
-    if (force == 0 && slope == 0) continue;
-    total.gradient += force * depth.gradient;
-    total.hessian += slope * depth.gradient * depth.gradient.transpose() + force * depth.hessian;
-    total.force_scale += push.force + std::abs(pull.force);
-  }
-  for (const LaggedFriction& friction : lagged.friction)
-    if (friction.acts) add_friction(total, world, lagged, friction, tip);
-  return total;
-}
-
-Forces forces(const World& world, const Lagged& lagged, const Pose& hand,
-              const Pose& tip) noexcept {
-  Forces out;
-  Breakdown& b = out.breakdown;
-  b.holder = world.holder.stiffness * (tip - hand);
-  b.gravity = {{0, world.holder.weight[1], 0}, tip.head<3>() + world.holder.weight_arm};
-
-  const double c = world.annulus.clearance();
-  for (const Form form : {Form::printed, Form::corrected}) {
-    const bool follows = form == Form::corrected;
-    const double length = follows ? inserted(world, tip) : lagged.length;
-    if (length == 0 || !has_surface_law(world, form)) continue;
-    const double slope = follows ? inserted_slope(world, tip) : 0;
-    for (int n = 0; n < world.quadrature.order; ++n) {
-      const double node = world.quadrature.node[static_cast<std::size_t>(n)];
-      const double weight = world.quadrature.weight[static_cast<std::size_t>(n)];
-      const Vector2d e = eccentricity(tip, node * length);
-      const Radial radial(e, c);
-      const Vector3d point(tip[0] + node * length, e.x(), e.y());
-      each_surface_law(
-          world, form, c - radial.eccentricity, lagged.bridge,
-          [&](PointForce Breakdown::*slot, const LineForce& law) {
-            Vector3d f = -weight * length * law.force * outward3(radial.normal);
-            f.x() = -slope * weight *
-                    (law.potential + length * law.force * node * radial.normal.dot(tip.tail<2>()));
-            // Each law acts at the mean of its nodes, weighed by their forces.
-            PointForce& to = b.*slot;
-            const double before = to.force.tail<2>().norm(), now = f.tail<2>().norm();
-            if (before + now > 0) to.point = (before * to.point + now * point) / (before + now);
-            to.force += f;
-          });
+    if (force != 0 || slope != 0) {
+      total.gradient += force * depth.gradient;
+      total.hessian += slope * depth.gradient * depth.gradient.transpose() + force * depth.hessian;
+      total.force_scale += push.force + std::abs(pull.force);
     }
-  }
-  if (world.capillary)
-    out.bridge =
-        tip[0] < 0 && smallest_gap(world, tip) < capillary_reach(*world.capillary, lagged.bridge);
-  if (world.meniscus && tip[0] < 0)
-    b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, tip.head<3>()};
-  if (lagged.drags)
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double arm = lagged.drag_arm[i];
-      const Vector2d e = eccentricity(tip, arm);
-      b.drag[i] = {-0.5 / lagged.dt * lagged.drag_coefficients * drag_move(lagged, tip, arm),
-                   {tip[0] + arm, e.x(), e.y()}};
-    }
-
-  const auto depths = contact_depths(world, lagged, tip);
-  for (int place = 0; place < kContactPlaces; ++place) {
-    const auto at = static_cast<std::size_t>(place);
-    const Depth& depth = depths[at];
+    if (!out) continue;
+    b->wall[at] = {push.force * depth.normal, depth.point};
+    b->adhesion[at] = {pull.force * depth.normal, depth.point};
+    ContactState& contact = out->contact[at];
+    contact.closed = depth.value > 0 || pull.radius > 0;
+    contact.depth = contact.closed ? depth.value : 0.0;
+    contact.branch = pull.branch;
     const double arm = place == kSide ? std::max(0.0, -tip[0]) : 0.0;
-    out.material[at] = material_point(world, lagged, tip, arm);
-    if (depth.value == -INFINITY) continue;
-    const AdhesionForce pull = shared_adhesion(world, lagged, place, depth.value);
-    b.wall[at] = {wall_force(world, depth.value).force * depth.normal, depth.point};
-    b.adhesion[at] = {pull.force * depth.normal, depth.point};
-    out.contact[at].closed = depth.value > 0 || pull.radius > 0;
-    out.contact[at].depth = out.contact[at].closed ? depth.value : 0.0;
-    out.contact[at].branch = pull.branch;
-    const LaggedFriction& friction = lagged.friction[at];
+    out->material[at] = material_point(world, lagged, tip, arm);
     if (!friction.acts) continue;
-    Vector3d point = depth.point;
-    point.x() = tip[0] + friction.arm;
-    b.friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
-                      point};
+    b->friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
+                       {tip[0] + friction.arm, depth.point.y(), depth.point.z()}};
   }
-  return out;
+  return total;
 }
 
 }  // namespace ferrule

@@ -51,6 +51,14 @@ struct Lagged {
 // `dt` [s] is only looked at where drag or inertia is modelled.
 Lagged lag(const World& world, const State& state, double dt) noexcept;
 
+// The forces at a pose, term by term, and the contacts there (stuck points not moved).
+struct Forces {
+  Breakdown breakdown;
+  std::array<ContactState, kContactPlaces> contact;
+  std::array<Vector3d, kContactPlaces> material;  // material point that friction acts on [m]
+  bool bridge = false;
+};
+
 struct Potential {
   double value = 0;              // [J]
   Pose gradient = Pose::Zero();  // [N, N m]
@@ -59,16 +67,8 @@ struct Potential {
   double value_scale = 0, force_scale = 0;
 };
 
-Potential potential(const World& world, const Lagged& lagged, const Pose& hand,
-                    const Pose& tip) noexcept;
-
-// The same forces, term by term, at `tip`, and the contacts there (stuck points not moved).
-struct Forces {
-  Breakdown breakdown;
-  std::array<ContactState, kContactPlaces> contact;
-  std::array<Vector3d, kContactPlaces> material;  // material point that friction acts on [m]
-  bool bridge = false;
-};
-Forces forces(const World& world, const Lagged& lagged, const Pose& hand, const Pose& tip) noexcept;
+// At `tip` with the hand at `hand`; `forces`, where given, gets the same forces term by term.
+Potential potential(const World& world, const Lagged& lagged, const Pose& hand, const Pose& tip,
+                    Forces* forces = nullptr) noexcept;
 
 }  // namespace ferrule

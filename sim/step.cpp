@@ -19,6 +19,7 @@ constexpr double kResolution = 1e-15;     // a Newton step shorter than this is 
 
 struct Minimum {
   Pose tip;
+  Forces forces;  // there
   int iterations = 0;
   bool converged = false;
 };
@@ -48,10 +49,12 @@ Pose newton_direction(const World& world, const Potential& here) noexcept {
 
 Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
                  const Pose& start) noexcept {
-  Minimum found{start};
+  Minimum found;
+  found.tip = start;
   const double clearance = world.annulus.clearance();
   const double lever = lagged.length + world.annulus.fibre_radius;
-  Potential here = potential(world, lagged, hand, found.tip);
+  Potential here = potential(world, lagged, hand, found.tip, &found.forces);
+  Forces trial_forces;
   for (; found.iterations < kMaxIterations; ++found.iterations) {
     const double tolerance = kForceFloor + kForceTolerance * here.force_scale;
     if (residual(world, here.gradient) <= tolerance) {
@@ -74,7 +77,7 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
     double fraction = 1;
     for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
       const Pose trial = found.tip + fraction * direction;
-      const Potential there = potential(world, lagged, hand, trial);
+      const Potential there = potential(world, lagged, hand, trial, &trial_forces);
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
           1e-15 * (here.value_scale + here.force_scale * found.tip.head<3>().norm());
@@ -85,6 +88,7 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
         moved = (trial.array() != found.tip.array()).any();
         found.tip = trial;
         here = there;
+        found.forces = trial_forces;
         break;
       }
     }
@@ -176,7 +180,9 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
   result.state = state;
   if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
     result.status = StepStatus::bad_command;
-    result.forces = forces(world, lag(world, state, 0), state.hand, state.tip).breakdown;
+    Forces forces;
+    potential(world, lag(world, state, 0), state.hand, state.tip, &forces);
+    result.forces = forces.breakdown;
     return result;
   }
   if (flies_free(world, state, hand)) {
@@ -199,8 +205,14 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     const Pose command = k == result.substeps ? hand : Pose(from + part * (hand - from));
     Lagged lagged = lag(world, result.state, part_dt);
     const bool holds_still = world.dynamics == Dynamics::inertial && part_dt == 0;
-    Minimum found{result.state.tip, 0, true};
-    if (!holds_still) found = minimise(world, lagged, command, result.state.tip);
+    Minimum found;
+    if (holds_still) {
+      found.tip = result.state.tip;
+      found.converged = true;
+      potential(world, lagged, command, found.tip, &found.forces);
+    } else {
+      found = minimise(world, lagged, command, result.state.tip);
+    }
     result.iterations += found.iterations;
     // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
     for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
@@ -215,7 +227,7 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     result.state.tip = found.tip;
     result.state.hand = command;
     result.state.side = lagged.side;
-    const Forces now = forces(world, lagged, command, found.tip);
+    const Forces& now = found.forces;
     update_contacts(lagged, now, result.state);
     result.state.bridge = now.bridge;
     result.forces = now.breakdown;

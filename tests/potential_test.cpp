@@ -96,8 +96,9 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
 TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 5)) {
-    const Potential here = potential(world, c.lagged, c.hand, c.tip);
-    const Breakdown b = forces(world, c.lagged, c.hand, c.tip).breakdown;
+    Forces forces;
+    const Potential here = potential(world, c.lagged, c.hand, c.tip, &forces);
+    const Breakdown& b = forces.breakdown;
     const Wrench left = b.sum(c.tip) - b.holder + here.gradient;
     EXPECT_LT(left.head<3>().norm(), 1e-9 * here.force_scale);
     // Moments to first order in the tilts: arms of the radius times a tilt are left out.

@@ -1,0 +1,141 @@
+// ferrule bench: speed against error.
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <map>
+
+#include "app/plot.hpp"
+#include "app/verb.hpp"
+#include "bench/capture.hpp"
+#include "bench/laws.hpp"
+#include "bench/stepping.hpp"
+
+namespace ferrule {
+namespace {
+
+struct Arguments {
+  std::string what, plot;
+  bool json = false;
+};
+
+Json number_or_null(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+// Error and cost of everything with a name, one line for each name.
+template <class Row, class Name, class Error, class Cost>
+Plot work_precision(const std::string& title, const std::string& cost_label,
+                    const std::string& error_label, const std::vector<Row>& rows, Name name,
+                    Error error, Cost cost) {
+  std::map<std::string, Series> series;
+  for (const Row& row : rows) {
+    Series& s = series[name(row)];
+    s.name = name(row);
+    s.style = Series::points_on_line;
+    s.x.push_back(error(row));
+    s.y.push_back(cost(row));
+  }
+  Axes axes{error_label, cost_label, true, true, {}};
+  for (auto& [_, s] : series) axes.series.push_back(s);
+  return {title, {axes}};
+}
+
+int speed_and_error(const Arguments& a) {
+  const std::vector<LawRow> laws = bench_laws();
+  const std::vector<SteppingRow> stepping = bench_stepping();
+  if (!a.plot.empty()) {
+    std::error_code error;
+    std::filesystem::create_directories(a.plot, error);
+    write_svg(a.plot + "/laws.svg",
+              work_precision(
+                  "Force laws: cost against error", "ns per evaluation", "largest relative error",
+                  laws, [](const LawRow& r) { return r.name; },
+                  [](const LawRow& r) { return r.relative_error; },
+                  [](const LawRow& r) { return r.ns; }));
+    write_svg(a.plot + "/stepping.svg",
+              work_precision(
+                  "Stepping: cost against error", "us per simulated second", "tip error [nm]",
+                  stepping, [](const SteppingRow& r) { return r.method + ", " + r.scene_case; },
+                  [](const SteppingRow& r) { return r.tip_error_nm; },
+                  [](const SteppingRow& r) { return r.us_per_simulated_s; }));
+    fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", a.plot);
+  }
+  if (a.json) {
+    Json l = Json::array(), s = Json::array();
+    for (const LawRow& r : laws)
+      l.push_back({{"name", r.name},
+                   {"fidelity", r.fidelity},
+                   {"ns", r.ns},
+                   {"relative_error", r.relative_error}});
+    for (const SteppingRow& r : stepping)
+      s.push_back({{"method", r.method},
+                   {"case", r.scene_case},
+                   {"step_s", r.step_s},
+                   {"ns_per_step", r.ns_per_step},
+                   {"us_per_simulated_s", r.us_per_simulated_s},
+                   {"tip_error_nm", number_or_null(r.tip_error_nm)},
+                   {"force_error_relative", number_or_null(r.force_error_relative)}});
+    print_json({{"laws", l}, {"stepping", s}});
+    return kDone;
+  }
+  fmt::print("{:<15} {:<42} {:>9} {:>15}\n", "law", "fidelity", "ns", "relative error");
+  for (const LawRow& r : laws)
+    fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", r.name, r.fidelity, r.ns, r.relative_error);
+  fmt::print("\n{:<15} {:<26} {:>9} {:>11} {:>16} {:>13} {:>12}\n", "method", "case", "step [s]",
+             "ns per step", "us per simul. s", "tip err. [nm]", "force error");
+  for (const SteppingRow& r : stepping)
+    fmt::print("{:<15} {:<26} {:9.0e} {:11.0f} {:16.4g} {:>13} {:>12}\n", r.method, r.scene_case,
+               r.step_s, r.ns_per_step, r.us_per_simulated_s,
+               std::isfinite(r.tip_error_nm) ? fmt::format("{:.3g}", r.tip_error_nm) : "diverged",
+               std::isfinite(r.tip_error_nm) ? fmt::format("{:.2g}", r.force_error_relative) : "-");
+  return kDone;
+}
+
+int capture(const Arguments& a) {
+  const std::vector<CaptureRow> rows = bench_capture();
+  std::size_t wrong = 0;
+  std::map<std::pair<bool, double>, std::pair<std::size_t, std::size_t>> counts;
+  Json list = Json::array();
+  for (const CaptureRow& r : rows) {
+    wrong += r.inserted != r.expected;
+    auto& [in, all] = counts[{r.lead_in, r.offset_clearances}];
+    in += r.inserted;
+    ++all;
+    list.push_back({{"offset_clearances", r.offset_clearances},
+                    {"direction_deg", r.direction_deg},
+                    {"speed_um_s", r.speed_um_s},
+                    {"step_s", r.step_s},
+                    {"lead_in", r.lead_in},
+                    {"inserted", r.inserted}});
+  }
+  if (a.json) {
+    print_json({{"rows", list}, {"wrong", wrong}});
+    return wrong ? kFailed : kDone;
+  }
+  fmt::print("{:<12} {:>10} {:>12}\n", "mouth", "offset", "inserted");
+  for (const auto& [key, count] : counts)
+    fmt::print("{:<12} {:>10g} {:>12}\n", key.first ? "lead-in" : "sharp", key.second,
+               fmt::format("{} of {}", count.first, count.second));
+  fmt::print(
+      "offsets in clearances (sharp) or capture radii (lead-in); below 1 must go in, above 1 "
+      "must not\n{} of {} wrong\n",
+      wrong, rows.size());
+  return wrong ? kFailed : kDone;
+}
+
+}  // namespace
+
+void add_bench(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand("bench", "Speed against error of laws and stepping; capture");
+  auto a = std::make_shared<Arguments>();
+  verb->add_option("what", a->what,
+                   "Nothing: laws and stepping; capture: clearance means clearance")
+      ->check(CLI::IsMember({"capture"}));
+  verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
+  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  verb->callback([a, &run] {
+    run = [a] { return a->what == "capture" ? capture(*a) : speed_and_error(*a); };
+  });
+}
+
+}  // namespace ferrule

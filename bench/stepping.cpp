@@ -1,0 +1,203 @@
+#include "bench/stepping.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "bench/measure.hpp"
+#include "bench/reference.hpp"
+#include "sim/potential.hpp"
+#include "sim/scene.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+struct Case {
+  std::string name;
+  World world;
+  State start;
+  std::function<Pose(double)> hand;
+  double duration;            // [s]
+  std::vector<double> times;  // where poses are compared [s]
+  std::vector<Pose> exact;
+};
+
+Wrench felt(const World& world, const Pose& tip, const Pose& hand) {
+  return world.holder.stiffness * (tip - hand);
+}
+
+// Errors of poses at the case's times.
+void compare(const Case& c, const std::vector<Pose>& poses, SteppingRow& row) {
+  double largest = 0, force = 0;
+  row.tip_error_nm = 0;
+  for (std::size_t i = 0; i < c.times.size(); ++i) {
+    const Pose hand = c.hand(c.times[i]);
+    const Vector3d exact = felt(c.world, c.exact[i], hand).head<3>();
+    largest = std::max(largest, exact.norm());
+    force = std::max(force, (felt(c.world, poses[i], hand).head<3>() - exact).norm());
+    const double error = 1e9 * (poses[i] - c.exact[i]).head<3>().norm();
+    row.tip_error_nm = std::isfinite(error) ? std::max(row.tip_error_nm, error) : kNan;
+    if (!std::isfinite(error)) break;
+  }
+  row.force_error_relative = std::isfinite(row.tip_error_nm) ? force / largest : kNan;
+}
+
+SteppingRow simulate(const Case& c, const std::string& method, double dt) {
+  SteppingRow row{method, c.name, dt, 0, 0, 0, 0};
+  const auto steps = std::lround(c.duration / dt);
+  std::vector<Pose> poses;
+  const auto run = [&](bool keep_poses) {
+    State state = c.start;
+    std::size_t next = 0;
+    for (long n = 1; n <= steps; ++n) {
+      const double t = static_cast<double>(n) * dt;
+      state = step(c.world, state, c.hand(t), dt).state;
+      if (keep_poses && next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
+        poses.push_back(state.tip);
+        ++next;
+      }
+    }
+    keep(state.tip);
+  };
+  run(true);
+  compare(c, poses, row);
+  row.ns_per_step = nanoseconds_per_call([&](long) { run(false); }) / static_cast<double>(steps);
+  row.us_per_simulated_s = 1e-3 * row.ns_per_step / dt;
+  return row;
+}
+
+// The naive baseline: q += dt dq/dt with the rates at the step's start.
+SteppingRow explicit_euler(const Case& c, double dt) {
+  SteppingRow row{"explicit_euler", c.name, dt, 0, 0, 0, 0};
+  const auto steps = std::lround(c.duration / dt);
+  std::vector<Pose> poses;
+  State state = c.start;
+  std::size_t next = 0;
+  const auto begin = std::chrono::steady_clock::now();
+  for (long n = 1; n <= steps && state.tip.allFinite(); ++n) {
+    const double t = static_cast<double>(n) * dt;
+    Lagged lagged = lag(c.world, state, dt);
+    lagged.drag_from = state.tip;
+    // At the step's start the drag's force is zero and its Hessian is the damping over dt.
+    Lagged no_drag = lagged;
+    no_drag.drags = false;
+    const Potential without = potential(c.world, no_drag, c.hand(t - dt), state.tip);
+    const Matrix5 damping =
+        potential(c.world, lagged, c.hand(t - dt), state.tip).hessian - without.hessian;
+    state.tip -= damping.llt().solve(without.gradient);
+    if (state.tip.head<3>().norm() > 1) state.tip.setConstant(kNan);
+    if (next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
+      poses.push_back(state.tip);
+      ++next;
+    }
+  }
+  const double ns =
+      std::chrono::duration<double, std::nano>(std::chrono::steady_clock::now() - begin).count();
+  poses.resize(c.times.size(), Pose::Constant(kNan));
+  row.ns_per_step = ns / static_cast<double>(steps);
+  row.us_per_simulated_s = 1e-3 * row.ns_per_step / dt;
+  compare(c, poses, row);
+  return row;
+}
+
+std::vector<double> every(double period, double duration) {
+  std::vector<double> times;
+  for (long n = 1; n <= std::lround(duration / period); ++n)
+    times.push_back(static_cast<double>(n) * period);
+  return times;
+}
+
+Case free_flight() {
+  Case c{"free flight", load_scene("paper").world, {}, {}, 1, every(0.1, 1), {}};
+  Pose from = Pose::Zero();
+  from[0] = 300e-6;
+  c.start = at_rest(c.world, from);
+  const Pose hand = c.start.hand;
+  c.hand = [hand](double t) {
+    Pose h = hand;
+    h[0] -= 8e-6 * t;
+    h[1] += 2e-6 * std::sin(6 * t);
+    return h;
+  };
+  for (const double t : c.times) c.exact.push_back(c.hand(t) + c.world.holder.sag);
+  return c;
+}
+
+// A tilted fibre wedged between end and side, corrected laws, pushed in through adhesive.
+Case two_contacts() {
+  const World world =
+      load_scene("paper", {"roughness_nm=5", "laws.van_der_waals.form=corrected",
+                           "laws.electrostatic.form=corrected", "laws.gravity.form=corrected",
+                           "laws.capillary=null", "laws.adhesion.form=corrected",
+                           "laws.friction=null", "ferrule.lead_in=null",
+                           "laws.drag={\"form\":\"corrected\",\"viscosity_Pa_s\":0.5}"})
+          .world;
+  Case c{"two contacts in adhesive", world, {}, {}, 0.5, every(0.01, 0.5), {}};
+  const double clearance = world.annulus.clearance(), length = 50e-6;
+  c.start.tip << -length, clearance, 0, -2 * clearance / length, 0;
+  c.start.hand = c.start.tip;
+  const auto hand = [start = c.start.tip](double t) {
+    Pose h = start;
+    const double p = std::min(1.0, t / 0.4), s = p * p * (3 - 2 * p);
+    h[0] -= 4e-6 * s;
+    h[1] += 1.5e-6 * s;
+    h[3] -= 1e-3 * s;
+    return h;
+  };
+  c.hand = hand;
+  // Closed and at rest before it moves.
+  for (int n = 0; n < 2000; ++n) c.start = step(world, c.start, hand(0), 1e-3).state;
+  c.start.time = 0;
+  c.exact = reference_trajectory(world, c.start, c.hand, c.times);
+  return c;
+}
+
+// An elastic fibre in air, plucked by its holder.
+Case vibration() {
+  const World world =
+      load_scene("paper", {"laws={}", "fibre.density_kg_m3=2200", "fibre.young_GPa=72",
+                           "dynamics=inertial", "start.distance_um=400",
+                           "holder={\"type\":\"elastic_fibre\",\"free_length_mm\":10,"
+                           "\"gripper_stiffness_N_m\":1000}"})
+          .world;
+  Case c{"vibration", world, {}, {}, 0.02, every(0.001, 0.02), {}};
+  Pose from = Pose::Zero();
+  from[0] = 400e-6;
+  c.start = at_rest(world, from);
+  c.hand = [hand = c.start.hand](double t) {
+    Pose h = hand;
+    const double p = std::min(1.0, t / 4e-3);
+    h[1] += 10e-6 * p * p * (3 - 2 * p);
+    return h;
+  };
+  c.exact = reference_trajectory(world, c.start, c.hand, c.times);
+  return c;
+}
+
+}  // namespace
+
+std::vector<SteppingRow> bench_stepping() {
+  std::vector<SteppingRow> rows;
+  rows.push_back(simulate(free_flight(), "quasi_static", 1e-3));
+  const Case wedge = two_contacts();
+  for (const double dt : {1e-2, 5e-3, 1e-3, 1e-4})
+    rows.push_back(simulate(wedge, "backward_euler", dt));
+  // The naive baseline, from the step of the simulator down to one that it survives.
+  for (double dt = 1e-3; dt > 1e-8; dt /= 10) {
+    rows.push_back(explicit_euler(wedge, dt));
+    if (std::isfinite(rows.back().tip_error_nm) && rows.back().tip_error_nm < 100) break;
+  }
+  Case plucked = vibration();
+  for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2}) {
+    plucked.world.integrator = method;
+    for (const double dt : {1e-4, 1e-5, 1e-6})
+      rows.push_back(simulate(plucked, method == Integrator::bdf2 ? "bdf2" : "backward_euler", dt));
+  }
+  return rows;
+}
+
+}  // namespace ferrule

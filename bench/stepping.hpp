@@ -1,0 +1,21 @@
+// What a step costs and how wrong it is, by method and step size.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ferrule {
+
+struct SteppingRow {
+  std::string method, scene_case;
+  double step_s;
+  double ns_per_step, us_per_simulated_s;
+  double tip_error_nm;          // largest over the motion; NaN: diverged
+  double force_error_relative;  // of the force at the holder, over the largest reference force
+};
+
+// Cases: free flight (reference: closed form); insertion through adhesive with contact of end and
+// side, corrected laws (reference: CVODE); vibration of an elastic fibre with inertia (CVODE).
+std::vector<SteppingRow> bench_stepping();
+
+}  // namespace ferrule
