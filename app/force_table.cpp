@@ -22,7 +22,7 @@ constexpr Term kContact[] = {{"adhesion", &ForceRow::adhesion},
 
 // The branch on which the surfaces touch.
 int contact_branch(const World& world) {
-  return world.adhesion && world.adhesion->curve ? world.adhesion->curve->branches() : 0;
+  return world.adhesion && world.adhesion->contact ? world.adhesion->contact->curve.branches() : 0;
 }
 
 }  // namespace

@@ -53,24 +53,20 @@ double printed_contact_radius(double depth) noexcept {
   return kRadiusAtTouch + kRadiusPerDepth * std::clamp(depth, 0.0, kPrintedDepth);
 }
 
-double maugis_force_scale(const Adhesion& law) noexcept {
-  return std::numbers::pi * law.work_of_adhesion * law.radius;
-}
-double maugis_depth_scale(const Adhesion& law) noexcept {
-  const double f = std::numbers::pi * law.work_of_adhesion / law.reduced_modulus;
-  return std::cbrt(f * f * law.radius);
-}
-double maugis_radius_scale(const Adhesion& law) noexcept {
-  return std::cbrt(std::numbers::pi * law.work_of_adhesion * law.radius * law.radius /
-                   law.reduced_modulus);
-}
+MaugisContact::MaugisContact(double lambda, double work_of_adhesion, double reduced_modulus,
+                             double sphere_radius)
+    : curve(lambda),
+      force(std::numbers::pi * work_of_adhesion * sphere_radius),
+      depth(std::cbrt(force * force / (reduced_modulus * reduced_modulus * sphere_radius))),
+      radius(std::cbrt(force * sphere_radius / reduced_modulus)) {}
 
 AdhesionForce adhesion(const Adhesion& law, double depth, int branch) noexcept {
   if (law.form == Form::printed) return prescribed(law, depth);
-  const double force = maugis_force_scale(law), length = maugis_depth_scale(law);
-  const MaugisCurve::Value value = law.curve->at(depth / length, branch);
-  return {{force * length * value.energy, force * value.P, force / length * value.slope},
-          maugis_radius_scale(law) * value.A,
+  const MaugisContact& contact = *law.contact;
+  const MaugisCurve::Value value = contact.curve.at(depth / contact.depth, branch);
+  return {{contact.force * contact.depth * value.energy, contact.force * value.P,
+           contact.force / contact.depth * value.slope},
+          contact.radius * value.A,
           value.branch};
 }
 

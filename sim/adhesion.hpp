@@ -29,6 +29,17 @@ double printed_contact_radius(double depth) noexcept;
 // Largest penetration the printed form speaks of [m]: 10 nm.
 inline constexpr double kPrintedDepth = 10e-9;
 
+// The curve of (6c) with its scales: F = force P, delta = depth D, a = contact A.
+struct MaugisContact {
+  // lambda as for MaugisCurve; w [J/m^2], K [Pa], R_s [m], all > 0.
+  MaugisContact(double lambda, double work_of_adhesion, double reduced_modulus, double radius);
+
+  MaugisCurve curve;
+  double force;   // pi w R_s [N]
+  double depth;   // (pi^2 w^2 R_s/K^2)^(1/3) [m]
+  double radius;  // (pi w R_s^2/K)^(1/3) [m]
+};
+
 struct Adhesion {
   Form form;
   double work_of_adhesion;  // w = 2 gamma_L [J/m^2], > 0: the work, not the surface energy gamma
@@ -36,14 +47,9 @@ struct Adhesion {
   double m;                 // c_ad / a [-], >= 1; printed form only
   double reduced_modulus;   // K [Pa], > 0
   double radius;            // r in (6), R_s in (6c) [m], > 0: the fibre radius unless stated
-  // Of maugis_lambda; corrected form only. Shared by the copies of a world.
-  std::shared_ptr<const MaugisCurve> curve = nullptr;
+  // Of the values above; corrected form only. Shared by the copies of a world.
+  std::shared_ptr<const MaugisContact> contact = nullptr;
 };
-
-// Scales of (6c): F = force P, delta = depth D, a = contact A.
-double maugis_force_scale(const Adhesion& law) noexcept;   // pi w R_s [N]
-double maugis_depth_scale(const Adhesion& law) noexcept;   // (pi^2 w^2 R_s/K^2)^(1/3) [m]
-double maugis_radius_scale(const Adhesion& law) noexcept;  // (pi w R_s^2/K)^(1/3) [m]
 
 // A force at one contact against the penetration d; repulsion is positive.
 //   force = d potential / dd,   slope = d force / dd

@@ -43,14 +43,19 @@ LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noe
   return {-tension * x, force, tension * x / (height * height) * (2 - x * x / (radius * height))};
 }
 
-// Makes the potential zero at the gap `reach`.
-double potential_offset(const Capillary& law, const Annulus& annulus, double reach) noexcept {
-  const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
-  return 4 * law.surface_tension * std::cos(law.contact_angle) *
-         half_width(law.volume, radius, reach);
+double half_width_at(const Capillary& law, const Annulus& annulus, double h) noexcept {
+  return half_width(law.volume, annulus.fibre_radius * annulus.bore_radius / annulus.clearance(),
+                    h);
 }
 
 }  // namespace
+
+Capillary prepare(Capillary law, const Annulus& annulus) noexcept {
+  if (law.form == Form::printed) return law;
+  law.rupture_half_width = half_width_at(law, annulus, law.rupture);
+  law.film_half_width = half_width_at(law, annulus, 2 * law.film);
+  return law;
+}
 
 double capillary_reach(const Capillary& law, bool bridge) noexcept {
   if (law.form == Form::printed) return std::numeric_limits<double>::infinity();
@@ -62,7 +67,10 @@ LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool
   const double reach = capillary_reach(law, bridge);
   if (h >= reach) return {};
   LineForce force = bridge_law(law, annulus, h);
-  force.potential += potential_offset(law, annulus, reach);
+  // The potential is zero where the force ends.
+  const double prepared = bridge ? law.rupture_half_width : law.film_half_width;
+  force.potential += 4 * law.surface_tension * std::cos(law.contact_angle) *
+                     (prepared > 0 ? prepared : half_width_at(law, annulus, reach));
   return force;
 }
 

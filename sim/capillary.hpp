@@ -25,7 +25,13 @@ struct Capillary {
   double film;             // e, thickness of the liquid layer [m], > 0
   double volume = 0;       // A_l, per length [m^2], > 0; corrected form only
   double rupture = 0;      // gap at which a bridge ruptures [m], > 2 e; corrected form only
+
+  // Derived, by prepare(): half widths of a bridge where it ruptures and where it forms [m].
+  // Without them they are computed at each call.
+  double rupture_half_width = 0, film_half_width = 0;
 };
+
+Capillary prepare(Capillary law, const Annulus& annulus) noexcept;
 
 // Where the force ends on the way out [m]: the rupture of a bridge, or the films' meeting where
 // there is none yet; infinite for the printed form.

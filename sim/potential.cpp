@@ -230,13 +230,18 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
 // p.
 void add_point(Potential& total, const World& world, const Lagged& lagged, double arm,
                const Vector3d& gradient, const Eigen::Matrix3d& hessian, bool on_axis) noexcept {
-  Eigen::Matrix<double, 3, 5> jacobian = Eigen::Matrix<double, 3, 5>::Zero();
-  jacobian.leftCols<3>().setIdentity();
-  if (!on_axis)
-    jacobian.block<1, 2>(0, 3) = -world.annulus.fibre_radius * lagged.outward.transpose();
-  jacobian(1, 3) = jacobian(2, 4) = arm;
-  total.gradient += jacobian.transpose() * gradient;
-  total.hessian += jacobian.transpose() * hessian * jacobian;
+  // p = (x - r outward.tilt, y + arm tilt): the columns of its Jacobian, tilts last.
+  const Vector2d lean =
+      on_axis ? Vector2d(Vector2d::Zero()) : Vector2d(-world.annulus.fibre_radius * lagged.outward);
+  const Vector2d across = gradient.tail<2>();
+  total.gradient.head<3>() += gradient;
+  total.gradient.tail<2>() += gradient[0] * lean + arm * across;
+  total.hessian.topLeftCorner<3, 3>() += hessian;
+  const Eigen::Matrix<double, 3, 2> mixed =
+      hessian.col(0) * lean.transpose() + arm * hessian.rightCols<2>();
+  total.hessian.topRightCorner<3, 2>() += mixed;
+  total.hessian.bottomLeftCorner<2, 3>() += mixed.transpose();
+  total.hessian.bottomRightCorner<2, 2>() += lean * mixed.row(0) + arm * mixed.bottomRows<2>();
   total.force_scale += gradient.norm();
 }
 

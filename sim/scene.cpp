@@ -66,7 +66,9 @@ Adhesion read_adhesion(JsonFields f, double modulus, double fibre_radius) {
     if (!printed) law.radius = radius;
   }
   f.finish();
-  if (!printed) law.curve = std::make_shared<const MaugisCurve>(law.maugis_lambda);
+  if (!printed)
+    law.contact = std::make_shared<const MaugisContact>(law.maugis_lambda, law.work_of_adhesion,
+                                                        law.reduced_modulus, law.radius);
   return law;
 }
 
@@ -87,7 +89,8 @@ void read_laws(JsonFields laws, World& world, Friction friction, double modulus)
     world.gravity = {read_form(f)};
     f.finish();
   }
-  if (laws.has("capillary")) world.capillary = read_capillary(laws.object("capillary"));
+  if (laws.has("capillary"))
+    world.capillary = prepare(read_capillary(laws.object("capillary")), world.annulus);
   if (laws.has("adhesion"))
     world.adhesion = read_adhesion(laws.object("adhesion"), modulus, world.annulus.fibre_radius);
   if (laws.has("friction")) {

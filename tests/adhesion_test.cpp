@@ -56,7 +56,7 @@ TEST(Adhesion, ForceAndSlopeAreDerivatives) {
 Adhesion corrected() {
   Adhesion law = kTableI;
   law.form = Form::corrected;
-  law.curve = std::make_shared<const MaugisCurve>(4.0);
+  law.contact = std::make_shared<const MaugisContact>(4.0, 0.144, kModulus, 62.5e-6);
   return law;
 }
 
