@@ -7,6 +7,7 @@
 #include "app/plot.hpp"
 #include "app/verb.hpp"
 #include "bench/capture.hpp"
+#include "bench/hard.hpp"
 #include "bench/laws.hpp"
 #include "bench/stepping.hpp"
 
@@ -91,6 +92,29 @@ int speed_and_error(const Arguments& a) {
   return kDone;
 }
 
+int hard(const Arguments& a) {
+  const std::vector<HardRow> rows = bench_hard();
+  std::size_t failed = 0;
+  Json list = Json::array();
+  if (!a.json)
+    fmt::print("{:<62} {:>8} {:>9} {:<7} {}\n", "case", "step [s]", "error", "status", "result");
+  for (const HardRow& r : rows) {
+    const char* status = !r.finite ? "NaN" : r.passed() ? "ok" : "wrong";
+    failed += !r.passed();
+    list.push_back({{"case", r.name},
+                    {"step_s", number_or_null(r.step_s)},
+                    {"result", r.result},
+                    {"error", number_or_null(r.error)},
+                    {"status", status}});
+    if (!a.json)
+      fmt::print("{:<62} {:>8} {:9.2g} {:<7} {}\n", r.name,
+                 std::isfinite(r.step_s) ? fmt::format("{:g}", r.step_s) : "-", r.error, status,
+                 r.result);
+  }
+  if (a.json) print_json({{"rows", list}});
+  return failed ? kFailed : kDone;
+}
+
 int capture(const Arguments& a) {
   const std::vector<CaptureRow> rows = bench_capture();
   std::size_t wrong = 0;
@@ -128,13 +152,18 @@ int capture(const Arguments& a) {
 void add_bench(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("bench", "Speed against error of laws and stepping; capture");
   auto a = std::make_shared<Arguments>();
-  verb->add_option("what", a->what,
-                   "Nothing: laws and stepping; capture: clearance means clearance")
-      ->check(CLI::IsMember({"capture"}));
+  verb->add_option(
+          "what", a->what,
+          "Nothing: laws and stepping; hard: the hard cases; capture: clearance means clearance")
+      ->check(CLI::IsMember({"hard", "capture"}));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] {
-    run = [a] { return a->what == "capture" ? capture(*a) : speed_and_error(*a); };
+    run = [a] {
+      return a->what == "hard"      ? hard(*a)
+             : a->what == "capture" ? capture(*a)
+                                    : speed_and_error(*a);
+    };
   });
 }
 

@@ -286,6 +286,32 @@ class Usage(Case):
         self.assertNotIn("g++", run.stderr)
 
 
+class Bench(Case):
+    def test_contact_gives_the_published_values(self):
+        rows = json.loads(self.done("contact", "--lambda", 4, "--radius", "0.3,1,2", "--json").stdout)
+        rows = rows["rows"]
+        self.assertEqual([row["A"] for row in rows], [0.3, 1, 2])
+        for row, m, p, d in ((rows[1], 1.044223169, -1.476575195, -0.603569589),
+                             (rows[2], 1.021379139, 1.252730387, 1.782581218)):
+            self.assertAlmostEqual(row["m"], m, delta=1e-9)
+            self.assertAlmostEqual(row["P"], p, delta=1e-9)
+            self.assertAlmostEqual(row["D"], d, delta=1e-9)
+        for lam in (0.01, 0.7, 0.93, 100):
+            self.done("contact", "--lambda", lam, "--curve", "--json", "--plot", self.path("c.svg"))
+            self.assertIn("</svg>", open(self.path("c.svg")).read())
+        for bad in ("0", "101", "nan", "x"):
+            self.refused(2, "contact", "--lambda", bad, "--curve", says=["--lambda"])
+        self.refused(2, "contact", "--lambda", 4, "--radius", "1,-1", says=["--radius"])
+
+    def test_capture_takes_exactly_what_fits(self):
+        rows = json.loads(self.done("bench", "capture", "--json").stdout)["rows"]
+        self.assertGreater(len(rows), 600)
+        for row in rows:
+            self.assertEqual(row["inserted"], row["offset_clearances"] < 1, row)
+        self.assertEqual({row["direction_deg"] for row in rows}, {45.0 * k for k in range(8)})
+        self.assertEqual({row["step_s"] for row in rows}, {1e-4, 1e-3, 1e-2})
+
+
 class Recording(Case):
     def test_an_episode_is_read_by_h5py_as_documented(self):
         files = self.record(self.path("out"))

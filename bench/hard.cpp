@@ -1,0 +1,316 @@
+#include "bench/hard.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <limits>
+
+#include "sim/potential.hpp"
+#include "sim/scene.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
+  Pose p;
+  p << x, y, z, ty, tz;
+  return p;
+}
+
+// Runs a motion and remembers whether anything was not finite or not converged.
+struct Run {
+  const World& world;
+  State state;
+  Breakdown forces;
+  double dt = 1e-3;
+  bool finite = true;
+  long steps = 0, not_converged = 0;
+
+  void to(const Pose& hand) {
+    const StepResult r = step(world, state, hand, dt);
+    state = r.state;
+    forces = r.forces;
+    finite = finite && to_row(state).allFinite() && forces.holder.allFinite();
+    not_converged += r.status == StepStatus::not_converged;
+    ++steps;
+  }
+  void sweep(const Pose& goal, long n) {
+    const Pose from = state.hand;
+    for (long i = 1; i <= n; ++i)
+      to(from + (goal - from) * (static_cast<double>(i) / static_cast<double>(n)));
+  }
+};
+
+World bare(std::vector<std::string> settings = {}) {
+  settings.insert(settings.begin(), {"laws={}", "ferrule.lead_in=null"});
+  return load_scene("paper", settings).world;
+}
+
+// A sphere-like contact alone: adhesion (6c), rigid upright fibre, no other force.
+World adhesion_alone(double lambda) {
+  return bare({fmt::format("laws.adhesion={{\"form\":\"corrected\",\"work_of_adhesion_J_m2\":0.144,"
+                           "\"maugis_lambda\":{}}}",
+                           lambda),
+               "holder.tilt_stiffness_N_m_rad=1e3", "holder.stiffness_N_m=1e8"});
+}
+
+HardRow snap_in() {
+  const World world = load_scene("paper").world;
+  const double c = world.annulus.clearance();
+  Run run{world, {}, {}};
+  run.state.tip = run.state.hand = pose(-50e-6, -(c - 100e-9), 0);
+  run.state.hand[1] += 5e-6;
+  run.sweep(run.state.hand + pose(0, -20e-6, 0), 2000);
+  const bool closed = run.state.contact[kEnd].closed || run.state.contact[kSide].closed;
+  return {"snap-in from 100 nm, printed singular laws",
+          run.dt,
+          fmt::format("{}, {} of {} steps not converged", closed ? "in contact" : "apart",
+                      run.not_converged, run.steps),
+          closed && run.not_converged == 0 ? 0.0 : 1.0,
+          0,
+          run.finite};
+}
+
+// One loop of approach and retreat loses the area between the branches.
+HardRow pull_off(double lambda) {
+  const World world = adhesion_alone(lambda);
+  const MaugisContact& contact = *world.adhesion->contact;
+  const MaugisCurve& curve = contact.curve;
+  const double c = world.annulus.clearance();
+  Run run{world, {}, {}};
+  // Five micrometres inside, tilted away from the mouth's rim: only the end touches.
+  const double apart = curve.begins(1) - 2, deep = 3;
+  const auto hand = [&](double depth) { return pose(-5e-6, c + depth * contact.depth, 0, -0.02); };
+  run.state.tip = run.state.hand = hand(apart);
+  double work = 0;
+  const long n = 20000;
+  for (int way = 0; way < 2; ++way)
+    for (long i = 1; i <= n; ++i) {
+      const double part = static_cast<double>(i) / n;
+      const Pose to = hand(way == 0 ? apart + (deep - apart) * part : deep + (apart - deep) * part);
+      const double move = to[1] - run.state.hand[1], before = run.forces.holder[1];
+      run.to(to);
+      work -= 0.5 * (before + run.forces.holder[1]) * move;
+    }
+  double lost = 0;
+  int branch = 0;
+  const double fine = (deep - apart) / 400000;
+  for (double D = apart; D < deep; D += fine) {
+    const auto v = curve.at(D, branch);
+    branch = v.branch;
+    lost += v.P * fine;
+  }
+  for (double D = deep; D > apart; D -= fine) {
+    const auto v = curve.at(D, branch);
+    branch = v.branch;
+    lost -= v.P * fine;
+  }
+  lost *= contact.force * contact.depth;
+  return {fmt::format("pull-off, lambda {:g}: loss of a loop against the area", lambda),
+          run.dt,
+          fmt::format("{:.5g} aJ lost, area {:.5g} aJ (error over the force and depth scales)",
+                      1e18 * work, 1e18 * lost),
+          std::abs(work - lost) / (contact.force * contact.depth),
+          1e-3,
+          run.finite};
+}
+
+HardRow stick_slip() {
+  const World world = load_scene("paper", {"laws.van_der_waals=null", "laws.electrostatic=null",
+                                           "laws.capillary=null", "laws.gravity=null"})
+                          .world;
+  Run run{world, {}, {}};
+  run.state.tip = run.state.hand = pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
+  for (int i = 0; i < 5; ++i) run.to(run.state.hand);
+  const double limit = friction(*world.friction, printed_contact_radius(10e-9));
+  run.sweep(run.state.hand + pose(-0.6e-6, 0, 0), 6000);  // 0.1 um/s for 6 s
+  const double force = run.forces.friction[kEnd].force.x();
+  return {"slow drive at 0.1 um/s: slips at the Hurtado-Kim force",
+          run.dt,
+          fmt::format("{:.6g} uN, law {:.6g} uN", 1e6 * force, 1e6 * limit),
+          std::abs(force / limit - 1),
+          1e-3,
+          run.finite};
+}
+
+HardRow creep() {
+  const World world = load_scene("paper", {"laws.van_der_waals=null", "laws.electrostatic=null",
+                                           "laws.capillary=null", "laws.gravity=null"})
+                          .world;
+  Run run{world, {}, {}};
+  run.state.tip = run.state.hand = pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
+  for (int i = 0; i < 5; ++i) run.to(run.state.hand);
+  const double limit = friction(*world.friction, printed_contact_radius(10e-9));
+  const Pose held = run.state.hand + pose(-0.9 * limit / 0.5, 0, 0);
+  for (int i = 0; i < 10; ++i) run.to(held);
+  const double from = run.state.tip[0];
+  for (int i = 0; i < 100000; ++i) run.to(held);
+  const double nm = 1e9 * std::abs(run.state.tip[0] - from);
+  return {"creep under 0.9 of the friction force, 100 s",
+          run.dt,
+          fmt::format("{:.2g} nm (error in nm)", nm),
+          nm,
+          1e-6,
+          run.finite};
+}
+
+HardRow jam() {
+  const World world = bare({"holder.tilt_stiffness_N_m_rad=1e-6", "holder.stiffness_N_m=5"});
+  const double tilt = 12e-3;
+  Run run{world, at_rest(world, pose(1e-6, 0, 0, tilt, 0)), {}};
+  run.sweep(run.state.hand + pose(-200e-6, 0, 0), 20000);
+  // It turns as it goes deeper, so that at every depth it touches at two points: depth tilt = 2 c.
+  const double depth = run.state.inserted_length();
+  const bool two = run.state.contact[kEnd].closed && run.state.contact[kSide].closed;
+  const double tilt_now = run.state.tip[3];
+  return {"two-point jam of a tilted fibre",
+          run.dt,
+          fmt::format("{} at {:.4g} um and {:.4g} mrad", two ? "two points" : "free", 1e6 * depth,
+                      1e3 * tilt_now),
+          two ? std::abs(depth * tilt_now / (2 * world.annulus.clearance()) - 1) : 1.0,
+          5e-2,
+          run.finite};
+}
+
+HardRow refused(const std::string& bore, const std::string& fibre) {
+  std::string said = "accepted";
+  try {
+    load_scene("paper", {"ferrule.bore_diameter_um=" + bore, "fibre.diameter_um=" + fibre});
+  } catch (const BadInput&) {
+    said = "refused";
+  }
+  return {"fibre of " + fibre + " um in a bore of " + bore + " um",
+          kNan,
+          said,
+          said == "refused" ? 0.0 : 1.0,
+          0,
+          true};
+}
+
+// Any step size: an insertion that starts misaligned ends at the same place.
+HardRow step_size(double dt) {
+  const World world = load_scene("paper", {"laws.capillary=null", "laws.electrostatic=null"}).world;
+  const Pose start = pose(5e-6, -1e-6, 0.3e-6, 5e-4, 0), goal = pose(-10e-6, 0, 0, 5e-4, 0);
+  const auto end = [&](double period) {
+    Run run{world, at_rest(world, start), {}};
+    run.dt = period;
+    const double duration = 1.0;
+    run.sweep(goal, std::max(1L, std::lround(duration / period)));
+    return run;
+  };
+  const Run run = end(dt), fine = end(1e-4);
+  const double nm = 1e9 * (run.state.tip - fine.state.tip).head<3>().norm();
+  return {"insertion, step size",
+          dt,
+          fmt::format("{:.2g} nm from that at 0.1 ms, {} of {} not converged (error in nm)", nm,
+                      run.not_converged, run.steps),
+          nm,
+          5,
+          run.finite};
+}
+
+HardRow drift() {
+  const World world = load_scene("paper").world;
+  Run run{world, at_rest(world, pose(5e-6, -1e-6, 0, 5e-4, 0)), {}};
+  run.sweep(pose(-10e-6, 0, 0, 5e-4, 0), 2000);
+  const Pose held = run.state.hand;
+  for (int i = 0; i < 10; ++i) run.to(held);
+  const Pose from = run.state.tip;
+  for (long i = 0; i < 10'000'000; ++i) run.state = step(world, run.state, held, 1e-3).state;
+  const double nm = 1e9 * (run.state.tip - from).head<3>().norm();
+  return {
+      "1e7 steps at rest in contact", 1e-3, fmt::format("{:.2g} nm (error in nm)", nm), nm, 1e-6,
+      run.state.tip.allFinite()};
+}
+
+// Corrected surface laws at an eccentricity within 1e-9 of the clearance, smooth surfaces.
+HardRow eccentricity_near_clearance() {
+  const Annulus smooth = {62.5e-6, 63e-6};
+  const VanDerWaals vdw = {Form::corrected, 3.67e-19};
+  const Electrostatic el = {Form::corrected, 0.1};
+  bool finite = true;
+  double worst = 0;
+  for (double part = 1e-1; part > 0.9e-9; part *= 0.1) {
+    const double h = part * smooth.clearance();
+    const LineForce a = van_der_waals(vdw, smooth, h), b = electrostatic(el, smooth, h);
+    finite = finite && std::isfinite(a.force) && std::isfinite(a.slope) && std::isfinite(b.force) &&
+             std::isfinite(b.slope) && a.force < 0 && b.force < 0;
+    if (h < 0.1e-9) continue;  // held from the interatomic distance on
+    const double c = smooth.clearance(), e = c - h;
+    const double expected =
+        -3.67e-19 * 62.5e-6 * c * e / (2 * std::pow(h, 2.5) * std::pow(c + e, 2.5));
+    worst = std::max(worst, std::abs(a.force / expected - 1));
+  }
+  return {"eccentricity to 1 - 1e-9 of the clearance",
+          kNan,
+          "finite and attractive",
+          worst,
+          1e-10,
+          finite};
+}
+
+HardRow forces_apart() {
+  // A holder of 1e-3 N/m and a wall of 1e4 N/m, forces of piconewtons and of newtons.
+  const World world = bare({"holder.stiffness_N_m=0.001", "holder.tilt_stiffness_N_m_rad=1e-3",
+                            "laws.meniscus={\"form\":\"corrected\",\"surface_tension_N_m\":1e-9,"
+                            "\"contact_angle_deg\":0}"});
+  Run run{world, at_rest(world, pose(-50e-6, 0, 0)), {}};
+  run.sweep(run.state.hand + pose(0, 400e-6, 0), 400);
+  const double push = run.forces.holder[1], pull = run.forces.meniscus.force.x();
+  const Wrench left = run.forces.sum(run.state.tip) - run.forces.holder;
+  return {"forces 1e6 apart in one scene",
+          run.dt,
+          fmt::format("wall {:.3g} uN, meniscus {:.3g} uN, imbalance along x {:.2g} uN",
+                      -1e6 * push, 1e6 * pull, 1e6 * std::abs(left[0])),
+          std::abs(left[0] / pull),
+          1e-3,
+          run.finite};
+}
+
+HardRow bad_device() {
+  const World world = load_scene("paper").world;
+  Run run{world, at_rest(world, pose(5e-6, -1e-6, 0)), {}};
+  run.sweep(pose(-10e-6, 0, 0), 1000);
+  const State before = run.state;
+  int wrong = 0;
+  Pose hand = before.hand;
+  hand[1] = NAN;
+  StepResult r = step(world, before, hand, 1e-3);
+  wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
+  r = step(world, before, before.hand, -1e-3);
+  wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
+  run.to(before.hand + pose(0, 1e-3, -1e-3));  // a jump of a metre and a half in the hand
+  for (int i = 0; i < 1000; ++i) run.to(run.state.hand);  // a stall
+  wrong += run.state.tip.segment<2>(1).norm() > world.annulus.clearance() + 50e-9;
+  run.to(before.hand);
+  wrong += (run.state.tip - before.tip).head<3>().norm() > 2e-6;
+  return {"NaN, time running backwards, jump and stall of a device",
+          1e-3,
+          fmt::format("{} of 4 answered wrongly", wrong),
+          static_cast<double>(wrong),
+          0,
+          run.finite};
+}
+
+}  // namespace
+
+std::vector<HardRow> bench_hard() {
+  std::vector<HardRow> rows = {snap_in()};
+  for (const double lambda : {0.01, 0.3, 1.0, 4.0, 20.0, 100.0}) rows.push_back(pull_off(lambda));
+  rows.push_back(stick_slip());
+  rows.push_back(creep());
+  rows.push_back(jam());
+  rows.push_back(refused("125", "125"));
+  rows.push_back(refused("125.5", "125.7"));
+  for (const double dt : {1e-6, 1e-5, 1e-3, 1e-2, 1e-1}) rows.push_back(step_size(dt));
+  rows.push_back(drift());
+  rows.push_back(eccentricity_near_clearance());
+  rows.push_back(forces_apart());
+  rows.push_back(bad_device());
+  return rows;
+}
+
+}  // namespace ferrule
