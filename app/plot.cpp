@@ -26,6 +26,14 @@ std::string quoted(const std::string& text) {
   return out + "'";
 }
 
+// Names that do not fit beside the curves go below them.
+bool long_names(const Plot& plot) {
+  for (const Axes& axes : plot.panels)
+    for (const Series& series : axes.series)
+      if (series.name.size() > 18) return true;
+  return false;
+}
+
 std::string script(const Plot& plot) {
   const int panels = static_cast<int>(plot.panels.size());
   std::string s = fmt::format(
@@ -33,9 +41,10 @@ std::string script(const Plot& plot) {
       "set terminal svg size {},{} dynamic enhanced font 'sans-serif,14' background '#ffffff'\n"
       "set multiplot layout {},1 title {} noenhanced\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd'\n"
-      "set key outside right top noenhanced\nset format '%g'\n"
-      "set lmargin at screen 0.13\nset rmargin at screen 0.77\nset autoscale xfix\n{}",
+      "set key {} noenhanced\nset format '%g'\n"
+      "set lmargin at screen 0.13\nset rmargin at screen {}\nset autoscale xfix\n{}",
       plot.width, panels * plot.panel_height, panels, quoted(plot.title),
+      long_names(plot) ? "below maxcols 2" : "outside right top", long_names(plot) ? 0.95 : 0.77,
       plot.equal_scales ? "set size ratio -1\nset offsets graph 0.05, 0.05, 0.05, 0.05\n" : "");
   for (int p = 0; p < panels; ++p) {
     const Axes& axes = plot.panels[static_cast<std::size_t>(p)];
