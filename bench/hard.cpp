@@ -118,13 +118,23 @@ HardRow pull_off(double lambda) {
           run.finite};
 }
 
-HardRow stick_slip() {
-  const World world = load_scene("paper", {"laws.van_der_waals=null", "laws.electrostatic=null",
-                                           "laws.capillary=null", "laws.gravity=null"})
-                          .world;
+// A tilted fibre whose end rests on the lower wall; only contact and friction.
+World resting_world() {
+  return load_scene("paper", {"laws.van_der_waals=null", "laws.electrostatic=null",
+                              "laws.capillary=null", "laws.gravity=null"})
+      .world;
+}
+
+Run resting(const World& world) {
   Run run{world, {}, {}};
   run.state.tip = run.state.hand = pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
   for (int i = 0; i < 5; ++i) run.to(run.state.hand);
+  return run;
+}
+
+HardRow stick_slip() {
+  const World world = resting_world();
+  Run run = resting(world);
   const double limit = friction(*world.friction, printed_contact_radius(10e-9));
   run.sweep(run.state.hand + pose(-0.6e-6, 0, 0), 6000);  // 0.1 um/s for 6 s
   const double force = run.forces.friction[kEnd].force.x();
@@ -137,12 +147,8 @@ HardRow stick_slip() {
 }
 
 HardRow creep() {
-  const World world = load_scene("paper", {"laws.van_der_waals=null", "laws.electrostatic=null",
-                                           "laws.capillary=null", "laws.gravity=null"})
-                          .world;
-  Run run{world, {}, {}};
-  run.state.tip = run.state.hand = pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
-  for (int i = 0; i < 5; ++i) run.to(run.state.hand);
+  const World world = resting_world();
+  Run run = resting(world);
   const double limit = friction(*world.friction, printed_contact_radius(10e-9));
   const Pose held = run.state.hand + pose(-0.9 * limit / 0.5, 0, 0);
   for (int i = 0; i < 10; ++i) run.to(held);

@@ -5,107 +5,6 @@ namespace {
 
 using Eigen::Matrix2d;
 
-// The direction of the surface forces is undefined on the bore's axis; it fades out within this
-// fraction of the clearance: e -> sqrt(e^2 + (fraction c)^2).
-constexpr double kSmoothing = 1e-3;
-
-// Eccentricity and its derivatives with respect to the vector `e`.
-struct Radial {
-  double eccentricity;
-  Vector2d normal;   // d eccentricity / de, of length <= 1
-  Matrix2d curving;  // d normal / de
-
-  Radial(const Vector2d& e, double clearance) noexcept {
-    const double smooth = kSmoothing * clearance;
-    eccentricity = std::sqrt(e.squaredNorm() + smooth * smooth);
-    normal = e / eccentricity;
-    curving = (Matrix2d::Identity() - normal * normal.transpose()) / eccentricity;
-  }
-};
-
-// The depth d of one contact as a function of the pose: value, gradient, Hessian.
-struct Depth {
-  double value = -INFINITY;
-  Pose gradient = Pose::Zero();
-  Matrix5 hessian = Matrix5::Zero();
-  Vector3d normal = Vector3d::Zero();  // from the ferrule into the fibre, unit
-  // Where the contact acts, to first order in the tilts: so that the wrench of `normal` there is
-  // minus the gradient.
-  Vector3d point = Vector3d::Zero();
-};
-
-void add_radial(Depth& depth, const Radial& radial, double weight, double arm, const Pose& tip,
-                double arm_per_x) noexcept {
-  const Vector2d n = weight * radial.normal;
-  const Matrix2d k = weight * radial.curving;
-  const Vector2d by_x = arm_per_x * tip.tail<2>();
-  depth.gradient[0] += n.dot(by_x);
-  depth.gradient.segment<2>(1) += n;
-  depth.gradient.tail<2>() += arm * n;
-  depth.hessian.block<2, 2>(1, 1) += k;
-  depth.hessian.block<2, 2>(1, 3) += arm * k;
-  depth.hessian.block<2, 2>(3, 1) += arm * k;
-  depth.hessian.block<2, 2>(3, 3) += arm * arm * k;
-  if (arm_per_x == 0) return;
-  const Vector2d kx = k * by_x;
-  depth.hessian(0, 0) += by_x.dot(kx);
-  depth.hessian.block<1, 2>(0, 1) += kx.transpose();
-  depth.hessian.block<2, 1>(1, 0) += kx;
-  depth.hessian.block<1, 2>(0, 3) += (arm * kx + arm_per_x * n).transpose();
-  depth.hessian.block<2, 1>(3, 0) += arm * kx + arm_per_x * n;
-}
-
-Vector3d outward3(const Vector2d& n) noexcept {
-  return {0, n.x(), n.y()};
-}
-
-// The rim of the fibre's end: on the bore wall, the cone or the face.
-Depth end_depth(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
-  const double r = world.annulus.fibre_radius;
-  const Radial radial(tip.segment<2>(1), world.annulus.clearance());
-  const double x_rim = tip[0] - r * lagged.outward.dot(tip.tail<2>());
-  const EdgeDepth d = edge_depth(world.profile, x_rim, radial.eccentricity + r);
-
-  Depth depth;
-  depth.point << tip[0], tip.segment<2>(1) + r * radial.normal;
-  if (lagged.side == EdgeSide::face) {
-    if (d.throat() <= 0) return depth;
-    depth.value = d.face;
-    depth.normal = Vector3d::UnitX();
-    depth.gradient << -1, 0, 0, r * lagged.outward;
-    return depth;
-  }
-  if (d.face <= 0) return depth;
-  depth.value = d.throat();
-  const bool on_cone = d.cone < d.bore;
-  const double tangent = on_cone ? world.profile.lead_in_tangent : 0;
-  const double cosine = 1 / std::sqrt(1 + tangent * tangent);
-  const double sine = tangent * cosine;
-  depth.normal = sine * Vector3d::UnitX() - cosine * outward3(radial.normal);
-  depth.gradient << -sine, 0, 0, sine * r * lagged.outward;
-  add_radial(depth, radial, cosine, 0, tip, 0);
-  return depth;
-}
-
-// The rim of the bore's mouth on the fibre's side.
-Depth side_depth(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
-  Depth depth;
-  if (!lagged.side_can_touch || tip[0] >= 0) return depth;
-  const double arm = -tip[0];
-  const Vector2d e = eccentricity(tip, arm);
-  const Radial radial(e, world.annulus.clearance());
-  depth.value = radial.eccentricity - world.annulus.clearance();
-  depth.normal << radial.normal.dot(tip.tail<2>()), -radial.normal;
-  depth.point = outward3(e);
-  add_radial(depth, radial, 1, arm, tip, -1);
-  return depth;
-}
-
-std::array<Depth, kContactPlaces> contact_depths(const World& world, const Lagged& lagged,
-                                                 const Pose& tip) noexcept {
-  return {end_depth(world, lagged, tip), side_depth(world, lagged, tip)};
-}
-
 // Calls visit(breakdown slot, force) for each surface law of `form`, at gap h.
 template <class Visit>
 void each_surface_law(const World& world, Form form, double h, bool bridge,
@@ -162,7 +61,7 @@ void add_surface(Potential& total, const World& world, const Lagged& lagged, For
                        sum.force += law.force;
                        sum.slope += law.slope;
                        if (!breakdown) return;
-                       Vector3d f = -weight * length * law.force * outward3(radial.normal);
+                       Vector3d f = -weight * length * law.force * across(radial.normal);
                        f.x() = -slope * weight *
                                (law.potential + arm * law.force * radial.normal.dot(tip.tail<2>()));
                        // Each law acts at the mean of its nodes, weighed by their forces.
@@ -214,7 +113,7 @@ Vector3d material_point(const World& world, const Lagged& lagged, const Pose& ti
                         double arm) noexcept {
   const double r = world.annulus.fibre_radius;
   Vector3d p;
-  p << tip[0] - r * lagged.outward.dot(tip.tail<2>()), eccentricity(tip, arm);
+  p << tip[0] - r * lagged.contact.outward.dot(tip.tail<2>()), eccentricity(tip, arm);
   return p;
 }
 
@@ -231,11 +130,11 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
 void add_point(Potential& total, const World& world, const Lagged& lagged, double arm,
                const Vector3d& gradient, const Eigen::Matrix3d& hessian, bool on_axis) noexcept {
   // p = (x - r outward.tilt, y + arm tilt): the columns of its Jacobian, tilts last.
-  const Vector2d lean =
-      on_axis ? Vector2d(Vector2d::Zero()) : Vector2d(-world.annulus.fibre_radius * lagged.outward);
-  const Vector2d across = gradient.tail<2>();
+  const Vector2d lean = on_axis ? Vector2d(Vector2d::Zero())
+                                : Vector2d(-world.annulus.fibre_radius * lagged.contact.outward);
+  const Vector2d sideways = gradient.tail<2>();
   total.gradient.head<3>() += gradient;
-  total.gradient.tail<2>() += gradient[0] * lean + arm * across;
+  total.gradient.tail<2>() += gradient[0] * lean + arm * sideways;
   total.hessian.topLeftCorner<3, 3>() += hessian;
   const Eigen::Matrix<double, 3, 2> mixed =
       hessian.col(0) * lean.transpose() + arm * hessian.rightCols<2>();
@@ -323,13 +222,7 @@ void lag_inertia(const World& world, const State& state, double dt, Lagged& lagg
 Lagged lag(const World& world, const State& state, double dt) noexcept {
   Lagged lagged;
   lagged.length = inserted(world, state.tip);
-  const Vector2d e = state.tip.segment<2>(1);
-  if (e.norm() > 0) lagged.outward = e.normalized();
-  const double r = world.annulus.fibre_radius;
-  const double x_rim = state.tip[0] - r * lagged.outward.dot(state.tip.tail<2>());
-  const EdgeDepth d = edge_depth(world.profile, x_rim, e.norm() + r);
-  lagged.side = edge_side(d, state.side);
-  lagged.side_can_touch = state.tip[0] < 0 && !(lagged.side == EdgeSide::face && d.inside());
+  lagged.contact = contact_side(world, state);
   lagged.bridge = state.bridge;
   lag_drag(world, state, dt, lagged);
   lag_inertia(world, state, dt, lagged);
@@ -340,7 +233,7 @@ Lagged lag(const World& world, const State& state, double dt) noexcept {
   if (!world.friction || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
     return lagged;
 
-  const auto depths = contact_depths(world, lagged, state.tip);
+  const auto depths = contact_depths(world, lagged.contact, state.tip);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const ContactState& contact = state.contact[place];
     if (!contact.closed || depths[place].value == -INFINITY) continue;
@@ -416,10 +309,10 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& hand, 
       b->drag[i] = {-force, {tip[0] + arm, e.x(), e.y()}};
     }
 
-  const auto depths = contact_depths(world, lagged, tip);
+  const auto depths = contact_depths(world, lagged.contact, tip);
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
-    const Depth& depth = depths[at];
+    const ContactDepth& depth = depths[at];
     const LaggedFriction& friction = lagged.friction[at];
     if (friction.acts) add_friction(total, world, lagged, friction, tip);
     if (depth.value == -INFINITY) continue;

@@ -13,6 +13,7 @@
 #pragma once
 
 #include "sim/breakdown.hpp"
+#include "sim/contact_depth.hpp"
 #include "sim/world.hpp"
 
 namespace ferrule {
@@ -28,9 +29,7 @@ struct LaggedFriction {
 
 struct Lagged {
   double length = 0;  // l_f [m]
-  EdgeSide side = EdgeSide::throat;
-  Vector2d outward = Vector2d::UnitX();  // unit direction from the bore's axis to the fibre's end
-  bool side_can_touch = false;  // the end is in the bore, so the mouth's rim faces the side
+  ContactSide contact;
   bool bridge = false;
   double adhesion_share = 1;
   std::array<int, kContactPlaces> branch{};
@@ -55,7 +54,8 @@ Lagged lag(const World& world, const State& state, double dt) noexcept;
 struct Forces {
   Breakdown breakdown;
   std::array<ContactState, kContactPlaces> contact;
-  std::array<Vector3d, kContactPlaces> material;  // material point that friction acts on [m]
+  // Material point that friction acts on [m].
+  std::array<Vector3d, kContactPlaces> material = {Vector3d::Zero(), Vector3d::Zero()};
   bool bridge = false;
 };
 

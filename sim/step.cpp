@@ -53,18 +53,19 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
   found.tip = start;
   const double clearance = world.annulus.clearance();
   const double lever = lagged.length + world.annulus.fibre_radius;
-  Potential here = potential(world, lagged, hand, found.tip, &found.forces);
+  Potential here = potential(world, lagged, hand, found.tip);
   Forces trial_forces;
+  bool known = false;  // found.forces are those at found.tip
   for (; found.iterations < kMaxIterations; ++found.iterations) {
     const double tolerance = kForceFloor + kForceTolerance * here.force_scale;
     if (residual(world, here.gradient) <= tolerance) {
       found.converged = true;
-      return found;
+      break;
     }
     Pose direction = newton_direction(world, here);
     if (direction.head<3>().norm() + direction.tail<2>().norm() * lever < kResolution) {
       found.converged = true;
-      return found;
+      break;
     }
     // Far from everything the potential is a quadratic and any length is right; among surface
     // forces a step longer than the clearance tells nothing.
@@ -93,7 +94,9 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
       }
     }
     if (!moved) break;
+    known = true;
   }
+  if (!known) potential(world, lagged, hand, found.tip, &found.forces);
   return found;
 }
 
@@ -123,7 +126,7 @@ Lagged lag_again(const World& world, const State& start, const Lagged& first,
                  const Pose& tip) noexcept {
   State there = start;
   there.tip = tip;
-  there.side = first.side;
+  there.side = first.contact.side;
   Lagged again = lag(world, there, 0);
   again.drags = first.drags;
   again.drag_from = first.drag_from;
@@ -226,7 +229,7 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     update_velocity(lagged, found.tip, part_dt, result.state);
     result.state.tip = found.tip;
     result.state.hand = command;
-    result.state.side = lagged.side;
+    result.state.side = lagged.contact.side;
     const Forces& now = found.forces;
     update_contacts(lagged, now, result.state);
     result.state.bridge = now.bridge;

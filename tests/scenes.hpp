@@ -9,6 +9,12 @@ inline Scene paper(const std::vector<std::string>& settings = {}) {
   return load_scene("paper", settings);
 }
 
+inline Pose pose(double x, double y, double z, double tilt_y = 0, double tilt_z = 0) {
+  Pose p;
+  p << x, y, z, tilt_y, tilt_z;
+  return p;
+}
+
 // No forces but the walls: a rigid fibre in a sharp-edged bore.
 inline Scene bare(std::vector<std::string> settings = {}) {
   settings.insert(settings.begin(), {"laws={}", "ferrule.lead_in=null"});

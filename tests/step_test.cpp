@@ -10,11 +10,7 @@
 namespace ferrule {
 namespace {
 
-Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
-  Pose p;
-  p << x, y, z, ty, tz;
-  return p;
-}
+using testing::pose;
 
 // Moves the hand from where it is to `to` at `speed` [m/s] in steps of dt.
 StepResult drive(const World& world, State state, const Pose& to, double speed, double dt = 1e-3) {

@@ -8,11 +8,7 @@
 namespace ferrule {
 namespace {
 
-Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
-  Pose p;
-  p << x, y, z, ty, tz;
-  return p;
-}
+using testing::pose;
 
 // The paper's scene with all laws corrected.
 Scene corrected(std::vector<std::string> settings = {}) {
