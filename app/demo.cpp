@@ -22,6 +22,7 @@ constexpr std::size_t kTrials = 500;
 constexpr const char* kMarker = ".ferrule-demo";
 
 struct Arguments {
+  SceneArguments scene;
   std::string out = "ferrule-demo";
   std::uint64_t seed = 1;
   int threads = 0;
@@ -59,7 +60,7 @@ class Clock {
 };
 
 int demo_verb(const Arguments& a) {
-  const Scene scene = load_scene("demo");
+  const Scene scene = a.scene.load();
   const Scaling scaling = scene_scaling(scene);
   make_folder(a.out);
   watch_for_interrupt();
@@ -70,6 +71,9 @@ int demo_verb(const Arguments& a) {
                    kEpisodesPerSkill, kSkills[0], kSkills[1]));
   Report report;
   report.scene = &scene;
+  report.scene_arguments = "--scene " + a.scene.scene;
+  for (const std::string& setting : a.scene.settings)
+    report.scene_arguments += " --set '" + setting + "'";
   report.seed = a.seed;
   const std::string episodes = a.out + "/episodes";
   {
@@ -143,6 +147,7 @@ void add_demo(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("demo", "Record, fit and evaluate on built-in defaults, with a report");
   auto a = std::make_shared<Arguments>();
+  a->scene.add_to(*verb, "demo");
   verb->add_option("--out", a->out, "Folder for episodes, controller and report")
       ->capture_default_str()
       ->type_name("DIR");

@@ -215,7 +215,7 @@ void write_report(const std::string& file, const Report& r) {
       "<h2>The fitted law</h2>\n<pre>" +
       escaped(
           "v_x = -v_c (1 - exp(-t/t_r)) (1 - exp((d - d_e)/L)) / (1 + k |f|^2) + A_x f_x\n"
-          "v_y = A_y f_y + b_y\nv_z = A_z f_z + b_z") +
+          "v_y = A_y f_y + b_y + c_y d\nv_z = A_z f_z + b_z + c_z d") +
       "</pre>\n<p>In the hand's world: f is the felt force relative to that at rest, d the depth "
       "of the hand past the entrance, t the time since the start.</p>\n" +
       gains_table(c);
@@ -240,12 +240,12 @@ void write_report(const std::string& file, const Report& r) {
 
   html += "<h2>Again, step by step</h2>\n<pre>";
   html += escaped(fmt::format(
-      "./ferrule record --scene {0} --skill 0.5 --episodes 10 --seed {1} --out episodes\n"
-      "./ferrule record --scene {0} --skill 0.9 --episodes 10 --seed {1} --out episodes --append\n"
+      "./ferrule record {0} --skill 0.5 --episodes 10 --seed {1} --out episodes\n"
+      "./ferrule record {0} --skill 0.9 --episodes 10 --seed {1} --out episodes --append\n"
       "./ferrule fit episodes --method ceres --seed {1} --out controller.json\n"
-      "./ferrule evaluate controller.json --scene {0} --trials {2} --seed {3} "
+      "./ferrule evaluate controller.json {0} --trials {2} --seed {3} "
       "--baseline constant-velocity",
-      scene.name, r.seed, learned.trials, r.seed + 1'000'003));
+      r.scene_arguments, r.seed, learned.trials, r.seed + 1'000'003));
   html += fmt::format("</pre>\n<p>ferrule {}, {}.</p>\n</body></html>\n", program_version(),
                       escaped(program_build()));
   write_text(file, html);

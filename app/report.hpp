@@ -9,6 +9,7 @@ namespace ferrule {
 
 struct Report {
   const Scene* scene = nullptr;
+  std::string scene_arguments;  // that the program was called with
   std::uint64_t seed = 0;
   struct OfSkill {
     double skill;

@@ -58,6 +58,16 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   return info;
 }
 
+// Half-written files that a killed recorder left beside the name of its episode.
+void remove_half_written(const fs::path& episode) {
+  const std::string begins = episode.filename().string() + ".";
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(episode.parent_path(), error)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with(begins) && name.ends_with(".tmp")) fs::remove(entry.path(), error);
+  }
+}
+
 Recovered recover_one(const fs::path& journal) {
   Recovered result;
   result.journal = journal.string();
@@ -76,6 +86,7 @@ Recovered recover_one(const fs::path& journal) {
     result.remark = "is still being recorded: left alone";
     return result;
   }
+  remove_half_written(file);
   const std::string text = read_text(journal.string());
   const auto line = text.find('\n');
   if (line == std::string::npos) {

@@ -1,13 +1,14 @@
 // The parametric insertion law: an intended motion along -x and an admittance.
 //
 //   v_x = -v_c (1 - exp(-t / t_r)) (1 - exp((d - d_e) / L)) / (1 + k |f|^2) + A_x f_x
-//   v_y = A_y f_y + b_y
-//   v_z = A_z f_z + b_z
+//   v_y = A_y f_y + b_y + c_y d
+//   v_z = A_z f_z + b_z + c_z d
 //
 // in the hand's world, with f the felt force relative to that at rest [N], d the depth of the hand
 // past the entrance [m] and t the time since the start [s]. It speeds up after the start, slows
-// down towards the end depth d_e and under force, and yields to force. With k = 0 and far from both
-// ends it is the linear admittance law.
+// down towards the end depth d_e and under force, and yields to force; b and c let it lean to one
+// side, more so deeper inside (operators press the fibre lightly onto the bore). With k = 0 and far
+// from both ends it is the linear admittance law.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +25,7 @@ struct Gain {
   const char* unit;
 };
 
-inline constexpr int kGains = 10;
+inline constexpr int kGains = 12;
 inline constexpr std::array<Gain, kGains> kGainTable = {{
     {"cruise_speed", "v_c", "m/s"},
     {"ramp_time", "t_r", "s"},
@@ -36,6 +37,8 @@ inline constexpr std::array<Gain, kGains> kGainTable = {{
     {"yield_z", "A_z", "m/(s N)"},
     {"drift_y", "b_y", "m/s"},
     {"drift_z", "b_z", "m/s"},
+    {"lean_y", "c_y", "1/s"},
+    {"lean_z", "c_z", "1/s"},
 }};
 
 // Velocity [m/s] from gains in the order of the table. T is double, or a dual number when fitting.
@@ -46,8 +49,9 @@ Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& 
   const T ramp = 1.0 - exp(-time / gain[1]);
   const T approach = 1.0 - exp((depth - gain[2]) / gain[3]);
   const T slowed = 1.0 + gain[4] * force.squaredNorm();
-  return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(), gain[6] * force.y() + gain[8],
-          gain[7] * force.z() + gain[9]};
+  return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(),
+          gain[6] * force.y() + gain[8] + gain[10] * depth,
+          gain[7] * force.z() + gain[9] + gain[11] * depth};
 }
 
 class InsertionLaw : public Controller {

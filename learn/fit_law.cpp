@@ -19,7 +19,7 @@ constexpr double kStep = 0.01;            // between rows used [s]
 constexpr double kLongestReaction = 0.4;  // [s]
 constexpr double kHuber = 0.2;            // of the speed scale
 constexpr std::size_t kFewestEpisodes = 3, kFewestRows = 300;
-constexpr double kLeastForce = 0.01;  // standard deviation of felt force that tells anything [N]
+constexpr double kLeastForce = 0.001;  // standard deviation of felt force that tells anything [N]
 
 // One row as the fit sees it.
 struct Sample {
@@ -74,12 +74,13 @@ double reaction_time(const std::vector<const Demonstration*>& set) {
 struct Units {
   Gains value;
   explicit Units(double speed, double depth)
-      : value{speed, 1, depth, depth, 1, speed, speed, speed, speed, speed} {}
+      : value{speed, 1,     depth,         depth,        1, speed, speed, speed,
+              speed, speed, speed / depth, speed / depth} {}
 };
 // Bounds of the scaled gains. Slowing and yielding are not negative: a law that goes faster where
 // it is pushed back is not passive.
-constexpr Gains kLow = {0, 1e-4, 0.2, 1e-2, 0, 0, 0, 0, -4, -4};
-constexpr Gains kHigh = {4, 30, 10, 10, 1e3, 20, 20, 20, 4, 4};
+constexpr Gains kLow = {0, 1e-4, 0.2, 1e-2, 0, 0, 0, 0, -4, -4, -4, -4};
+constexpr Gains kHigh = {4, 30, 10, 10, 1e3, 20, 20, 20, 4, 4, 4, 4};
 
 struct RowError {
   const Sample& sample;
@@ -264,7 +265,7 @@ FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed) {
   Solution best;
   for (const double ramp : {0.2, 2.0})
     for (const double length : {0.05, 0.5}) {
-      const Gains start = {1, ramp, 1.1, length, 0.1, 0.01, 0.5, 0.5, 0, 0};
+      const Gains start = {1, ramp, 1.1, length, 0.1, 0.01, 0.5, 0.5, 0, 0, 0, 0};
       const Solution s = solve(train, units, scale, start);
       if (s.cost < best.cost) best = s;
     }

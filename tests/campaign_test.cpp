@@ -10,7 +10,7 @@
 namespace ferrule {
 namespace {
 
-const InsertionLaw kLaw({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0});
+const InsertionLaw kLaw({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
 
 Scene quick() {
   return testing::paper({"start.lateral_sd_um=6", "start.distance_um=20", "success.depth_um=10",

@@ -51,8 +51,8 @@ DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes
   return set;
 }
 
-constexpr std::array<double, kGains> kLaw = {4.2e-3, 0.9,     0.017,  0.006,  0.12,
-                                             2e-4,   0.85e-3, 0.7e-3, 1.5e-5, -2e-5};
+constexpr std::array<double, kGains> kLaw = {4.2e-3,  0.9,    0.017,  0.006, 0.12,  2e-4,
+                                             0.85e-3, 0.7e-3, 1.5e-5, -2e-5, -3e-3, 2e-3};
 
 TEST(FitLaw, ReturnsTheGainsOfAKnownLawWithoutNoise) {
   const FitReport report = fit_law(synthetic(kLaw, 6, 0), 1);
@@ -62,9 +62,10 @@ TEST(FitLaw, ReturnsTheGainsOfAKnownLawWithoutNoise) {
 }
 
 TEST(FitLaw, ReturnsTheGainsOfALinearAdmittance) {
-  std::array<double, kGains> linear = {3e-3, 0.4, 0.03, 0.003, 0, 5e-4, 1e-3, 1.2e-3, 1e-5, 2e-5};
+  std::array<double, kGains> linear = {3e-3, 0.4,    0.03, 0.003, 0,    5e-4,
+                                       1e-3, 1.2e-3, 1e-5, 2e-5,  1e-3, 2e-3};
   const FitReport report = fit_law(synthetic(linear, 6, 0), 1);
-  for (const std::size_t i : {0u, 5u, 6u, 7u, 8u, 9u})
+  for (const std::size_t i : {0u, 5u, 6u, 7u, 8u, 9u, 10u, 11u})
     EXPECT_CLOSE(report.controller.gains[i].value, linear[i], 1e-6) << kGainTable[i].name;
 }
 
@@ -93,8 +94,8 @@ TEST(FitLaw, ReturnsTheGainsOfARecordedController) {
   const testing::TemporaryFolder folder;
   const Scene scene =
       testing::paper({"start.lateral_sd_um=3", "start.distance_um=40", "success.depth_um=30"});
-  const std::array<double, kGains> gains = {2.2e-3, 0.8,    0.012, 0.004, 0.2,
-                                            1e-4,   0.9e-3, 1e-3,  1e-5,  -1e-5};
+  const std::array<double, kGains> gains = {1.7e-3, 0.8,  0.012, 0.004, 0.2,   1e-4,
+                                            0.9e-3, 1e-3, 1e-5,  -1e-5, -2e-3, 1e-3};
   const InsertionLaw law(gains);
   for (std::uint64_t trial = 1; trial <= 6; ++trial)
     testing::record(scene, folder.path(), trial, &law);
