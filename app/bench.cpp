@@ -19,10 +19,6 @@ struct Arguments {
   bool json = false;
 };
 
-Json number_or_null(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 // Error and cost of everything with a name, one line for each name.
 template <class Row, class Name, class Error, class Cost>
 Plot work_precision(const std::string& title, const std::string& cost_label,

@@ -31,10 +31,6 @@ std::vector<double> parse_radii(const std::string& text) {
   return radii;
 }
 
-Json number_or_null(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 Json to_json(const MaugisPoint& p) {
   return {{"A", p.A}, {"m", number_or_null(p.m)}, {"P", p.P}, {"D", p.D}};
 }

@@ -18,10 +18,6 @@ struct Arguments {
   bool json = false;
 };
 
-Json number_or_null(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 Json spread_json(const Spread& s, double unit) {
   return {{"median", number_or_null(unit * s.median)}, {"p95", number_or_null(unit * s.p95)}};
 }

@@ -21,15 +21,9 @@ constexpr std::int64_t kJournalVersion = 1;
 constexpr double kFlushEvery = 0.1;  // [s] of recording
 constexpr std::size_t kRowBytes = kRowSize * sizeof(double);
 
-void write_all(int fd, const void* data, std::size_t size, const std::string& file) {
-  const char* bytes = static_cast<const char*>(data);
-  while (size > 0) {
-    const ssize_t n = ::write(fd, bytes, size);
-    if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw FileTrouble(file + ": cannot be written: " + std::strerror(errno));
-    bytes += n;
-    size -= static_cast<std::size_t>(n);
-  }
+void append(int fd, const void* data, std::size_t size, const std::string& file) {
+  if (const int error = write_all(fd, static_cast<const char*>(data), size))
+    throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
 }
 
 std::string header(const EpisodeInfo& info) {
@@ -173,7 +167,7 @@ Recorder::Recorder(const std::string& folder, int number, const EpisodeInfo& inf
     throw FileTrouble(journal_ + ": another recording is in it");
   }
   const std::string start = header(info);
-  write_all(fd_, start.data(), start.size(), journal_);
+  append(fd_, start.data(), start.size(), journal_);
 }
 
 Recorder::~Recorder() {
@@ -188,7 +182,7 @@ void Recorder::add(const RowVector& row) {
 }
 
 void Recorder::flush() {
-  write_all(fd_, rows_.data() + flushed_, (rows_.size() - flushed_) * kRowBytes, journal_);
+  append(fd_, rows_.data() + flushed_, (rows_.size() - flushed_) * kRowBytes, journal_);
   flushed_ = rows_.size();
 }
 

@@ -5,10 +5,6 @@ namespace {
 
 constexpr const char* kFormat = "ferrule controller";
 
-Json number_or_null(double x) {
-  return std::isfinite(x) ? Json(x) : Json(nullptr);
-}
-
 std::vector<std::string> text_list(JsonFields& fields, const std::string& key) {
   const Json& value = fields.raw(key);
   if (!value.is_array()) fields.refuse(key, "must be a list of texts");

@@ -73,7 +73,6 @@ Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMa
     holder.weight_arm.x() = L / 6;
   }
   holder.free_length = L;
-  holder.bending_stiffness = EI;
   holder.fibre_radius = r;
   holder.euler_load = euler(EI, L);
   finish(holder);

@@ -23,9 +23,8 @@ struct Holder {
   double euler_load = 0;   // buckling load, clamped at the holder and free at the end [N]
 
   // An elastic fibre's free length and section; 0 for a rigid hand.
-  double free_length = 0;        // L [m]
-  double bending_stiffness = 0;  // E I [N m^2]
-  double fibre_radius = 0;       // [m]
+  double free_length = 0;   // L [m]
+  double fibre_radius = 0;  // [m]
 
   // Largest bending stress [Pa] in the free length when its end is at `tip`, E r |curvature|: at
   // the holder or at the end. 0 for a rigid hand, which does not bend.

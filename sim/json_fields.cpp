@@ -78,18 +78,22 @@ namespace {
   throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
 }
 
-// 0 or errno.
-int write_all(int fd, const std::string& text) {
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t n = ::write(fd, text.data() + done, text.size() - done);
+}  // namespace
+
+int write_all(int fd, const char* bytes, std::size_t size) {
+  while (size > 0) {
+    const ssize_t n = ::write(fd, bytes, size);
     if (n < 0 && errno == EINTR) continue;
     if (n < 0) return errno;
-    done += static_cast<std::size_t>(n);
+    bytes += n;
+    size -= static_cast<std::size_t>(n);
   }
   return 0;
 }
 
-}  // namespace
+Json number_or_null(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
 
 void write_text(const std::string& name, const std::string& text, bool replace) {
   namespace fs = std::filesystem;
@@ -100,7 +104,7 @@ void write_text(const std::string& name, const std::string& text, bool replace) 
   if (fs::exists(there) && !fs::is_regular_file(there)) {  // a device or a pipe
     const int fd = ::open(name.c_str(), O_WRONLY | O_CLOEXEC);
     if (fd < 0) cannot_write(name, errno);
-    const int error = write_all(fd, text);
+    const int error = write_all(fd, text.data(), text.size());
     ::close(fd);
     if (error) cannot_write(name, error);
     return;
@@ -114,7 +118,7 @@ void write_text(const std::string& name, const std::string& text, bool replace) 
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(fd, 0666 & ~mask);
-  int error = write_all(fd, text);
+  int error = write_all(fd, text.data(), text.size());
   if (!error && ::fsync(fd) != 0 && errno != EINVAL && errno != EROFS) error = errno;
   if (::close(fd) != 0 && !error) error = errno;
   if (!error && replace && ::rename(beside.c_str(), file.c_str()) != 0) error = errno;

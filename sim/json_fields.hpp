@@ -15,11 +15,16 @@ using Json = nlohmann::json;
 
 // Text -> JSON. Throws BadInput naming `file` and the line.
 Json parse_json(const std::string& text, const std::string& file);
+// A number, or null where it is not finite.
+Json number_or_null(double x);
 // Throws FileTrouble if the file cannot be read.
 std::string read_text(const std::string& file);
 // Writes beside `file` and renames when whole; a link is followed, a device or pipe written to.
 // With `replace` false an existing file is left alone. Throws FileTrouble.
 void write_text(const std::string& file, const std::string& text, bool replace = true);
+
+// Writes all bytes to an open file; returns 0 or errno.
+int write_all(int fd, const char* bytes, std::size_t size);
 
 // What a number must be.
 struct Rule {

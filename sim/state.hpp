@@ -49,7 +49,7 @@ struct State {
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
 };
 
-// A state as a row of numbers, and back: for files and for comparing bit for bit.
+// A state as a row of numbers: for files and for comparing bit for bit.
 inline constexpr int kStateSize = 41;
 using StateRow = Eigen::Matrix<double, kStateSize, 1>;
 
@@ -63,27 +63,6 @@ inline StateRow to_row(const State& s) noexcept {
         static_cast<double>(c.branch);
   }
   return row;
-}
-
-inline State from_row(const StateRow& row) noexcept {
-  State s;
-  s.tip = row.head<5>();
-  s.hand = row.segment<5>(5);
-  s.time = row[10];
-  s.side = row[11] != 0 ? EdgeSide::face : EdgeSide::throat;
-  s.bridge = row[12] != 0;
-  for (int place = 0; place < kContactPlaces; ++place) {
-    ContactState& c = s.contact[place];
-    c.closed = row[13 + 6 * place] != 0;
-    c.depth = row[14 + 6 * place];
-    c.stuck = row.segment<3>(15 + 6 * place);
-    c.branch = static_cast<int>(row[18 + 6 * place]);
-  }
-  s.velocity = row.segment<5>(25);
-  s.tip_before = row.segment<5>(30);
-  s.velocity_before = row.segment<5>(35);
-  s.dt_before = row[40];
-  return s;
 }
 
 }  // namespace ferrule
