@@ -81,15 +81,11 @@ SteppingRow explicit_euler(const Case& c, double dt) {
   long taken = 0;
   for (long n = 1; n <= steps && state.tip.allFinite(); ++n, ++taken) {
     const double t = static_cast<double>(n) * dt;
-    Lagged lagged = lag(c.world, state, dt);
-    lagged.drag_from = state.tip;
-    // At the step's start the drag's force is zero and its Hessian is the damping over dt.
-    Lagged no_drag = lagged;
-    no_drag.drags = false;
-    const Potential without = potential(c.world, no_drag, c.hand(t - dt), state.tip);
-    const Matrix5 damping =
-        potential(c.world, lagged, c.hand(t - dt), state.tip).hessian - without.hessian;
-    state.tip -= damping.llt().solve(without.gradient);
+    const Pose hand = c.hand(t - dt);
+    const Lagged still = lag(c.world, state, hand, 0);
+    const Matrix5 damping =  // over dt
+        lag(c.world, state, hand, dt).stiffness.full() - still.stiffness.full();
+    state.tip -= damping.llt().solve(potential(c.world, still, state.tip).gradient.full());
     if (state.tip.head<3>().norm() > 1) state.tip.setConstant(kNan);
     if (next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
       poses.push_back(state.tip);

@@ -3,11 +3,9 @@
 namespace ferrule {
 
 Wrench Breakdown::sum(const Pose& tip) const noexcept {
-  Wrench total = van_der_waals.wrench(tip) + electrostatic.wrench(tip) + gravity.wrench(tip) +
-                 capillary.wrench(tip) + meniscus.wrench(tip) + drag[0].wrench(tip) +
-                 drag[1].wrench(tip);
-  for (int place = 0; place < kContactPlaces; ++place)
-    total += adhesion[place].wrench(tip) + wall[place].wrench(tip) + friction[place].wrench(tip);
+  Wrench total = gravity.wrench(tip) + meniscus.wrench(tip);
+  for (const auto& pair : {van_der_waals, electrostatic, capillary, drag, adhesion, wall, friction})
+    for (const PointForce& f : pair) total += f.wrench(tip);
   return total;
 }
 
@@ -17,14 +15,12 @@ Vector3d Breakdown::contact() const noexcept {
 }
 
 std::array<Vector3d, kTerms> term_forces(const Breakdown& b) noexcept {
-  const auto both = [](const std::array<PointForce, kContactPlaces>& f) -> Vector3d {
-    return f[kEnd].force + f[kSide].force;
+  const auto both = [](const std::array<PointForce, 2>& f) -> Vector3d {
+    return f[0].force + f[1].force;
   };
-  return {b.van_der_waals.force, b.electrostatic.force,
-          b.gravity.force,       b.capillary.force,
-          both(b.adhesion),      both(b.wall),
-          both(b.friction),      b.drag[0].force + b.drag[1].force,
-          b.meniscus.force};
+  return {both(b.van_der_waals), both(b.electrostatic), b.gravity.force,
+          both(b.capillary),     both(b.adhesion),      both(b.wall),
+          both(b.friction),      both(b.drag),          b.meniscus.force};
 }
 
 }  // namespace ferrule

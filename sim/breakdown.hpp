@@ -22,7 +22,9 @@ struct PointForce {
 };
 
 struct Breakdown {
-  PointForce van_der_waals, electrostatic, gravity, capillary, meniscus;
+  // Along the inserted length, as the two forces at its ends that together carry the moment.
+  std::array<PointForce, 2> van_der_waals, electrostatic, capillary;
+  PointForce gravity, meniscus;
   std::array<PointForce, kContactPlaces> adhesion, wall, friction;
   std::array<PointForce, 2> drag;  // at two arms that together carry its moment
   Wrench holder = Wrench::Zero();  // felt at the holder: force and moment of the fibre on the hand

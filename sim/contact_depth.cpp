@@ -5,29 +5,6 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSmoothing = 1e-3;  // of the clearance
-
-void add_radial(ContactDepth& depth, const Radial& radial, double weight, double arm,
-                const Pose& tip, double arm_per_x) noexcept {
-  const Vector2d n = weight * radial.normal;
-  const Eigen::Matrix2d k = weight * radial.curving;
-  const Vector2d by_x = arm_per_x * tip.tail<2>();
-  depth.gradient[0] += n.dot(by_x);
-  depth.gradient.segment<2>(1) += n;
-  depth.gradient.tail<2>() += arm * n;
-  depth.hessian.block<2, 2>(1, 1) += k;
-  depth.hessian.block<2, 2>(1, 3) += arm * k;
-  depth.hessian.block<2, 2>(3, 1) += arm * k;
-  depth.hessian.block<2, 2>(3, 3) += arm * arm * k;
-  if (arm_per_x == 0) return;
-  const Vector2d kx = k * by_x;
-  depth.hessian(0, 0) += by_x.dot(kx);
-  depth.hessian.block<1, 2>(0, 1) += kx.transpose();
-  depth.hessian.block<2, 1>(1, 0) += kx;
-  depth.hessian.block<1, 2>(0, 3) += (arm * kx + arm_per_x * n).transpose();
-  depth.hessian.block<2, 1>(3, 0) += arm * kx + arm_per_x * n;
-}
-
 // The rim of the fibre's end: on the bore wall, the cone or the face.
 ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& tip) noexcept {
   const double r = world.annulus.fibre_radius;
@@ -41,7 +18,8 @@ ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& 
     if (d.throat() <= 0) return depth;
     depth.value = d.face;
     depth.normal = Vector3d::UnitX();
-    depth.gradient << -1, 0, 0, r * side.outward;
+    depth.lean = -r * side.outward;
+    depth.slope = -Vector3d::UnitX();
     return depth;
   }
   if (d.face <= 0) return depth;
@@ -51,8 +29,9 @@ ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& 
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   const double sine = tangent * cosine;
   depth.normal = sine * Vector3d::UnitX() - cosine * across(radial.normal);
-  depth.gradient << -sine, 0, 0, sine * r * side.outward;
-  add_radial(depth, radial, cosine, 0, tip, 0);
+  depth.lean = -r * side.outward;
+  depth.slope << -sine, cosine * radial.normal;
+  depth.curve = cosine * radial.curving;
   return depth;
 }
 
@@ -66,18 +45,13 @@ ContactDepth side_depth(const World& world, const ContactSide& side, const Pose&
   depth.value = radial.eccentricity - world.annulus.clearance();
   depth.normal << radial.normal.dot(tip.tail<2>()), -radial.normal;
   depth.point = across(e);
-  add_radial(depth, radial, 1, arm, tip, -1);
+  depth.arm = {arm, -1};
+  depth.slope.tail<2>() = radial.normal;
+  depth.curve = radial.curving;
   return depth;
 }
 
 }  // namespace
-
-Radial::Radial(const Vector2d& e, double clearance) noexcept {
-  const double smooth = kSmoothing * clearance;
-  eccentricity = std::sqrt(e.squaredNorm() + smooth * smooth);
-  normal = e / eccentricity;
-  curving = (Eigen::Matrix2d::Identity() - normal * normal.transpose()) / eccentricity;
-}
 
 ContactSide contact_side(const World& world, const State& state) noexcept {
   ContactSide at;

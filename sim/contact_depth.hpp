@@ -6,30 +6,56 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 
+#include "sim/energy.hpp"
 #include "sim/world.hpp"
 
 namespace ferrule {
 
 // Eccentricity |e| of the fibre's axis, smoothed to sqrt(e^2 + (c/1000)^2) where its direction is
 // undefined on the bore's axis, with derivatives by the vector e.
-struct Radial {
-  double eccentricity;      // [m]
-  Vector2d normal;          // d eccentricity / de, of length <= 1
-  Eigen::Matrix2d curving;  // d normal / de [1/m]
+inline constexpr double kRadialSmoothing = 1e-3;  // of the clearance
 
-  Radial(const Vector2d& e, double clearance) noexcept;
+struct Radial {
+  double eccentricity;  // [m]
+  Vector2d normal;      // d eccentricity / de, of length <= 1
+  Matrix2d curving;     // d normal / de [1/m]
+
+  Radial(const Vector2d& e, double clearance) noexcept {
+    const double smooth = kRadialSmoothing * clearance;
+    eccentricity = std::sqrt(e.squaredNorm() + smooth * smooth);
+    const double inverse = 1 / eccentricity;
+    normal = inverse * e;
+    curving = -inverse * normal * normal.transpose();
+    curving.diagonal().array() += inverse;
+  }
 };
 
-// The depth d [m] of one contact; -infinity where there is none.
+// The depth d [m] of one contact, -infinity where there is none, as a function of the point p = (x
+// + lean.tilt, eccentricity at `arm`), with its derivatives by that.
 struct ContactDepth {
   double value = -INFINITY;
-  Pose gradient = Pose::Zero();
-  Matrix5 hessian = Matrix5::Zero();
+  Arm arm;                             // fixed to the ferrule only where d does not depend on x
+  Vector2d lean = Vector2d::Zero();    // [m]
+  Vector3d slope = Vector3d::Zero();   // [-]
+  Matrix2d curve = Matrix2d::Zero();   // by the eccentricity [1/m]
   Vector3d normal = Vector3d::Zero();  // from the ferrule into the fibre, unit
   // Where the contact acts, to first order in the tilts: so that the wrench of `normal` there is
   // minus the gradient.
   Vector3d point = Vector3d::Zero();
+
+  // Adds an energy of the depth, given its derivatives by that.
+  void add_to(Energy& total, const Vector2d& tilt, double force, double stiffness) const noexcept {
+    if (slope[0] == 0) {
+      const Vector2d n = slope.tail<2>();
+      total.add_across(tilt, arm, force * n, force * curve + stiffness * n * n.transpose());
+    } else {
+      Matrix3d k = stiffness * slope * slope.transpose();
+      k.bottomRightCorner<2, 2>() += force * curve;
+      total.add_point(arm.length, lean, force * slope, k);
+    }
+  }
 };
 
 // What a step holds fixed about the contacts (sim/potential.hpp).

@@ -9,8 +9,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kPermittivityTableI = 8.85e-12;    // eps0 [F/m]
-constexpr double kPermittivity = 8.8541878128e-12;  // eps0 [F/m], CODATA 2018
+constexpr double kPermittivityTableI = 8.85e-12;  // eps0 [F/m]
 
 LineForce cylinders_law(double voltage, const Annulus& annulus, double h) noexcept {
   const double c = annulus.clearance() + annulus.roughness;

@@ -14,6 +14,8 @@
 
 namespace ferrule {
 
+inline constexpr double kPermittivity = 8.8541878128e-12;  // eps0 [F/m], CODATA 2018
+
 struct Electrostatic {
   Form form;
   double voltage;  // U [V], >= 0

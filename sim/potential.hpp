@@ -14,41 +14,48 @@
 
 #include "sim/breakdown.hpp"
 #include "sim/contact_depth.hpp"
+#include "sim/energy.hpp"
+#include "sim/surface_forces.hpp"
 #include "sim/world.hpp"
 
 namespace ferrule {
 
 struct LaggedFriction {
   bool acts = false;
-  Vector3d stuck = Vector3d::Zero();                         // [m]
-  Eigen::Matrix3d tangential = Eigen::Matrix3d::Identity();  // projector onto the contact plane
-  double arm = 0;                                            // s of the material point [m]
-  double limit = 0;                                          // largest force [N]
-  double stiffness = 0;                                      // k_t [N/m]
+  Vector3d stuck = Vector3d::Zero();           // [m]
+  Matrix3d tangential = Matrix3d::Identity();  // projector onto the contact plane
+  double arm = 0;                              // s of the material point [m]
+  double limit = 0;                            // largest force [N]
+  double stiffness = 0;                        // k_t [N/m]
 };
 
 struct Lagged {
-  double length = 0;  // l_f [m]
+  Pose hand = Pose::Zero();  // the command at the step's end
+  double length = 0;         // l_f [m]
   ContactSide contact;
   bool bridge = false;
   double adhesion_share = 1;
   std::array<int, kContactPlaces> branch{};
   std::array<LaggedFriction, kContactPlaces> friction;
 
+  // Holder, weight, drag and inertia together: with q the move since the step's start `from`,
+  // q.stiffness q/2 - load.q.
+  PoseVector from;
+  PoseMatrix stiffness;  // [N/m, N/rad, N m/rad]
+  PoseVector load;       // [N, N m]
+  double load_scale;     // sum of the magnitudes of what the load consists of [N]
+
   bool drags = false;
-  Pose drag_from = Pose::Zero();
-  Eigen::Matrix<double, 3, 3> drag_coefficients;  // axial, and sideways [N s/m]
-  std::array<double, 2> drag_arm{};               // [m]
-  double dt = 0;                                  // [s]
+  Matrix3d drag_per_move;            // force over displacement, axial and sideways [N/m]
+  std::array<double, 2> drag_arm{};  // [m]
 
   bool inertial = false;
   bool second_order = false;  // this step is one of BDF2
-  Matrix5 inertia;            // mass times the square of the integrator's coefficient over dt^2
-  Pose inertia_at;            // where the fibre would be without forces
 };
 
-// `dt` [s] is only looked at where drag or inertia is modelled.
-Lagged lag(const World& world, const State& state, double dt) noexcept;
+// For a step from `state` to the command `hand` over `dt` [s], which is only looked at where drag
+// or inertia is modelled.
+Lagged lag(const World& world, const State& state, const Pose& hand, double dt) noexcept;
 
 // The forces at a pose, term by term, and the contacts there (stuck points not moved).
 struct Forces {
@@ -59,16 +66,19 @@ struct Forces {
   bool bridge = false;
 };
 
-struct Potential {
-  double value = 0;              // [J]
-  Pose gradient = Pose::Zero();  // [N, N m]
-  Matrix5 hessian = Matrix5::Zero();
-  // Sums of the magnitudes of all energies and forces in it [J], [N]: what rounding is relative to.
-  double value_scale = 0, force_scale = 0;
+// The energy at a pose, with the parts of it that forces() needs.
+struct Potential : Energy {
+  SurfaceGradients surface;
+  std::array<ContactDepth, kContactPlaces> depth;
+  std::array<ContactForce, kContactPlaces> push;   // of the wall
+  std::array<AdhesionForce, kContactPlaces> pull;  // of the adhesion
 };
 
-// At `tip` with the hand at `hand`; `forces`, where given, gets the same forces term by term.
-Potential potential(const World& world, const Lagged& lagged, const Pose& hand, const Pose& tip,
-                    Forces* forces = nullptr) noexcept;
+// Where the step ends at `tip`. The energy is that of the step, up to a constant.
+Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept;
+
+// The same forces term by term; `there` is the potential at `tip`.
+Forces forces(const World& world, const Lagged& lagged, const Pose& tip,
+              const Potential& there) noexcept;
 
 }  // namespace ferrule

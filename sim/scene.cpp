@@ -191,8 +191,8 @@ World read_world(JsonFields& scene) {
   const bool integrated = corrected(world.van_der_waals) || corrected(world.electrostatic) ||
                           corrected(world.capillary);
   int order = integrated ? kUsualNodes : 1;
-  if (scene.present("quadrature"))
-    order = static_cast<int>(scene.integer("quadrature", 1, kMostNodes));
+  world.closed_form = !scene.present("quadrature");
+  if (!world.closed_form) order = static_cast<int>(scene.integer("quadrature", 1, kMostNodes));
   world.quadrature = Quadrature::gauss_legendre(order);
   return world;
 }

@@ -1,7 +1,9 @@
 #include "sim/step.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sim/potential.hpp"
@@ -19,84 +21,114 @@ constexpr double kResolution = 1e-15;     // a Newton step shorter than this is 
 
 struct Minimum {
   Pose tip;
-  Forces forces;  // there
+  std::array<Potential, 2> tried;  // the one at the tip, and another
+  std::size_t best = 0;
   int iterations = 0;
   bool converged = false;
+
+  const Potential& there() const noexcept { return tried[best]; }
 };
 
 // Residual of a gradient [N], tilts weighed by the length that makes both stiffnesses equal.
-double residual(const World& world, const Pose& gradient) noexcept {
-  return std::max(gradient.head<3>().cwiseAbs().maxCoeff(),
-                  gradient.tail<2>().cwiseAbs().maxCoeff() / world.holder.tilt_length);
+double residual(const World& world, const PoseVector& gradient) noexcept {
+  return std::max({std::abs(gradient.x), gradient.e.cwiseAbs().maxCoeff(),
+                   gradient.t.cwiseAbs().maxCoeff() / world.holder.tilt_length});
+}
+
+bool positive(const Matrix2d& m, double determinant) noexcept {
+  return m(0, 0) > 0 && determinant > 0;
+}
+
+Matrix2d inverse(const Matrix2d& m, double determinant) noexcept {
+  Matrix2d i;
+  i << m(1, 1), -m(0, 1), -m(1, 0), m(0, 0);
+  return i / determinant;
+}
+
+// Solves h d = -g by eliminating the tilts, then y and z; false where h is not positive definite.
+bool solve(const PoseMatrix& h, const PoseVector& g, PoseVector& d) noexcept {
+  const double tilts = h.tt.determinant();
+  if (!positive(h.tt, tilts)) return false;
+  const Matrix2d et_over_tt = h.et * inverse(h.tt, tilts);
+  const Vector2d xt_over_tt = inverse(h.tt, tilts) * h.xt;
+  const Matrix2d ee = h.ee - et_over_tt * h.et.transpose();
+  const Vector2d xe = h.xe - et_over_tt * h.xt;
+  const double across = ee.determinant();
+  if (!positive(ee, across)) return false;
+  const Vector2d xe_over_ee = inverse(ee, across) * xe;
+  const double xx = h.xx - xt_over_tt.dot(h.xt) - xe_over_ee.dot(xe);
+  if (!(xx > 0)) return false;
+  const Vector2d ge = g.e - et_over_tt * g.t;
+  const double x = -(g.x - xt_over_tt.dot(g.t) - xe_over_ee.dot(ge)) / xx;
+  const Vector2d e = -(inverse(ee, across) * ge) - x * xe_over_ee;
+  const Vector2d t = -(inverse(h.tt, tilts) * g.t) - x * xt_over_tt - et_over_tt.transpose() * e;
+  d = {x, e, t};
+  return true;
 }
 
 // The Newton direction; where the Hessian is not positive definite it is shifted by multiples of
 // the holder's stiffness until it is.
-Pose newton_direction(const World& world, const Potential& here) noexcept {
-  double factor = 0;
-  for (int attempt = 0; attempt < 80; ++attempt) {
-    Matrix5 hessian = here.hessian;
-    if (factor > 0) hessian += factor * world.holder.stiffness;
-    const Eigen::LLT<Matrix5> cholesky(hessian);
-    if (cholesky.info() == Eigen::Success) {
-      const Pose direction = -cholesky.solve(here.gradient);
-      if (direction.allFinite() && direction.dot(here.gradient) < 0) return direction;
-    }
-    factor = factor == 0 ? 1 : 4 * factor;
+PoseVector newton_direction(const World& world, const Potential& here) noexcept {
+  PoseVector newton;
+  if (solve(here.hessian, here.gradient, newton)) {
+    const double slope = newton.dot(here.gradient);
+    if (slope < 0 && std::isfinite(slope)) return newton;
   }
-  return -here.gradient.cwiseQuotient(world.holder.stiffness.diagonal());
+  const Pose gradient = here.gradient.full();
+  for (double factor = 0; factor < 1e30; factor = factor == 0 ? 1 : 4 * factor) {
+    const Eigen::LLT<Matrix5> cholesky(here.hessian.full() + factor * world.holder.stiffness);
+    if (cholesky.info() != Eigen::Success) continue;
+    const Pose direction = -cholesky.solve(gradient);
+    if (direction.allFinite() && direction.dot(gradient) < 0) return PoseVector(direction);
+  }
+  return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
 }
 
-Minimum minimise(const World& world, const Lagged& lagged, const Pose& hand,
-                 const Pose& start) noexcept {
+Minimum minimise(const World& world, const Lagged& lagged, const Pose& start) noexcept {
   Minimum found;
   found.tip = start;
   const double clearance = world.annulus.clearance();
-  const double lever = lagged.length + world.annulus.fibre_radius;
-  Potential here = potential(world, lagged, hand, found.tip);
-  Forces trial_forces;
-  bool known = false;  // found.forces are those at found.tip
+  const double radius = world.annulus.fibre_radius, lever = lagged.length + radius;
+  found.tried[0] = potential(world, lagged, start);
   for (; found.iterations < kMaxIterations; ++found.iterations) {
+    const Potential& here = found.there();
     const double tolerance = kForceFloor + kForceTolerance * here.force_scale;
     if (residual(world, here.gradient) <= tolerance) {
       found.converged = true;
       break;
     }
-    Pose direction = newton_direction(world, here);
-    if (direction.head<3>().norm() + direction.tail<2>().norm() * lever < kResolution) {
+    const PoseVector newton = newton_direction(world, here);
+    const double turn = newton.t.norm() * lever;
+    if (newton.length() + turn < kResolution) {
       found.converged = true;
       break;
     }
     // Far from everything the potential is a quadratic and any length is right; among surface
     // forces a step longer than the clearance tells nothing.
-    const double reach =
-        std::max(direction.segment<2>(1).norm(), direction.tail<2>().norm() * lever);
-    if (lagged.length > 0 && reach > clearance) direction *= clearance / reach;
-
-    const double slope = here.gradient.dot(direction);
+    const double reach = std::max(newton.e.norm(), turn);
+    double fraction = lagged.length > 0 && reach > clearance ? clearance / reach : 1;
+    const Pose direction = newton.full();
+    const double slope = here.gradient.dot(newton);
     bool moved = false;
-    double fraction = 1;
     for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
       const Pose trial = found.tip + fraction * direction;
-      const Potential there = potential(world, lagged, hand, trial, &trial_forces);
+      Potential& there = found.tried[1 - found.best];
+      there = potential(world, lagged, trial);
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
-          1e-15 * (here.value_scale + here.force_scale * found.tip.head<3>().norm());
+          1e-15 * (here.value_scale + here.force_scale * (found.tip.head<3>().norm() + radius));
       const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
       const bool level = there.value <= here.value + rounding &&
                          residual(world, there.gradient) < residual(world, here.gradient);
       if (lower || level) {
         moved = (trial.array() != found.tip.array()).any();
         found.tip = trial;
-        here = there;
-        found.forces = trial_forces;
+        found.best = 1 - found.best;
         break;
       }
     }
     if (!moved) break;
-    known = true;
   }
-  if (!known) potential(world, lagged, hand, found.tip, &found.forces);
   return found;
 }
 
@@ -127,16 +159,11 @@ Lagged lag_again(const World& world, const State& start, const Lagged& first,
   State there = start;
   there.tip = tip;
   there.side = first.contact.side;
-  Lagged again = lag(world, there, 0);
-  again.drags = first.drags;
-  again.drag_from = first.drag_from;
-  again.drag_coefficients = first.drag_coefficients;
-  again.drag_arm = first.drag_arm;
-  again.dt = first.dt;
-  again.inertial = first.inertial;
-  again.second_order = first.second_order;
-  again.inertia = first.inertia;
-  again.inertia_at = first.inertia_at;
+  const Lagged now = lag(world, there, first.hand, 0);
+  Lagged again = first;
+  again.length = now.length;
+  again.contact = now.contact;
+  again.friction = now.friction;
   return again;
 }
 
@@ -183,9 +210,8 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
   result.state = state;
   if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
     result.status = StepStatus::bad_command;
-    Forces forces;
-    potential(world, lag(world, state, 0), state.hand, state.tip, &forces);
-    result.forces = forces.breakdown;
+    const Lagged lagged = lag(world, state, state.hand, 0);
+    result.forces = forces(world, lagged, state.tip, potential(world, lagged, state.tip)).breakdown;
     return result;
   }
   if (flies_free(world, state, hand)) {
@@ -206,22 +232,22 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
   for (int k = 1; k <= result.substeps; ++k) {
     const double part = static_cast<double>(k) / result.substeps;
     const Pose command = k == result.substeps ? hand : Pose(from + part * (hand - from));
-    Lagged lagged = lag(world, result.state, part_dt);
+    Lagged lagged = lag(world, result.state, command, part_dt);
     const bool holds_still = world.dynamics == Dynamics::inertial && part_dt == 0;
     Minimum found;
     if (holds_still) {
       found.tip = result.state.tip;
       found.converged = true;
-      potential(world, lagged, command, found.tip, &found.forces);
+      found.tried[0] = potential(world, lagged, found.tip);
     } else {
-      found = minimise(world, lagged, command, result.state.tip);
+      found = minimise(world, lagged, result.state.tip);
     }
     result.iterations += found.iterations;
     // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
     for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
       lagged = lag_again(world, result.state, lagged, found.tip);
       const int before = found.iterations;
-      found = minimise(world, lagged, command, found.tip);
+      found = minimise(world, lagged, found.tip);
       result.iterations += found.iterations;
       if (found.iterations == 0 && before == 0) break;
     }
@@ -230,7 +256,7 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     result.state.tip = found.tip;
     result.state.hand = command;
     result.state.side = lagged.contact.side;
-    const Forces& now = found.forces;
+    const Forces now = forces(world, lagged, found.tip, found.there());
     update_contacts(lagged, now, result.state);
     result.state.bridge = now.bridge;
     result.forces = now.breakdown;

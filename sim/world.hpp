@@ -34,6 +34,8 @@ struct World {
   Dynamics dynamics = Dynamics::quasi_static;
   Integrator integrator = Integrator::backward_euler;
   Quadrature quadrature;  // of surface forces along the inserted length
+  // Corrected van der Waals and electrostatic forces in closed form instead (surface_forces.hpp).
+  bool closed_form = true;
 
   std::optional<VanDerWaals> van_der_waals;
   std::optional<Electrostatic> electrostatic;
@@ -45,12 +47,6 @@ struct World {
   std::optional<Drag> drag;
   std::optional<Meniscus> meniscus;
 };
-
-// Gap of the fibre's axis to the bore at arm s behind the end [m] is c - |eccentricity|; this is
-// the eccentricity vector there.
-inline Vector2d eccentricity(const Pose& tip, double s) noexcept {
-  return tip.segment<2>(1) + s * tip.tail<2>();
-}
 
 // State of a fibre whose end rests at `tip` in free air: the hand holds it there against gravity.
 State at_rest(const World& world, const Pose& tip) noexcept;

@@ -19,7 +19,7 @@ Pose random_pose(RandomStream& random, const World& world) {
 
 struct Case {
   Lagged lagged;
-  Pose hand, tip;
+  Pose tip;
 };
 
 // Poses where every term acts somewhere: random ones, each with the history of a short motion.
@@ -34,7 +34,7 @@ std::vector<Case> cases(const World& world, std::uint64_t seed) {
       hand[1] -= 1e-8;
       state = step(world, state, hand, 1e-3).state;
     }
-    all.push_back({lag(world, state, 1e-3), hand, state.tip});
+    all.push_back({lag(world, state, hand, 1e-3), state.tip});
   }
   return all;
 }
@@ -47,23 +47,24 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
   const World world = testing::paper().world;
   int compared = 0;
   for (const Case& c : cases(world, 3)) {
-    const Potential here = potential(world, c.lagged, c.hand, c.tip);
+    const Potential here = potential(world, c.lagged, c.tip);
+    const Pose gradient = here.gradient.full();
     for (int i = 0; i < 5; ++i) {
       const double h = 2e-12 / length_of(i);
       const double slope = testing::derivative(
           [&](double d) {
             Pose tip = c.tip;
             tip[i] += d;
-            return potential(world, c.lagged, c.hand, tip).value;
+            return potential(world, c.lagged, tip).value;
           },
           0, h);
       // What rounding of the energy leaves of a difference.
       const double noise = 30 * 2.2e-16 * here.value_scale / h;
       const double scale =
-          std::max(std::abs(here.gradient[i]), here.force_scale * 1e-4 / length_of(i) * 1e-4);
+          std::max(std::abs(gradient[i]), here.force_scale * 1e-4 / length_of(i) * 1e-4);
       if (noise > 1e-3 * scale) continue;
       ++compared;
-      EXPECT_LT(std::abs(slope - here.gradient[i]), 1e-4 * scale + noise) << i;
+      EXPECT_LT(std::abs(slope - gradient[i]), 1e-4 * scale + noise) << i;
     }
   }
   EXPECT_GT(compared, 100);
@@ -72,7 +73,8 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
 TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 4)) {
-    const Potential here = potential(world, c.lagged, c.hand, c.tip);
+    const Potential here = potential(world, c.lagged, c.tip);
+    const Matrix5 hessian = here.hessian.full();
     // The laws' slope jumps at the ends of their printed range.
     const double gap =
         world.annulus.clearance() - eccentricity(c.tip, 0.5 * c.lagged.length).norm();
@@ -83,12 +85,12 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
             [&](double d) {
               Pose tip = c.tip;
               tip[i] += d;
-              return potential(world, c.lagged, c.hand, tip).gradient[j];
+              return potential(world, c.lagged, tip).gradient.full()[j];
             },
             0, 1e-13 / length_of(i));
-        const double scale = std::sqrt(here.hessian.diagonal().cwiseAbs()[i] *
-                                       here.hessian.diagonal().cwiseAbs()[j]);
-        EXPECT_LT(std::abs(slope - here.hessian(j, i)), 2e-3 * scale) << i << " " << j;
+        const double scale =
+            std::sqrt(hessian.diagonal().cwiseAbs()[i] * hessian.diagonal().cwiseAbs()[j]);
+        EXPECT_LT(std::abs(slope - hessian(j, i)), 2e-3 * scale) << i << " " << j;
       }
   }
 }
@@ -96,10 +98,9 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
 TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 5)) {
-    Forces forces;
-    const Potential here = potential(world, c.lagged, c.hand, c.tip, &forces);
-    const Breakdown& b = forces.breakdown;
-    const Wrench left = b.sum(c.tip) - b.holder + here.gradient;
+    const Potential here = potential(world, c.lagged, c.tip);
+    const Breakdown b = forces(world, c.lagged, c.tip, here).breakdown;
+    const Wrench left = b.sum(c.tip) - b.holder + here.gradient.full();
     EXPECT_LT(left.head<3>().norm(), 1e-9 * here.force_scale);
     // Moments to first order in the tilts: arms of the radius times a tilt are left out.
     EXPECT_LT(left.tail<2>().norm(), 1e-2 * 62.5e-6 * here.force_scale);

@@ -1,0 +1,116 @@
+// An energy as a function of the fibre's pose, with gradient and Hessian, and how energies of
+// points of the fibre add to it.
+#pragma once
+
+#include <cmath>
+
+#include "sim/holder.hpp"
+#include "sim/state.hpp"
+
+namespace ferrule {
+
+using Eigen::Matrix2d;
+using Eigen::Matrix3d;
+
+// Eccentricity of the fibre's axis at arm s behind the end [m]: the vector from the bore's axis.
+inline Vector2d eccentricity(const Pose& tip, double s) noexcept {
+  return tip.segment<2>(1) + s * tip.tail<2>();
+}
+
+// The arm s of a point of the axis, and its derivative by x: 0 for a point of the fibre, -1 for the
+// place that a fixed point of the ferrule touches.
+struct Arm {
+  double length = 0;  // [m]
+  double per_x = 0;
+};
+
+// A vector of five in the blocks of a pose: x, across e = (y, z), tilts t. (Blocks of two that are
+// always read as they were written are what a processor forwards from store to load at once.)
+struct PoseVector {
+  double x = 0;
+  Vector2d e = Vector2d::Zero(), t = Vector2d::Zero();
+
+  PoseVector() = default;
+  PoseVector(double x_, const Vector2d& e_, const Vector2d& t_) noexcept : x(x_), e(e_), t(t_) {}
+  explicit PoseVector(const Pose& p) noexcept : x(p[0]), e(p[1], p[2]), t(p[3], p[4]) {}
+
+  Pose full() const noexcept {
+    Pose p;
+    p << x, e, t;
+    return p;
+  }
+  double dot(const PoseVector& other) const noexcept {
+    return x * other.x + e.dot(other.e) + t.dot(other.t);
+  }
+  // Length of its first three components: of a force or a move of the end.
+  double length() const noexcept { return std::sqrt(x * x + e.squaredNorm()); }
+};
+
+// A symmetric 5x5 matrix in the blocks of a pose: x, across e = (y, z), tilts t.
+struct PoseMatrix {
+  double xx = 0;
+  Vector2d xe = Vector2d::Zero(), xt = Vector2d::Zero();
+  Matrix2d ee = Matrix2d::Zero(), et = Matrix2d::Zero(), tt = Matrix2d::Zero();
+
+  PoseMatrix() = default;
+  explicit PoseMatrix(const Matrix5& m) noexcept
+      : xx(m(0, 0)),
+        xe(m.block<1, 2>(0, 1).transpose()),
+        xt(m.block<1, 2>(0, 3).transpose()),
+        ee(m.block<2, 2>(1, 1)),
+        et(m.block<2, 2>(1, 3)),
+        tt(m.block<2, 2>(3, 3)) {}
+
+  Matrix5 full() const noexcept {
+    Matrix5 m;
+    m << xx, xe.transpose(), xt.transpose(), xe, ee, et, xt, et.transpose(), tt;
+    return m;
+  }
+  PoseVector times(const PoseVector& p) const noexcept {
+    return {xx * p.x + xe.dot(p.e) + xt.dot(p.t), p.x * xe + ee * p.e + et * p.t,
+            p.x * xt + et.transpose() * p.e + tt * p.t};
+  }
+};
+
+struct Energy {
+  double value = 0;     // [J]
+  PoseVector gradient;  // [N, N m]
+  PoseMatrix hessian;   // [N/m, N/rad, N m/rad]
+  // Sums of the magnitudes of all energies and forces in it [J], [N]: what rounding is relative to.
+  double value_scale = 0, force_scale = 0;
+
+  // An energy of the eccentricity at `arm`, given its derivatives by that; `tilt` is the pose's.
+  void add_across(const Vector2d& tilt, Arm arm, const Vector2d& slope,
+                  const Matrix2d& curve) noexcept {
+    gradient.e += slope;
+    gradient.t += arm.length * slope;
+    hessian.ee += curve;
+    hessian.et += arm.length * curve;
+    hessian.tt += arm.length * arm.length * curve;
+    if (arm.per_x == 0) return;
+    const Vector2d turned = arm.per_x * (curve * tilt);
+    gradient.x += arm.per_x * slope.dot(tilt);
+    hessian.xx += arm.per_x * tilt.dot(turned);
+    hessian.xe += turned;
+    hessian.xt += arm.length * turned + arm.per_x * slope;
+  }
+
+  // An energy of the point (x + lean.tilt, eccentricity at `arm`), given its derivatives by that.
+  void add_point(double arm, const Vector2d& lean, const Vector3d& slope,
+                 const Matrix3d& curve) noexcept {
+    const double xx = curve(0, 0);
+    const Vector2d xe = curve.block<2, 1>(1, 0), across = slope.tail<2>();
+    const Matrix2d ee = curve.bottomRightCorner<2, 2>(), mixed = xe * lean.transpose();
+    gradient.x += slope[0];
+    gradient.e += across;
+    gradient.t += slope[0] * lean + arm * across;
+    hessian.xx += xx;
+    hessian.xe += xe;
+    hessian.xt += xx * lean + arm * xe;
+    hessian.ee += ee;
+    hessian.et += mixed + arm * ee;
+    hessian.tt += xx * lean * lean.transpose() + arm * (mixed + mixed.transpose()) + arm * arm * ee;
+  }
+};
+
+}  // namespace ferrule

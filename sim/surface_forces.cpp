@@ -1,0 +1,245 @@
+#include "sim/surface_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/contact_depth.hpp"
+#include "sim/printed_range.hpp"
+#include "sim/tilted_annulus.hpp"
+
+namespace ferrule {
+namespace {
+
+// The closed form replaces the exact cylinders where it is as good as these.
+constexpr double kClosedFormError = 1e-5;
+
+// Inserted length of the pose itself, and its derivative by x.
+double inserted(const World& world, const Pose& tip) noexcept {
+  return std::clamp(-tip[0], 0.0, world.profile.length);
+}
+double inserted_slope(const World& world, const Pose& tip) noexcept {
+  return tip[0] < 0 && -tip[0] < world.profile.length ? -1 : 0;
+}
+
+template <class Law>
+bool has(const std::optional<Law>& law, Form form) noexcept {
+  return law && law->form == form;
+}
+bool closed_van_der_waals(const World& world) noexcept {
+  return world.closed_form && has(world.van_der_waals, Form::corrected);
+}
+
+// The terms of `form` that are summed over nodes.
+struct Nodes {
+  bool van_der_waals, electrostatic, capillary;
+  bool any() const noexcept { return van_der_waals || electrostatic || capillary; }
+};
+Nodes nodes_of(const World& world, Form form) noexcept {
+  Nodes n{has(world.van_der_waals, form), has(world.electrostatic, form),
+          has(world.capillary, form)};
+  if (form == Form::corrected) {
+    n.van_der_waals = n.van_der_waals && !closed_van_der_waals(world);
+    n.electrostatic = n.electrostatic && !electrostatic_in_closed_form(world);
+  }
+  return n;
+}
+
+void add_nodes(Energy& total, const World& world, Nodes laws, bool follows, double length,
+               bool bridge, const Pose& tip, SurfaceGradients& by_term) noexcept {
+  const double slope = follows ? inserted_slope(world, tip) : 0;
+  const double c = world.annulus.clearance();
+  const Vector2d tilt = tip.tail<2>();
+  for (int n = 0; n < world.quadrature.order; ++n) {
+    const double node = world.quadrature.node[static_cast<std::size_t>(n)];
+    const double weight = world.quadrature.weight[static_cast<std::size_t>(n)];
+    const Arm arm{node * length, node * slope};
+    const Radial radial(eccentricity(tip, arm.length), c);
+    LineForce sum;
+    const auto add = [&](SurfaceTerm term, const LineForce& law) {
+      sum.potential += law.potential;
+      sum.force += law.force;
+      sum.slope += law.slope;
+      PoseVector& g = by_term[term];
+      const Vector2d pull = weight * length * law.force * radial.normal;
+      g.x += slope * weight * law.potential + arm.per_x * pull.dot(tilt);
+      g.e += pull;
+      g.t += arm.length * pull;
+    };
+    const double h = c - radial.eccentricity;
+    if (laws.van_der_waals)
+      add(kVanDerWaals, van_der_waals(*world.van_der_waals, world.annulus, h));
+    if (laws.electrostatic)
+      add(kElectrostatic, electrostatic(*world.electrostatic, world.annulus, h));
+    if (laws.capillary) add(kCapillary, capillary(*world.capillary, world.annulus, h, bridge));
+
+    // The sum is length times the mean: the chain rule through both.
+    const double part = weight * length;
+    const Vector2d pull = part * sum.force * radial.normal;
+    const Matrix2d stiff =
+        part * (sum.force * radial.curving - sum.slope * radial.normal * radial.normal.transpose());
+    total.value += part * sum.potential;
+    total.value_scale += std::abs(part * sum.potential);
+    total.add_across(tilt, arm, pull, stiff);
+    total.force_scale += std::abs(part * sum.force);
+    if (slope == 0) continue;
+    const Vector2d per_length = weight * slope * sum.force * radial.normal;
+    total.gradient.x += slope * weight * sum.potential;
+    total.force_scale += std::abs(slope * weight * sum.potential);
+    total.hessian.xx += 2 * arm.per_x * per_length.dot(tilt);
+    total.hessian.xe += per_length;
+    total.hessian.xt += arm.length * per_length;
+  }
+}
+
+// Where along the length the mean surfaces are apart: between the two arms. Outside, towards an end
+// that touches, the force is held (sim/corrected_range.hpp).
+struct Apart {
+  double from, to;
+};
+Apart apart(const Pose& tip, double length, double widest) noexcept {
+  const Vector2d e = tip.segment<2>(1), t = tip.tail<2>();
+  const double limit = widest * widest;
+  const bool begins_apart = e.squaredNorm() <= limit;
+  const bool ends_apart = (e + length * t).squaredNorm() <= limit;
+  if (begins_apart && ends_apart) return {0, length};
+  const double a = t.squaredNorm(), b = e.dot(t), d = e.squaredNorm() - limit;
+  const double root = b * b - a * d;
+  if (!(root > 0)) return {0, 0};
+  // Roots of a s^2 + 2 b s + d, without cancellation.
+  const double q = b < 0 ? -b + std::sqrt(root) : -b - std::sqrt(root);
+  double first = q / a, second = d / q;
+  if (first > second) std::swap(first, second);
+  const double from = begins_apart ? 0 : std::clamp(first, 0.0, length);
+  const double to = ends_apart ? length : std::clamp(second, 0.0, length);
+  return from < to ? Apart{from, to} : Apart{0, 0};
+}
+
+// The closed-form laws at one eccentricity: energy per length and force over eccentricity, of van
+// der Waals and electrostatics.
+struct LocalLaw {
+  std::array<double, 2> value, per_e;
+
+  LocalLaw(const TiltedAnnulus& law, double squared_eccentricity) noexcept {
+    const double q = 1 / (law.clearance * law.clearance - squared_eccentricity);
+    const double single = law.single * std::sqrt(q), cubed = law.cubed * std::sqrt(q) * q;
+    value = {-cubed, -single};
+    per_e = {-3 * cubed * q, -single * q};
+  }
+};
+
+void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law, const Pose& tip,
+                     SurfaceGradients& by_term) noexcept {
+  constexpr std::array<SurfaceTerm, 2> terms = {kVanDerWaals, kElectrostatic};
+  const double length = inserted(world, tip);
+  const Vector2d tilt = tip.tail<2>();
+  const double widest =
+      law.clearance - std::max(world.annulus.roughness, printed::kInteratomicDistance);
+  const Apart free = apart(tip, length, widest);
+
+  // Where the mean surfaces touch, the force is held at that of the closest approach.
+  const auto add_held = [&](double from, double to) {
+    if (!(to > from)) return;
+    const LocalLaw end(law, widest * widest);
+    const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
+    const double force = half * widest * (end.per_e[0] + end.per_e[1]);
+    for (const double side : {-1.0, 1.0}) {  // Gauss-Legendre of order 2
+      const double arm = middle + side * half / std::sqrt(3.0);
+      const Radial radial(eccentricity(tip, arm), 0);
+      const double beyond = radial.eccentricity - widest;
+      const double value = half * (end.value[0] + end.value[1]) + force * beyond;
+      total.value += value;
+      total.value_scale += std::abs(value);
+      total.force_scale += std::abs(force);
+      total.add_across(tilt, {arm, 0}, force * radial.normal, force * radial.curving);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Vector2d pull = half * widest * end.per_e[i] * radial.normal;
+        by_term[terms[i]].e += pull;
+        by_term[terms[i]].t += arm * pull;
+      }
+    }
+  };
+  add_held(0, free.from);
+  add_held(free.to, length);
+  if (free.to > free.from) {
+    const double part = free.to - free.from;
+    const LineMean mean = line_mean(law, eccentricity(tip, free.from), eccentricity(tip, free.to));
+    for (std::size_t i = 0; i < 2; ++i) {
+      const Vector2d a = part * mean.by_a[i], b = part * mean.by_b[i];
+      const Vector2d across = a + b, turn = free.from * a + free.to * b;
+      by_term[terms[i]].e += across;
+      by_term[terms[i]].t += turn;
+      total.gradient.e += across;
+      total.gradient.t += turn;
+      total.value += part * mean.value[i];
+      total.value_scale -= part * mean.value[i];
+      total.force_scale += across.norm();
+    }
+    const Matrix2d aa = part * mean.aa, ab = part * mean.ab, bb = part * mean.bb;
+    const Matrix2d to_a = aa + ab.transpose(), to_b = ab + bb;  // columns by e_a, by e_b
+    total.hessian.ee += to_a + to_b;
+    total.hessian.et += free.from * to_a + free.to * to_b;
+    total.hessian.tt += free.from * free.from * aa + free.to * free.to * bb +
+                        free.from * free.to * (ab + ab.transpose());
+  }
+
+  // A longer overlap gains the energy per length at the mouth.
+  const double slope = inserted_slope(world, tip);
+  if (slope == 0) return;
+  const Vector2d e = eccentricity(tip, length);
+  const double radius2 = e.squaredNorm(), limit2 = widest * widest;
+  const bool held = radius2 > limit2;
+  LocalLaw mouth(law, held ? limit2 : radius2);
+  if (held) {
+    const double radius = std::sqrt(radius2);
+    for (std::size_t i = 0; i < 2; ++i) {
+      mouth.value[i] += mouth.per_e[i] * widest * (radius - widest);
+      mouth.per_e[i] *= widest / radius;
+    }
+  }
+  for (std::size_t i = 0; i < 2; ++i) by_term[terms[i]].x += slope * mouth.value[i];
+  const double value = mouth.value[0] + mouth.value[1];
+  const Vector2d force = (mouth.per_e[0] + mouth.per_e[1]) * e;
+  total.gradient.x += slope * value;
+  total.force_scale += std::abs(slope * value);
+  total.hessian.xx += force.dot(tilt);
+  total.hessian.xe += slope * force;
+  total.hessian.xt += slope * length * force;
+}
+
+}  // namespace
+
+bool electrostatic_in_closed_form(const World& world) noexcept {
+  return world.closed_form && has(world.electrostatic, Form::corrected) &&
+         closed_form_error(world.annulus) < kClosedFormError;
+}
+
+SurfaceGradients add_surface_forces(Energy& total, const World& world, double printed_length,
+                                    bool bridge, const Pose& tip) noexcept {
+  SurfaceGradients by_term;
+  const Nodes printed = nodes_of(world, Form::printed);
+  if (printed_length > 0 && printed.any())
+    add_nodes(total, world, printed, false, printed_length, bridge, tip, by_term);
+  if (tip[0] >= 0) return by_term;
+  const Nodes corrected = nodes_of(world, Form::corrected);
+  if (corrected.any())
+    add_nodes(total, world, corrected, true, inserted(world, tip), bridge, tip, by_term);
+  const VanDerWaals* attraction = closed_van_der_waals(world) ? &*world.van_der_waals : nullptr;
+  const Electrostatic* charge =
+      electrostatic_in_closed_form(world) ? &*world.electrostatic : nullptr;
+  if (attraction || charge)
+    add_closed_form(total, world, TiltedAnnulus::of(attraction, charge, world.annulus), tip,
+                    by_term);
+  return by_term;
+}
+
+bool bridge_at(const World& world, bool bridge, const Pose& tip) noexcept {
+  if (!world.capillary || tip[0] >= 0) return false;
+  // The smallest gap is at an end of the length, the distance of a straight line from the axis
+  // being convex.
+  const double gap =
+      world.annulus.clearance() -
+      std::max(eccentricity(tip, 0).norm(), eccentricity(tip, inserted(world, tip)).norm());
+  return gap < capillary_reach(*world.capillary, bridge);
+}
+
+}  // namespace ferrule

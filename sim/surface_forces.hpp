@@ -1,0 +1,33 @@
+// Van der Waals, electrostatic and capillary forces along the whole inserted length.
+//
+// Corrected van der Waals and electrostatic forces are integrated between tilted axes in closed
+// form (sim/tilted_annulus.hpp); where the world asks for nodes, and for the capillary bridge, by
+// Gauss-Legendre quadrature. Corrected forces act along the inserted length as it changes, and so
+// pull the fibre in by what a longer overlap gains. The printed ones know one gap, that at the
+// middle of the length, and no axial force.
+#pragma once
+
+#include <array>
+
+#include "sim/energy.hpp"
+#include "sim/world.hpp"
+
+namespace ferrule {
+
+enum SurfaceTerm { kVanDerWaals, kElectrostatic, kCapillary, kSurfaceTerms };
+
+// Gradient of each term's energy: minus its force and moment [N, N m].
+using SurfaceGradients = std::array<PoseVector, kSurfaceTerms>;
+
+// Adds them to `total` at `tip`, and gives each term's part. `printed_length` [m] is what the
+// printed forces act along, `bridge` whether liquid spans the gap.
+SurfaceGradients add_surface_forces(Energy& total, const World& world, double printed_length,
+                                    bool bridge, const Pose& tip) noexcept;
+
+// Whether the corrected electrostatic force is taken in closed form in this world.
+bool electrostatic_in_closed_form(const World& world) noexcept;
+
+// Whether liquid spans the gap at `tip`: it does up to the bridge's reach.
+bool bridge_at(const World& world, bool bridge, const Pose& tip) noexcept;
+
+}  // namespace ferrule
