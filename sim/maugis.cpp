@@ -48,18 +48,40 @@ double root(const F& f, double a, double b) noexcept {
   return 0.5 * (found.first + found.second);
 }
 
-// Integral of P dD = P 4 y^3 dy from the cell's begin to the fraction u of it: y = width (cell +
-// u).
-template <class Polynomial>
-double work(const Polynomial& P, double width, double cell, double u) noexcept {
-  double sum = 0, power = u;
-  for (std::size_t k = 0; k < P.size(); ++k, power *= u) {
-    const double n = static_cast<double>(k);
-    sum += P[k] * power *
-           (cell * cell * cell / (n + 1) +
-            u * (3 * cell * cell / (n + 2) + u * (3 * cell / (n + 3) + u / (n + 4))));
+// Integral of P dD = P 4 y^3 dy from a cell's begin, over the fraction u of it, as a polynomial in
+// u: y = width (cell + u).
+template <std::size_t n>
+std::array<double, n + 3> work(const std::array<double, n>& P, double width, double cell) noexcept {
+  std::array<double, n + 3> gained{};
+  const double scale = 4 * width * width * width * width;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double d = static_cast<double>(k);
+    gained[k] += scale * P[k] * cell * cell * cell / (d + 1);
+    gained[k + 1] += scale * P[k] * 3 * cell * cell / (d + 2);
+    gained[k + 2] += scale * P[k] * 3 * cell / (d + 3);
+    gained[k + 3] += scale * P[k] / (d + 4);
   }
-  return 4 * width * width * width * width * sum;
+  return gained;
+}
+
+// The polynomial c at u, in two interleaved halves: even powers and odd ones.
+template <std::size_t n>
+double polynomial(const std::array<double, n>& c, double u) noexcept {
+  static_assert(n >= 2);
+  const double u2 = u * u;
+  double even = 0, odd = 0;
+  for (std::size_t k = (n - 1) / 2 * 2 + 2; k > 0; k -= 2) {
+    even = even * u2 + c[k - 2];
+    if (k - 1 < n) odd = odd * u2 + c[k - 1];
+  }
+  return even + u * odd;
+}
+
+template <std::size_t n>
+double polynomial_slope(const std::array<double, n>& c, double u) noexcept {
+  double slope = 0;
+  for (std::size_t k = n - 1; k > 0; --k) slope = slope * u + static_cast<double>(k) * c[k];
+  return slope;
 }
 
 }  // namespace
@@ -122,7 +144,6 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
       powers(i, k) = std::pow(nodes[static_cast<std::size_t>(i)], k);
   }
   const auto solver = powers.fullPivLu();
-  piece.energy = {0};
   for (std::size_t cell = 0; cell < kCells; ++cell) {
     Eigen::Matrix<double, kDegree + 1, 1> force, radius;
     for (int i = 0; i <= kDegree; ++i) {
@@ -136,13 +157,14 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
       radius[i] = p.A;
     }
     const Eigen::Matrix<double, kDegree + 1, 1> f = solver.solve(force), r = solver.solve(radius);
-    auto& fc = piece.force.emplace_back();
-    auto& rc = piece.radius.emplace_back();
+    Cell& here = piece.cells.emplace_back();
     for (int k = 0; k <= kDegree; ++k) {
-      fc[static_cast<std::size_t>(k)] = f[k];
-      rc[static_cast<std::size_t>(k)] = r[k];
+      here.force[static_cast<std::size_t>(k)] = f[k];
+      here.radius[static_cast<std::size_t>(k)] = r[k];
     }
-    piece.energy.push_back(piece.energy.back() + work(fc, width, static_cast<double>(cell), 1));
+    here.energy = piece.energy;
+    here.gained = work(here.force, width, static_cast<double>(cell));
+    piece.energy += polynomial(here.gained, 1);
   }
   return piece;
 }
@@ -184,7 +206,7 @@ MaugisCurve::MaugisCurve(double lambda) : lambda_(lambda) {
     stable_[b].energy_at_end =
         std::isfinite(stable_[b].end) ? on(stable_[b], stable_[b].end).energy : 0;
     for (const Piece& piece : stable_[b].pieces)
-      for (const auto& cell : piece.force) pull_off_ = std::min(pull_off_, cell[0]);
+      for (const Cell& cell : piece.cells) pull_off_ = std::min(pull_off_, cell.force[0]);
   }
 }
 
@@ -193,7 +215,7 @@ MaugisCurve::Value MaugisCurve::on(const Branch& branch, double D) const noexcep
   const Piece* piece = &branch.pieces.front();
   double before = 0;
   if (branch.pieces.size() > 1 && D >= branch.pieces[1].begin) {
-    before = piece->energy.back();
+    before = piece->energy;
     piece = &branch.pieces[1];
   }
   if (D > piece->end && !std::isfinite(branch.end)) {
@@ -215,29 +237,21 @@ MaugisCurve::Value MaugisCurve::on(const Branch& branch, double D) const noexcep
       const double x = x0 + (x1 - x0) * i / n;
       sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * P_at(x * x) * 2 * x;
     }
-    value.energy = before + piece->energy.back() + sum * (x1 - x0) / (3 * n);
+    value.energy = before + piece->energy + sum * (x1 - x0) / (3 * n);
     return value;
   }
   const double y = std::sqrt(std::sqrt(std::max(0.0, D - piece->begin)));
   const double place = y * piece->cells_per_y;
-  const auto cell = std::min(static_cast<std::size_t>(place), kCells - 1);
-  const double u = place - static_cast<double>(cell);
-  const auto& f = piece->force[cell];
-  const auto& r = piece->radius[cell];
-  double P = f[kDegree], dP = 0, A = r[kDegree];
-  for (int k = kDegree - 1; k >= 0; --k) {
-    const auto i = static_cast<std::size_t>(k);
-    dP = dP * u + P;
-    P = P * u + f[i];
-    A = A * u + r[i];
-  }
-  value.P = P;
-  value.A = A;
+  const auto number = std::min(static_cast<std::size_t>(place), kCells - 1);
+  const double u = place - static_cast<double>(number);
+  const Cell& cell = piece->cells[number];
+  value.P = polynomial(cell.force, u);
+  value.A = polynomial(cell.radius, u);
   // The slope is infinite where a branch begins at a fold.
   const double y_slope = std::max(y, 1e-4);
-  value.slope = dP * piece->cells_per_y / (4 * y_slope * y_slope * y_slope);
-  value.energy =
-      before + piece->energy[cell] + work(f, 1 / piece->cells_per_y, static_cast<double>(cell), u);
+  value.slope =
+      polynomial_slope(cell.force, u) * piece->cells_per_y / (4 * y_slope * y_slope * y_slope);
+  value.energy = before + cell.energy + u * polynomial(cell.gained, u);
   return value;
 }
 

@@ -67,15 +67,21 @@ class MaugisCurve {
   std::vector<MaugisPoint> points(std::size_t count) const;
 
  private:
-  static constexpr int kDegree = 6;
-  static constexpr std::size_t kCells = 256;
+  static constexpr int kDegree = 5;
+  static constexpr std::size_t kCells = 512;
 
   // A stretch of a branch, tabulated over y with D = begin + y^4: smooth at a fold, where P grows
   // like a square root, and finest there.
+  // Polynomials in the fraction u of a cell of y.
+  struct Cell {
+    std::array<double, kDegree + 1> force, radius;
+    double energy = 0;                       // at the cell's begin
+    std::array<double, kDegree + 4> gained;  // since then, over u
+  };
   struct Piece {
     double begin, end, cells_per_y;
-    std::vector<std::array<double, kDegree + 1>> force, radius;  // polynomials in y, cell by cell
-    std::vector<double> energy;                                  // at each cell's begin
+    std::vector<Cell> cells;
+    double energy = 0;  // at the end
   };
   struct Branch {
     double begin, end;
