@@ -72,20 +72,25 @@ int speed_and_error(const Arguments& a) {
                    {"ns_per_step", r.ns_per_step},
                    {"us_per_simulated_s", r.us_per_simulated_s},
                    {"tip_error_nm", number_or_null(r.tip_error_nm)},
-                   {"force_error_relative", number_or_null(r.force_error_relative)}});
+                   {"force_error_relative", number_or_null(r.force_error_relative)},
+                   {"newton_iterations", r.newton_iterations},
+                   {"not_converged", r.not_converged},
+                   {"halvings", r.halvings}});
     print_json({{"laws", l}, {"stepping", s}});
     return kDone;
   }
   fmt::print("{:<15} {:<42} {:>9} {:>15}\n", "law", "fidelity", "ns", "relative error");
   for (const LawRow& r : laws)
     fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", r.name, r.fidelity, r.ns, r.relative_error);
-  fmt::print("\n{:<15} {:<26} {:>9} {:>11} {:>16} {:>13} {:>12}\n", "method", "case", "step [s]",
-             "ns per step", "us per simul. s", "tip err. [nm]", "force error");
+  fmt::print("\n{:<15} {:<26} {:>9} {:>11} {:>16} {:>13} {:>12} {:>9} {:>7} {:>7}\n", "method",
+             "case", "step [s]", "ns per step", "us per simul. s", "tip err. [nm]", "force error",
+             "Newton/st", "failed", "halved");
   for (const SteppingRow& r : stepping)
-    fmt::print("{:<15} {:<26} {:9.0e} {:11.0f} {:16.4g} {:>13} {:>12}\n", r.method, r.scene_case,
-               r.step_s, r.ns_per_step, r.us_per_simulated_s,
+    fmt::print("{:<15} {:<26} {:9.0e} {:11.0f} {:16.4g} {:>13} {:>12} {:>9.2f} {:>7} {:>7}\n",
+               r.method, r.scene_case, r.step_s, r.ns_per_step, r.us_per_simulated_s,
                std::isfinite(r.tip_error_nm) ? fmt::format("{:.3g}", r.tip_error_nm) : "diverged",
-               std::isfinite(r.tip_error_nm) ? fmt::format("{:.2g}", r.force_error_relative) : "-");
+               std::isfinite(r.tip_error_nm) ? fmt::format("{:.2g}", r.force_error_relative) : "-",
+               r.newton_iterations, r.not_converged, r.halvings);
   return kDone;
 }
 

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/surface_forces.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -31,26 +33,24 @@ ForceRow force_row(const World& world, double gap_nm, double length_um,
                    std::optional<double> depth_nm, double tilt) {
   ForceRow row{gap_nm, length_um, depth_nm, 0, 0, 0, 0, 0, 0, 0};
   const double gap = 1e-9 * gap_nm, length = 1e-6 * length_um;
-  // Printed laws know one gap, that at the middle; corrected ones are integrated along the length.
-  static const Quadrature middle, fine = Quadrature::gauss_legendre(kMostNodes);
-  const auto along = [&](Form form, const auto& force) {
-    const Quadrature& q = form == Form::printed || tilt == 0 ? middle : fine;
-    double sum = 0;
-    for (std::size_t n = 0; n < static_cast<std::size_t>(q.order); ++n)
-      sum += q.weight[n] * force(gap + tilt * q.node[n] * length);
-    return length * sum;
-  };
-  if (length > 0) {
-    const Annulus& annulus = world.annulus;
+  const double c = world.annulus.clearance();
+  if (length > 0 && tilt == 0) {
     if (const auto& law = world.van_der_waals)
-      row.van_der_waals =
-          along(law->form, [&](double h) { return van_der_waals(*law, annulus, h).force; });
+      row.van_der_waals = length * van_der_waals(*law, world.annulus, gap).force;
     if (const auto& law = world.electrostatic)
-      row.electrostatic =
-          along(law->form, [&](double h) { return electrostatic(*law, annulus, h).force; });
+      row.electrostatic = length * electrostatic(*law, world.annulus, gap).force;
     if (const auto& law = world.capillary)
-      row.capillary =
-          along(law->form, [&](double h) { return capillary(*law, annulus, h, true).force; });
+      row.capillary = length * capillary(*law, world.annulus, gap, true).force;
+  } else if (length > 0) {
+    // A fibre that leans away from the wall below it.
+    Pose tip;
+    tip << -length, gap - c, 0, tilt, 0;
+    Energy energy;
+    SurfaceGradients terms;
+    add_surface_forces(energy, terms, world, length, true, tip);
+    row.van_der_waals = -terms[kVanDerWaals].e.x();
+    row.electrostatic = -terms[kElectrostatic].e.x();
+    row.capillary = -terms[kCapillary].e.x();
   }
   // Towards the wall below the fibre.
   if (world.gravity) row.gravity = -gravity(*world.gravity, world.fibre);

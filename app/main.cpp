@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
   add_demo(app, run);
   add_forces(app, run);
   add_contact(app, run);
+  add_plan(app, run);
   add_record(app, run);
   add_recover(app, run);
   add_replay(app, run);

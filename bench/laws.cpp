@@ -9,6 +9,7 @@
 #include "sim/capillary.hpp"
 #include "sim/electrostatic.hpp"
 #include "sim/quadrature.hpp"
+#include "sim/tilted_annulus.hpp"
 #include "sim/van_der_waals.hpp"
 
 namespace ferrule {
@@ -94,11 +95,11 @@ std::vector<LawRow> bench_laws() {
                       [&](double h) { return van_der_waals(annulus, kRough, h).force; }, at)});
   const Real length = 1e-3L, tilt = 0.2e-3L;
   Real tilted = 0;
-  for (int i = 0; i < 4000; ++i)
+  for (int i = 0; i < 400000; ++i)
     tilted += van_der_waals(annulus, kRough,
-                            static_cast<double>(5e-9L + tilt * length * (i + 0.5L) / 4000))
+                            static_cast<double>(5e-9L + tilt * length * (i + 0.5L) / 400000))
                   .force /
-              4000.0L;
+              400000.0L;
   for (const int order : {1, 2, 3, 5, 8, 16, 32}) {
     const Quadrature q = Quadrature::gauss_legendre(order);
     const auto integrate = [&](double from) {
@@ -115,6 +116,18 @@ std::vector<LawRow> bench_laws() {
   }
 
   const Electrostatic exact = {Form::corrected, kVoltage};
+  // The closed forms along the same tilted length: energies at the ends' eccentricities.
+  const double clearance = kRough.clearance();
+  const Vector2d far(clearance - 5e-9 - static_cast<double>(tilt * length), 0);
+  const Vector2d near(clearance - 5e-9, 0);
+  const auto closed_form = [&](const TiltedAnnulus& law, std::size_t which) {
+    const LineMean mean = line_mean(law, near, far);
+    return mean.by_a[which].x() + mean.by_b[which].x();
+  };
+  const TiltedAnnulus attraction = TiltedAnnulus::of(&annulus, nullptr, kRough);
+  rows.push_back({"van_der_waals", "tilted closed form, with Hessian",
+                  nanoseconds_per_call([&](long) { keep(closed_form(attraction, 0)); }),
+                  static_cast<double>(std::abs(closed_form(attraction, 0) / tilted - 1))});
   const auto plates = [](double h) {
     return electrostatic({Form::printed, kVoltage}, kRough, h + kRough.roughness).force;
   };
@@ -126,6 +139,14 @@ std::vector<LawRow> bench_laws() {
        nanoseconds_per_call([&](long i) { keep(electrostatic(exact, kRough, gap(i))); }),
        largest(
            cylinders, [&](double h) { return electrostatic(exact, kRough, h).force; }, at)});
+  Real charged = 0;
+  for (int i = 0; i < 400000; ++i)
+    charged +=
+        cylinders(static_cast<double>(5e-9L + tilt * length * (i + 0.5L) / 400000)) / 400000.0L;
+  const TiltedAnnulus charge = TiltedAnnulus::of(nullptr, &exact, kRough);
+  rows.push_back({"electrostatic", "tilted closed form, with Hessian",
+                  nanoseconds_per_call([&](long) { keep(closed_form(charge, 1)); }),
+                  static_cast<double>(std::abs(closed_form(charge, 1) / charged - 1))});
   rows.push_back(
       {"capillary", "bridge of constant volume",
        nanoseconds_per_call([&](long i) { keep(capillary(kBridge, kRough, gap(i), true)); }),

@@ -12,9 +12,9 @@ void keep(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");
 }
 
-// Nanoseconds per call of `f(i)`, i = 0, 1, ..., the least of five rounds of about 20 ms.
+// Nanoseconds per call of `f(i)`, i = 0, 1, ..., the least of five rounds of at least `round_ns`.
 template <class F>
-double nanoseconds_per_call(const F& f) {
+double nanoseconds_per_call(const F& f, double round_ns = 10e6) {
   using Clock = std::chrono::steady_clock;
   long calls = 16;
   double best = 1e300;
@@ -22,7 +22,7 @@ double nanoseconds_per_call(const F& f) {
     const auto begin = Clock::now();
     for (long i = 0; i < calls; ++i) f(i);
     const double ns = std::chrono::duration<double, std::nano>(Clock::now() - begin).count();
-    if (ns < 10e6) {
+    if (ns < round_ns) {
       calls *= 2;
       continue;
     }

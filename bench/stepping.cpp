@@ -50,13 +50,19 @@ SteppingRow simulate(const Case& c, const std::string& method, double dt) {
   SteppingRow row{method, c.name, dt, 0, 0, 0, 0};
   const auto steps = std::lround(c.duration / dt);
   std::vector<Pose> poses;
+  long iterations = 0;
   const auto run = [&](bool keep_poses) {
     State state = c.start;
     std::size_t next = 0;
     for (long n = 1; n <= steps; ++n) {
       const double t = static_cast<double>(n) * dt;
-      state = step(c.world, state, c.hand(t), dt).state;
-      if (keep_poses && next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
+      const StepResult r = step(c.world, state, c.hand(t), dt);
+      state = r.state;
+      if (!keep_poses) continue;
+      iterations += r.iterations;
+      row.not_converged += r.status != StepStatus::ok;
+      row.halvings += r.halvings;
+      if (next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
         poses.push_back(state.tip);
         ++next;
       }
@@ -64,6 +70,7 @@ SteppingRow simulate(const Case& c, const std::string& method, double dt) {
     keep(state.tip);
   };
   run(true);
+  row.newton_iterations = static_cast<double>(iterations) / static_cast<double>(steps);
   compare(c, poses, row);
   row.ns_per_step = nanoseconds_per_call([&](long) { run(false); }) / static_cast<double>(steps);
   row.us_per_simulated_s = 1e-3 * row.ns_per_step / dt;
@@ -83,9 +90,13 @@ SteppingRow explicit_euler(const Case& c, double dt) {
     const double t = static_cast<double>(n) * dt;
     const Pose hand = c.hand(t - dt);
     const Lagged still = lag(c.world, state, hand, 0);
-    const Matrix5 damping =  // over dt
-        lag(c.world, state, hand, dt).stiffness.full() - still.stiffness.full();
-    state.tip -= damping.llt().solve(potential(c.world, still, state.tip).gradient.full());
+    const Potential there = potential(c.world, still, state.tip);
+    // At the step's start drag has no force, and what it adds to the Hessian is the damping over
+    // dt.
+    const Matrix5 damping =
+        potential(c.world, lag(c.world, state, hand, dt), state.tip).hessian.full() -
+        there.hessian.full();
+    state.tip -= damping.llt().solve(there.gradient.full());
     if (state.tip.head<3>().norm() > 1) state.tip.setConstant(kNan);
     if (next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
       poses.push_back(state.tip);

@@ -10,8 +10,11 @@ struct SteppingRow {
   std::string method, scene_case;
   double step_s;
   double ns_per_step, us_per_simulated_s;
-  double tip_error_nm;          // largest over the motion; NaN: diverged
-  double force_error_relative;  // of the force at the holder, over the largest reference force
+  double tip_error_nm;           // largest over the motion; NaN: diverged
+  double force_error_relative;   // of the force at the holder, over the largest reference force
+  double newton_iterations = 0;  // per step
+  long not_converged = 0;        // steps
+  long halvings = 0;             // of steps
 };
 
 // Cases: free flight (reference: closed form); insertion through adhesive with contact of end and

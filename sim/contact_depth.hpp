@@ -62,7 +62,11 @@ struct ContactDepth {
 struct ContactSide {
   EdgeSide side = EdgeSide::throat;
   Vector2d outward = Vector2d::UnitX();  // unit direction from the bore's axis to the fibre's end
-  bool side_can_touch = false;           // the end is in the bore: the mouth's rim faces the side
+  // Held back by the throat, not by the front face: what is below the entrance plane is in the
+  // bore.
+  bool in_bore = true;
+  // It was in the bore when the step began: the mouth's rim faces the side, and surface forces act.
+  bool side_can_touch = false;
 };
 
 ContactSide contact_side(const World& world, const State& state) noexcept;

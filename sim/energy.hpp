@@ -61,6 +61,15 @@ struct PoseMatrix {
         et(m.block<2, 2>(1, 3)),
         tt(m.block<2, 2>(3, 3)) {}
 
+  PoseMatrix& operator+=(const PoseMatrix& m) noexcept {
+    xx += m.xx;
+    xe += m.xe;
+    xt += m.xt;
+    ee += m.ee;
+    et += m.et;
+    tt += m.tt;
+    return *this;
+  }
   Matrix5 full() const noexcept {
     Matrix5 m;
     m << xx, xe.transpose(), xt.transpose(), xe, ee, et, xt, et.transpose(), tt;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kTableEnds = 100;  // in D; beyond, the equations are solved at each call
+constexpr double kTableEnds = 1e4;  // in D; beyond, the equations are solved at each call
 constexpr double kSmallestS = 1e-9, kLargestS = 1e9;
 
 // s + (s^2 - 1) atan s. Its leading terms cancel for small s, where the series is used.

@@ -68,7 +68,7 @@ class MaugisCurve {
 
  private:
   static constexpr int kDegree = 5;
-  static constexpr std::size_t kCells = 512;
+  static constexpr std::size_t kCells = 1024;
 
   // A stretch of a branch, tabulated over y with D = begin + y^4: smooth at a fold, where P grows
   // like a square root, and finest there.

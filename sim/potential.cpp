@@ -58,22 +58,24 @@ ContactForce wall_force(const World& world, double depth) noexcept {
 }
 
 void lag_drag(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
-  if (!world.drag || lagged.length == 0 || dt == 0) return;
+  if (!world.drag || dt == 0 || !lagged.contact.in_bore) return;
+  lagged.drags = true;
   const double middle = 0.5 * lagged.length, spread = lagged.length / std::sqrt(60.0);
   const Vector2d e = eccentricity(state.tip, middle);
-  const DragCoefficients c = drag(*world.drag, world.annulus, e.norm(), lagged.length);
-  const Vector2d n = e.norm() > 0 ? Vector2d(e.normalized()) : Vector2d::UnitX();
-  lagged.drags = true;
-  lagged.drag_per_move.setZero();
-  lagged.drag_per_move(0, 0) = c.axial;
-  lagged.drag_per_move.block<2, 2>(1, 1) =
-      c.tangential * Matrix2d::Identity() + (c.radial - c.tangential) * n * n.transpose();
-  lagged.drag_per_move *= 0.5 / dt;  // at each of two arms
+  const double radius = e.norm();
+  lagged.axial_drag = drag(*world.drag, world.annulus, radius, 1).axial / dt;
   lagged.drag_arm = {middle - spread, middle + spread};
-  Energy at_both;
-  for (const double arm : lagged.drag_arm)
-    at_both.add_point(arm, Vector2d::Zero(), Vector3d::Zero(), lagged.drag_per_move);
-  lagged.stiffness = PoseMatrix(lagged.stiffness.full() + at_both.hessian.full());
+  if (lagged.length == 0) return;
+  const DragCoefficients c = drag(*world.drag, world.annulus, radius, lagged.length);
+  const Vector2d n = radius > 0 ? Vector2d(e / radius) : Vector2d(Vector2d::UnitX());
+  const Matrix2d across =
+      c.tangential * Matrix2d::Identity() + (c.radial - c.tangential) * n * n.transpose();
+  lagged.drag_per_move = 0.5 / dt * across;
+  PoseMatrix both;  // the arms' mean is the middle, that of their squares middle^2 + spread^2
+  both.ee = 2 * lagged.drag_per_move;
+  both.et = middle * both.ee;
+  both.tt = (middle * middle + spread * spread) * both.ee;
+  lagged.stiffness += both;
 }
 
 void lag_inertia(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
@@ -90,7 +92,7 @@ void lag_inertia(const World& world, const State& state, double dt, Lagged& lagg
                2 * dt / 9 * (4 * state.velocity - state.velocity_before);
   }
   const Pose force = inertia * coasting;
-  lagged.stiffness = PoseMatrix(lagged.stiffness.full() + inertia);
+  lagged.stiffness += PoseMatrix(inertia);
   lagged.load = PoseVector(lagged.load.full() + force);
   lagged.load_scale += force.head<3>().norm();
 }
@@ -137,7 +139,7 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
 }
 
 Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
-  Potential total;
+  Potential total{{}, {}, contact_depths(world, lagged.contact, tip), {}, {}};
   const PoseVector end(tip);
   const PoseVector move(end.x - lagged.from.x, end.e - lagged.from.e, end.t - lagged.from.t);
   total.gradient = lagged.stiffness.times(move);
@@ -149,8 +151,9 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& tip) n
                     total.gradient.t - lagged.load.t};
   total.hessian = lagged.stiffness;
 
-  total.surface = add_surface_forces(total, world, lagged.length, lagged.bridge, tip);
-  if (world.meniscus && tip[0] < 0) {
+  const bool inserted = lagged.contact.side_can_touch;
+  if (inserted) add_surface_forces(total, total.surface, world, lagged.length, lagged.bridge, tip);
+  if (world.meniscus && inserted && tip[0] < 0) {
     const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
     total.value += pull * tip[0];
     total.value_scale -= pull * tip[0];
@@ -158,7 +161,18 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& tip) n
     total.force_scale += pull;
   }
 
-  total.depth = contact_depths(world, lagged.contact, tip);
+  if (lagged.drags && (tip[0] < 0 || lagged.from.x < 0)) {
+    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, -tip[0]);
+    const double k = lagged.axial_drag, more = now - before;
+    const double energy = k * more * more * (now + 2 * before) / 6;
+    const double force = 0.5 * k * more * (now + before);
+    total.value += energy;
+    total.value_scale += energy;
+    total.force_scale += std::abs(force);
+    total.gradient.x -= force;
+    total.hessian.xx += k * now;
+  }
+
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = total.depth[at];
@@ -194,17 +208,20 @@ Forces forces(const World& world, const Lagged& lagged, const Pose& tip,
     (*terms[i])[0] = {{-g.x, inside.x(), inside.y()}, end};
     (*terms[i])[1] = {across(mouth), end + Vector3d(length, length * tip[3], length * tip[4])};
   }
-  out.bridge = bridge_at(world, lagged.bridge, tip);
-  if (world.meniscus && tip[0] < 0)
+  out.bridge = lagged.contact.side_can_touch && bridge_at(world, lagged.bridge, tip);
+  if (world.meniscus && lagged.contact.side_can_touch && tip[0] < 0)
     b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, end};
-  if (lagged.drags)
+  if (lagged.drags) {
+    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, length);
+    const double axial = 0.25 * lagged.axial_drag * (now - before) * (now + before);
+    const Pose moved = tip - lagged.from.full();
     for (std::size_t i = 0; i < 2; ++i) {
       const double arm = lagged.drag_arm[i];
       const Vector2d e = eccentricity(tip, arm);
-      Vector3d moved;
-      moved << tip[0] - lagged.from.x, eccentricity(Pose(tip - lagged.from.full()), arm);
-      b.drag[i] = {-(lagged.drag_per_move * moved), {tip[0] + arm, e.x(), e.y()}};
+      const Vector2d sideways = -(lagged.drag_per_move * eccentricity(moved, arm));
+      b.drag[i] = {{axial, sideways.x(), sideways.y()}, {tip[0] + arm, e.x(), e.y()}};
     }
+  }
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = there.depth[at];

@@ -38,15 +38,19 @@ struct Lagged {
   std::array<int, kContactPlaces> branch{};
   std::array<LaggedFriction, kContactPlaces> friction;
 
-  // Holder, weight, drag and inertia together: with q the move since the step's start `from`,
-  // q.stiffness q/2 - load.q.
+  // Holder, weight, drag sideways and inertia together: with q the move since the step's start
+  // `from`, q.stiffness q/2 - load.q.
   PoseVector from;
   PoseMatrix stiffness;  // [N/m, N/rad, N m/rad]
   PoseVector load;       // [N, N m]
   double load_scale;     // sum of the magnitudes of what the load consists of [N]
 
+  // Drag along x is k l per speed at the inserted length l, which changes with the step itself:
+  // k (l^2 - l_0^2)/(2 dt), of energy k (l - l_0)^2 (l + 2 l_0)/(6 dt). Sideways it is lagged.
   bool drags = false;
-  Matrix3d drag_per_move;            // force over displacement, axial and sideways [N/m]
+  double axial_drag = 0;  // k/dt [N/m^2]
+  Matrix2d drag_per_move =
+      Matrix2d::Zero();              // force over displacement, sideways, at each arm [N/m]
   std::array<double, 2> drag_arm{};  // [m]
 
   bool inertial = false;

@@ -11,7 +11,7 @@
 namespace ferrule {
 
 // What a stream of numbers is for; streams of one trial are independent.
-enum class Draw : std::uint32_t { start = 0, operator_hand = 1, split = 2 };
+enum class Draw : std::uint32_t { start = 0, operator_hand = 1, split = 2, plan = 3 };
 
 class RandomStream {
  public:

@@ -5,6 +5,8 @@
 #include <filesystem>
 #include <numbers>
 
+#include "sim/plan.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -191,9 +193,15 @@ World read_world(JsonFields& scene) {
   const bool integrated = corrected(world.van_der_waals) || corrected(world.electrostatic) ||
                           corrected(world.capillary);
   int order = integrated ? kUsualNodes : 1;
-  world.closed_form = !scene.present("quadrature");
-  if (!world.closed_form) order = static_cast<int>(scene.integer("quadrature", 1, kMostNodes));
+  if (scene.present("quadrature"))
+    order = static_cast<int>(scene.integer("quadrature", 1, kMostNodes));
   world.quadrature = Quadrature::gauss_legendre(order);
+  if (scene.present("tilted_axes"))
+    world.closed_form = scene.choice("tilted_axes", {"closed_form", "quadrature"}) == 0;
+  if (scene.present("step_s"))
+    world.longest_step = scene.number("step_s", rule::between(1e-7, 1, "must be from 1e-7 to 1"));
+  if (scene.present("event_travel_nm"))
+    world.event_travel = nano * scene.number("event_travel_nm", rule::positive());
   return world;
 }
 
@@ -288,14 +296,26 @@ Scene parse_scene(const Json& document, const std::string& file) {
   for (const double ratio : {r.hand_range / r.tip_range, r.hand_force / r.tip_force})
     if (!(ratio > 1e-12 && ratio < 1e12))
       fields.refuse("scaling", "the ranges of hand and tip must be within a factor of 1e12");
+  if (fields.present("planned_accuracy")) fields.number("planned_accuracy", rule::positive());
+  const bool to_plan = fields.present("accuracy");
+  const Rule accuracy = rule::between(1e-6, 0.5, "must be from 1e-6 to 0.5");
+  const double tolerance = to_plan ? fields.number("accuracy", accuracy) : 0;
   fields.finish();
-  return scene;
+  if (!to_plan) return scene;
+  const Plan plan = make_plan(scene, tolerance);
+  return parse_scene(plan.document, file);
 }
 
-Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
+Json load_document(const std::string& name_or_file, const std::vector<std::string>& settings) {
   const std::string file = scene_file(name_or_file);
   Json document = parse_json(read_text(file), file);
   for (const auto& setting : settings) apply_setting(document, setting);
+  return document;
+}
+
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
+  const Json document = load_document(name_or_file, settings);
+  const std::string file = scene_file(name_or_file);
   return parse_scene(document, settings.empty() ? file : file + " with --set");
 }
 

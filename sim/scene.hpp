@@ -54,6 +54,8 @@ Scene parse_scene(const Json& document, const std::string& file);
 // "dotted.key=value" with JSON values (bare words are texts); null removes a law. Throws BadInput,
 // FileTrouble.
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
+// The same, not parsed yet.
+Json load_document(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 
 // Names of the scenes that ship with the program, sorted.
 std::vector<std::string> shipped_scenes();

@@ -11,9 +11,11 @@
 namespace ferrule {
 namespace {
 
-constexpr int kMaxIterations = 200;
+constexpr int kMaxIterations = 100;
 constexpr int kMaxHalvings = 50;
 constexpr int kMaxSubsteps = 8192;
+constexpr int kMostHalvings = 2;          // of a sub-step in which the minimum is not found
+constexpr int kMostEventHalvings = 10;    // where the world asks for events to be located
 constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
@@ -190,17 +192,79 @@ bool flies_free(const World& world, const State& state, const Pose& hand) noexce
          reach;
 }
 
-int substeps_for(const World& world, const State& state, const Pose& hand) noexcept {
+int substeps_for(const World& world, const State& state, const Pose& hand, double dt) noexcept {
+  const int fewest = static_cast<int>(
+      std::clamp<double>(std::ceil(dt / world.longest_step * (1 - 1e-9)), 1, kMaxSubsteps));
   const Pose move = hand - state.hand;
   const double clearance = world.annulus.clearance();
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
   const double travel = move.head<3>().norm() + lever * move.tail<2>().norm();
-  if (travel <= 0.5 * clearance) return 1;
+  if (travel <= 0.5 * clearance) return fewest;
   // Clear of the ferrule before and after: nothing on the way.
   const double nearest = std::min({state.tip[0], state.hand[0], hand[0]}) -
                          lever * (state.tip.tail<2>().norm() + hand.tail<2>().norm());
-  if (nearest > world.profile.lead_in_length + clearance) return 1;
-  return static_cast<int>(std::min<double>(std::ceil(2 * travel / clearance), kMaxSubsteps));
+  if (nearest > world.profile.lead_in_length + clearance) return fewest;
+  return std::max(
+      fewest, static_cast<int>(std::min<double>(std::ceil(2 * travel / clearance), kMaxSubsteps)));
+}
+
+// Did something begin or end, or did the end move by far more than the hand?
+bool is_event(const State& before, const Forces& now, EdgeSide side, const Pose& tip,
+              double travel) noexcept {
+  for (std::size_t place = 0; place < kContactPlaces; ++place)
+    if (before.contact[place].closed != now.contact[place].closed ||
+        before.contact[place].branch != now.contact[place].branch)
+      return true;
+  return before.bridge != now.bridge || before.side != side ||
+         (tip - before.tip).head<3>().norm() > 10 * travel;
+}
+
+// One sub-step from result.state to `command`, halved where the minimum is not found or an event is
+// to be located.
+void advance(const World& world, const Pose& command, double dt, int depth,
+             StepResult& result) noexcept {
+  State& state = result.state;
+  Lagged lagged = lag(world, state, command, dt);
+  Minimum found;
+  if (world.dynamics == Dynamics::inertial && dt == 0) {  // holds still
+    found.tip = state.tip;
+    found.converged = true;
+    found.tried[0] = potential(world, lagged, found.tip);
+  } else {
+    found = minimise(world, lagged, state.tip);
+  }
+  result.iterations += found.iterations;
+  // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
+  for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
+    lagged = lag_again(world, state, lagged, found.tip);
+    const int before = found.iterations;
+    found = minimise(world, lagged, found.tip);
+    result.iterations += found.iterations;
+    if (found.iterations == 0 && before == 0) break;
+  }
+  const Forces now = forces(world, lagged, found.tip, found.there());
+  const Pose move = command - state.hand;
+  const double travel =
+      move.head<3>().norm() + move.tail<2>().norm() * (lagged.length + world.annulus.fibre_radius);
+  const bool search = !found.converged && depth < kMostHalvings && travel > 0;
+  const bool locate = depth < kMostEventHalvings && travel > world.event_travel &&
+                      is_event(state, now, lagged.contact.side, found.tip, travel);
+  if (search || locate) {
+    ++result.halvings;
+    const Pose half = state.hand + 0.5 * (command - state.hand);
+    advance(world, half, 0.5 * dt, depth + 1, result);
+    advance(world, command, 0.5 * dt, depth + 1, result);
+    return;
+  }
+  if (!found.converged) result.status = StepStatus::not_converged;
+  update_velocity(lagged, found.tip, dt, state);
+  state.tip = found.tip;
+  state.hand = command;
+  state.side = lagged.contact.side;
+  update_contacts(lagged, now, state);
+  state.bridge = now.bridge;
+  result.forces = now.breakdown;
+  ++result.substeps;
 }
 
 }  // namespace
@@ -227,39 +291,10 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     return result;
   }
   const Pose from = state.hand;
-  result.substeps = substeps_for(world, state, hand);
-  const double part_dt = dt / result.substeps;
-  for (int k = 1; k <= result.substeps; ++k) {
-    const double part = static_cast<double>(k) / result.substeps;
-    const Pose command = k == result.substeps ? hand : Pose(from + part * (hand - from));
-    Lagged lagged = lag(world, result.state, command, part_dt);
-    const bool holds_still = world.dynamics == Dynamics::inertial && part_dt == 0;
-    Minimum found;
-    if (holds_still) {
-      found.tip = result.state.tip;
-      found.converged = true;
-      found.tried[0] = potential(world, lagged, found.tip);
-    } else {
-      found = minimise(world, lagged, result.state.tip);
-    }
-    result.iterations += found.iterations;
-    // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
-    for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
-      lagged = lag_again(world, result.state, lagged, found.tip);
-      const int before = found.iterations;
-      found = minimise(world, lagged, found.tip);
-      result.iterations += found.iterations;
-      if (found.iterations == 0 && before == 0) break;
-    }
-    if (!found.converged) result.status = StepStatus::not_converged;
-    update_velocity(lagged, found.tip, part_dt, result.state);
-    result.state.tip = found.tip;
-    result.state.hand = command;
-    result.state.side = lagged.contact.side;
-    const Forces now = forces(world, lagged, found.tip, found.there());
-    update_contacts(lagged, now, result.state);
-    result.state.bridge = now.bridge;
-    result.forces = now.breakdown;
+  const int parts = substeps_for(world, state, hand, dt);
+  for (int k = 1; k <= parts; ++k) {
+    const double part = static_cast<double>(k) / parts;
+    advance(world, k == parts ? hand : Pose(from + part * (hand - from)), dt / parts, 0, result);
   }
   result.state.time = state.time + dt;
   return result;

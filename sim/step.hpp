@@ -16,7 +16,7 @@ namespace ferrule {
 
 enum class StepStatus {
   ok,
-  not_converged,  // finite and lower in energy than before, but not stationary
+  not_converged,  // finite and lower in energy than before, but not stationary even when halved
   bad_command,    // the command or dt is not finite, or dt < 0: the state is unchanged
 };
 
@@ -26,6 +26,7 @@ struct StepResult {
   StepStatus status = StepStatus::ok;
   int iterations = 0;  // Newton iterations, all sub-steps together
   int substeps = 0;
+  int halvings = 0;  // of sub-steps: the minimum was not found at once, or an event was located
 };
 
 // From `state` over `dt` [s] to the command `hand` [m, rad]. Never throws, never allocates, never

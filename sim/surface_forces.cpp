@@ -10,8 +10,11 @@
 namespace ferrule {
 namespace {
 
+const Quadrature kMiddle;  // the one gap that printed forces know
+
 // The closed form replaces the exact cylinders where it is as good as these.
 constexpr double kClosedFormError = 1e-5;
+constexpr double kGaussTwo = 0.57735026918962576451;  // 1/sqrt(3)
 
 // Inserted length of the pose itself, and its derivative by x.
 double inserted(const World& world, const Pose& tip) noexcept {
@@ -44,14 +47,15 @@ Nodes nodes_of(const World& world, Form form) noexcept {
   return n;
 }
 
-void add_nodes(Energy& total, const World& world, Nodes laws, bool follows, double length,
-               bool bridge, const Pose& tip, SurfaceGradients& by_term) noexcept {
+void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, Nodes laws,
+               bool follows, double length, bool bridge, const Pose& tip,
+               SurfaceGradients& by_term) noexcept {
   const double slope = follows ? inserted_slope(world, tip) : 0;
   const double c = world.annulus.clearance();
   const Vector2d tilt = tip.tail<2>();
-  for (int n = 0; n < world.quadrature.order; ++n) {
-    const double node = world.quadrature.node[static_cast<std::size_t>(n)];
-    const double weight = world.quadrature.weight[static_cast<std::size_t>(n)];
+  for (int n = 0; n < quadrature.order; ++n) {
+    const double node = quadrature.node[static_cast<std::size_t>(n)];
+    const double weight = quadrature.weight[static_cast<std::size_t>(n)];
     const Arm arm{node * length, node * slope};
     const Radial radial(eccentricity(tip, arm.length), c);
     LineForce sum;
@@ -136,26 +140,34 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
       law.clearance - std::max(world.annulus.roughness, printed::kInteratomicDistance);
   const Apart free = apart(tip, length, widest);
 
-  // Where the mean surfaces touch, the force is held at that of the closest approach.
+  // Where the mean surfaces touch, the force is held at that of the closest approach:
+  // Gauss-Legendre of order 2.
+  const LocalLaw end(law, widest * widest);
   const auto add_held = [&](double from, double to) {
     if (!(to > from)) return;
-    const LocalLaw end(law, widest * widest);
     const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
     const double force = half * widest * (end.per_e[0] + end.per_e[1]);
-    for (const double side : {-1.0, 1.0}) {  // Gauss-Legendre of order 2
-      const double arm = middle + side * half / std::sqrt(3.0);
-      const Radial radial(eccentricity(tip, arm), 0);
-      const double beyond = radial.eccentricity - widest;
-      const double value = half * (end.value[0] + end.value[1]) + force * beyond;
-      total.value += value;
-      total.value_scale += std::abs(value);
-      total.force_scale += std::abs(force);
-      total.add_across(tilt, {arm, 0}, force * radial.normal, force * radial.curving);
-      for (std::size_t i = 0; i < 2; ++i) {
-        const Vector2d pull = half * widest * end.per_e[i] * radial.normal;
-        by_term[terms[i]].e += pull;
-        by_term[terms[i]].t += arm * pull;
-      }
+    const double spread = half * kGaussTwo;
+    const Radial near(eccentricity(tip, middle - spread), 0);
+    const Radial far(eccentricity(tip, middle + spread), 0);
+    const double value = 2 * half * (end.value[0] + end.value[1]) +
+                         force * (near.eccentricity + far.eccentricity - 2 * widest);
+    total.value += value;
+    total.value_scale += std::abs(value);
+    total.force_scale += 2 * std::abs(force);
+    const Vector2d sum = near.normal + far.normal;
+    const Vector2d turn = middle * sum + spread * (far.normal - near.normal);
+    total.gradient.e += force * sum;
+    total.gradient.t += force * turn;
+    const Matrix2d both = force * (near.curving + far.curving);
+    const Matrix2d differing = force * spread * (far.curving - near.curving);
+    total.hessian.ee += both;
+    total.hessian.et += middle * both + differing;
+    total.hessian.tt += (middle * middle + spread * spread) * both + 2 * middle * differing;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double part = half * widest * end.per_e[i];
+      by_term[terms[i]].e += part * sum;
+      by_term[terms[i]].t += part * turn;
     }
   };
   add_held(0, free.from);
@@ -188,7 +200,7 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   const Vector2d e = eccentricity(tip, length);
   const double radius2 = e.squaredNorm(), limit2 = widest * widest;
   const bool held = radius2 > limit2;
-  LocalLaw mouth(law, held ? limit2 : radius2);
+  LocalLaw mouth = held ? end : LocalLaw(law, radius2);
   if (held) {
     const double radius = std::sqrt(radius2);
     for (std::size_t i = 0; i < 2; ++i) {
@@ -213,23 +225,22 @@ bool electrostatic_in_closed_form(const World& world) noexcept {
          closed_form_error(world.annulus) < kClosedFormError;
 }
 
-SurfaceGradients add_surface_forces(Energy& total, const World& world, double printed_length,
-                                    bool bridge, const Pose& tip) noexcept {
-  SurfaceGradients by_term;
+void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& world,
+                        double printed_length, bool bridge, const Pose& tip) noexcept {
   const Nodes printed = nodes_of(world, Form::printed);
   if (printed_length > 0 && printed.any())
-    add_nodes(total, world, printed, false, printed_length, bridge, tip, by_term);
-  if (tip[0] >= 0) return by_term;
+    add_nodes(total, world, kMiddle, printed, false, printed_length, bridge, tip, by_term);
+  if (tip[0] >= 0) return;
   const Nodes corrected = nodes_of(world, Form::corrected);
   if (corrected.any())
-    add_nodes(total, world, corrected, true, inserted(world, tip), bridge, tip, by_term);
+    add_nodes(total, world, world.quadrature, corrected, true, inserted(world, tip), bridge, tip,
+              by_term);
   const VanDerWaals* attraction = closed_van_der_waals(world) ? &*world.van_der_waals : nullptr;
   const Electrostatic* charge =
       electrostatic_in_closed_form(world) ? &*world.electrostatic : nullptr;
   if (attraction || charge)
     add_closed_form(total, world, TiltedAnnulus::of(attraction, charge, world.annulus), tip,
                     by_term);
-  return by_term;
 }
 
 bool bridge_at(const World& world, bool bridge, const Pose& tip) noexcept {

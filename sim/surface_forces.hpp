@@ -19,10 +19,10 @@ enum SurfaceTerm { kVanDerWaals, kElectrostatic, kCapillary, kSurfaceTerms };
 // Gradient of each term's energy: minus its force and moment [N, N m].
 using SurfaceGradients = std::array<PoseVector, kSurfaceTerms>;
 
-// Adds them to `total` at `tip`, and gives each term's part. `printed_length` [m] is what the
-// printed forces act along, `bridge` whether liquid spans the gap.
-SurfaceGradients add_surface_forces(Energy& total, const World& world, double printed_length,
-                                    bool bridge, const Pose& tip) noexcept;
+// Adds them to `total` at `tip`, and each term's part to `by_term`. `printed_length` [m] is what
+// the printed forces act along, `bridge` whether liquid spans the gap.
+void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& world,
+                        double printed_length, bool bridge, const Pose& tip) noexcept;
 
 // Whether the corrected electrostatic force is taken in closed form in this world.
 bool electrostatic_in_closed_form(const World& world) noexcept;

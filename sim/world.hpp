@@ -2,6 +2,7 @@
 // (sim/scene.hpp). A law that is not there is not modelled and costs nothing.
 #pragma once
 
+#include <limits>
 #include <optional>
 
 #include "sim/adhesion.hpp"
@@ -33,6 +34,10 @@ struct World {
   Holder holder;
   Dynamics dynamics = Dynamics::quasi_static;
   Integrator integrator = Integrator::backward_euler;
+  double longest_step = std::numeric_limits<double>::infinity();  // longer ones are divided [s]
+  // A step in which a contact or bridge opens or closes, or the fibre snaps, is halved until the
+  // hand travels no more than this in it [m].
+  double event_travel = std::numeric_limits<double>::infinity();
   Quadrature quadrature;  // of surface forces along the inserted length
   // Corrected van der Waals and electrostatic forces in closed form instead (surface_forces.hpp).
   bool closed_form = true;

@@ -303,6 +303,33 @@ class Bench(Case):
             self.refused(2, "contact", "--lambda", bad, "--curve", says=["--lambda"])
         self.refused(2, "contact", "--lambda", 4, "--radius", "1,-1", says=["--radius"])
 
+    def test_a_plan_is_a_scene_and_accuracy_applies_it(self):
+        plan = json.loads(self.done("plan", "--scene", "demo", "--tolerance", 0.02, "--json",
+                                    "--out", self.path("planned.json")).stdout)
+        self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "error_bound"})
+        self.assertEqual(plan["tolerance"], 0.02)
+        self.assertLessEqual(plan["error_bound"], 0.02)
+        for term in plan["terms"]:
+            self.assertEqual(set(term), {"name", "kept", "fidelity", "max_force_uN",
+                                         "relative_error", "cost_ns"})
+        planned = json.load(open(self.path("planned.json")))
+        self.assertEqual(planned["planned_accuracy"], 0.02)
+        for term in plan["terms"]:
+            if not term["kept"] and term["name"] != "inertia":
+                self.assertIsNone(planned["laws"][term["name"]])
+        # The same scene by its key.
+        self.done("record", "--scene", "demo", "--set", "accuracy=0.02", "--operator", "simulated",
+                  "--episodes", 1, "--seed", 4, "--out", self.path("a"))
+        self.done("record", "--scene", self.path("planned.json"), "--operator", "simulated",
+                  "--episodes", 1, "--seed", 4, "--out", self.path("b"))
+        with h5py.File(self.path("a/episode_0001.h5")) as a, \
+                h5py.File(self.path("b/episode_0001.h5")) as b:
+            self.assertEqual(json.loads(a.attrs["scene"]), planned)
+            self.assertTrue((a["data/demo_0/states"][:] == b["data/demo_0/states"][:]).all())
+        self.done("replay", self.path("a/episode_0001.h5"), "--verify")
+        self.refused(2, "plan", "--tolerance", 0.9, says=["--tolerance"])
+        self.refused(2, "forces", "--set", "accuracy=2", says=["accuracy = 2"])
+
     def test_capture_takes_exactly_what_fits(self):
         rows = json.loads(self.done("bench", "capture", "--json").stdout)["rows"]
         self.assertGreater(len(rows), 600)

@@ -118,6 +118,27 @@ TEST(Step, AHandThatJumpsTenCentimetresIsStoppedByTheFace) {
   EXPECT_EQ(r.state.side, EdgeSide::face);
 }
 
+TEST(Step, AFibreTiltedOnTheFaceFeelsNoForcesOfTheBore) {
+  // Beside a sharp bore, leaning so that the centre of its end is below the entrance plane.
+  const Scene scene =
+      testing::paper({"ferrule.lead_in=null", "roughness_nm=5", "laws.van_der_waals.form=corrected",
+                      "laws.electrostatic.form=corrected", "laws.capillary.form=corrected",
+                      "laws.adhesion.form=corrected", "laws.friction.form=corrected",
+                      "laws.meniscus={\"form\":\"corrected\",\"surface_tension_N_m\":0.05,"
+                      "\"contact_angle_deg\":30}"});
+  const double beside = 5 * scene.world.annulus.clearance();
+  const State start = at_rest(scene.world, pose(2e-6, beside, 0, -0.02, 0));
+  Pose pressed = start.hand;
+  pressed[0] = -5e-6;
+  const StepResult r = drive(scene.world, start, pressed, 20e-6);
+  EXPECT_EQ(r.state.side, EdgeSide::face);
+  EXPECT_LT(r.state.tip[0], 0);
+  EXPECT_TRUE(r.state.contact[kEnd].closed);
+  const auto terms = term_forces(r.forces);
+  for (const std::size_t term : {0u, 1u, 3u, 8u}) EXPECT_EQ(terms[term].norm(), 0) << term;
+  EXPECT_NEAR(1e6 * r.state.tip[1], 1e6 * beside, 0.5);
+}
+
 TEST(Step, AHandThatJumpsSidewaysInTheBoreIsHeldByTheWall) {
   const Scene scene = testing::bare();
   State start =

@@ -1,0 +1,111 @@
+#include "sim/plan.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/verb.hpp"
+#include "bench/measure.hpp"
+#include "sim/potential.hpp"
+
+namespace ferrule {
+namespace {
+
+struct Arguments {
+  SceneArguments scene;
+  double tolerance = 0.01;
+  std::string out;
+  bool json = false;
+};
+
+// A scene that models one of the terms, or with "" none.
+Scene with_only(const Plan& plan, const Scene& scene, const std::string& name) {
+  Json document = plan.document;
+  document.erase("planned_accuracy");
+  for (auto& [law, value] : document["laws"].items()) {
+    const bool this_one = law == name;
+    value = this_one ? scene.document["laws"][law] : Json();
+  }
+  document["dynamics"] = name == "inertia" ? "inertial" : "quasi_static";
+  return parse_scene(document, scene.name);
+}
+
+// What a term adds to one evaluation of the potential [ns].
+double cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
+  const auto time = [&](const std::string& name) {
+    const World world = with_only(plan, scene, name).world;
+    const Lagged lagged = lag(world, term.state, term.state.hand, plan.step);
+    return nanoseconds_per_call([&](long) { keep(potential(world, lagged, term.state.tip)); }, 2e6);
+  };
+  return std::max(0.0, time(term.name) - time(""));
+}
+
+int plan_scene(const Arguments& a) {
+  // The tolerance asked for here, whatever the scene says.
+  Json document = load_document(a.scene.scene, a.scene.settings);
+  if (document.is_object()) {
+    document.erase("accuracy");
+    document.erase("planned_accuracy");
+  }
+  const Scene scene = parse_scene(document, a.scene.scene);
+  const Plan plan = make_plan(scene, a.tolerance);
+  std::vector<double> costs;
+  for (const PlannedTerm& t : plan.terms) costs.push_back(cost(plan, scene, t));
+  if (!a.out.empty()) write_text(a.out, plan.document.dump(2) + "\n");
+
+  const bool holds = plan.error_bound <= plan.tolerance;
+  const char* dynamics = plan.dynamics == Dynamics::inertial ? "inertial" : "quasi_static";
+  if (a.json) {
+    Json terms = Json::array();
+    for (std::size_t i = 0; i < plan.terms.size(); ++i) {
+      const PlannedTerm& t = plan.terms[i];
+      terms.push_back({{"name", t.name},
+                       {"kept", t.kept},
+                       {"fidelity", t.fidelity},
+                       {"max_force_uN", 1e6 * t.max_force},
+                       {"relative_error", t.relative_error},
+                       {"cost_ns", costs[i]}});
+    }
+    print_json({{"tolerance", plan.tolerance},
+                {"terms", terms},
+                {"dynamics", dynamics},
+                {"step_s", plan.step},
+                {"error_bound", plan.error_bound}});
+    return holds ? kDone : kFailed;
+  }
+  fmt::print("{:<15} {:<9} {:<28} {:>13} {:>10} {:>8}\n", "term", "", "fidelity", "largest [uN]",
+             "error", "ns");
+  double bound_left_out = 0;
+  for (std::size_t i = 0; i < plan.terms.size(); ++i) {
+    const PlannedTerm& t = plan.terms[i];
+    if (!t.kept) bound_left_out += t.relative_error;
+    fmt::print("{:<15} {:<9} {:<28} {:>13.4g} {:>10.2g} {:>8.1f}\n", t.name,
+               t.kept ? "kept" : "left out", t.kept ? t.fidelity : "", 1e6 * t.max_force,
+               t.relative_error, costs[i]);
+  }
+  fmt::print(
+      "{}, steps of {:g} ms. What is left out changes the result by at most {:.2g}.\n"
+      "Error bound {:.2g} of the clearance and of the largest force ({:.4g} uN); asked for: "
+      "{:g}{}\n",
+      dynamics, 1e3 * plan.step, bound_left_out, plan.error_bound, 1e6 * plan.force_scale,
+      plan.tolerance, holds ? "" : ": NOT REACHED");
+  return holds ? kDone : kFailed;
+}
+
+}  // namespace
+
+void add_plan(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand(
+      "plan", "Which terms, fidelity, dynamics and step a scene needs for a tolerance");
+  auto a = std::make_shared<Arguments>();
+  a->scene.add_to(*verb, "paper");
+  verb->add_option("--tolerance", a->tolerance,
+                   "Error of tip over clearance and of force over the largest force")
+      ->capture_default_str()
+      ->check(number_between(1e-6, 0.5));
+  verb->add_option("--out", a->out, "Write the planned scene to a file")->type_name("FILE");
+  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  verb->callback([a, &run] { run = [a] { return plan_scene(*a); }; });
+}
+
+}  // namespace ferrule

@@ -1,0 +1,68 @@
+// Which terms, fidelity, dynamics and step a scene needs for a tolerance: both speed and accuracy,
+// by measurement. The full model (every term of the scene, the finest fidelity, a fine step) and
+// the reduced one are driven through the same probe motions, and compared.
+//
+// Motions that a plan is for: starts of the scene's start distribution; hands that move at up to
+// limits.speed and change speed in 0.1 s; insertion to the success depth, sideways pushes, tilting
+// and withdrawal, as long as the force at the holder stays below limits.force.
+//
+// Error of a run against the full model, sample by sample at 1 kHz, the larger of
+//   |tip - tip_full| over the clearance
+//   |F - F_full| of the holder over the largest |F_full| of that run, or over the force that moves
+//   the
+//     holder by a clearance where that is more
+// An event, such as a snap into contact, is resolved to one sample in time; where it comes later,
+// the hand's travel until it comes, over the clearance, counts as the error.
+//
+// A term is left out where the largest force it has in any probe could not change the result by a
+// fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
+// since there small forces decide where it comes to rest, and so for a coarser fidelity. What is
+// chosen is then run, and has to stay below a third of the tolerance in every probe. Without drag
+// and inertia nothing depends on time, and the step is that of control, 1 ms.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/scene.hpp"
+
+namespace ferrule {
+
+struct PlannedTerm {
+  std::string name;  // as in kTermNames, or "inertia"
+  bool kept;
+  std::string fidelity;   // how it is computed; "none" where left out
+  double max_force;       // largest in any probe [N]
+  double relative_error;  // of its force where kept; what leaving it out changes at most otherwise
+  State state;            // where it was largest: what a benchmark of its cost evaluates
+};
+
+struct Plan {
+  double tolerance;
+  std::vector<PlannedTerm> terms;  // those of the scene, in the order of kTermNames, then inertia
+  Dynamics dynamics;
+  double step;         // longest step in time [s]
+  double force_scale;  // what force errors are relative to [N]
+  double error_bound;  // of tip over clearance and of force over force_scale
+  Json document;       // the planned scene
+};
+
+// `scene` without "accuracy"; 1e-6 <= tolerance <= 0.5. Deterministic; takes about a second.
+// Throws BadInput if the tolerance is out of range.
+Plan make_plan(const Scene& scene, double tolerance);
+
+// One run along given hand poses, a sample per millisecond.
+struct SampledRun {
+  std::vector<Vector3d> tip;    // [m]
+  std::vector<Vector3d> force;  // at the holder [N]
+};
+// The first sample is the state at hand[0]. The run ends early where the holder's force, weight
+// apart, exceeds `force_limit` [N].
+SampledRun sample_run(const World& world, const State& start, const std::vector<Pose>& hand,
+                      double force_limit);
+
+// The error defined above, over the samples of the shorter run.
+double run_error(const SampledRun& run, const SampledRun& full, const std::vector<Pose>& hand,
+                 const World& world);
+
+}  // namespace ferrule
