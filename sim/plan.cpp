@@ -17,12 +17,12 @@ namespace {
 
 constexpr std::uint64_t kProbeSeed = 20;
 constexpr std::uint64_t kProbes = 8;
-constexpr int kFullNodes = 16;                        // of the quadrature of the full model
-constexpr double kSample = 1e-3;                      // [s]
-constexpr double kLongest = 8, kLongestWithDrag = 2;  // of a probe [s]
-constexpr double kDeepest = 100e-6;                   // of a probe [m]
-constexpr double kMostLean = 0.03;                    // [rad]
-constexpr double kSpeedingUp = 0.1;                   // time in which a hand changes its speed [s]
+constexpr int kFullNodes = 16;                          // of the quadrature of the full model
+constexpr double kSample = 1e-3;                        // [s]
+constexpr double kLongest = 16, kLongestWithDrag = 30;  // of a probe [s]
+constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6;  // of a probe [m]
+constexpr double kMostLean = 0.03;                             // [rad]
+constexpr double kSpeedingUp = 0.1;  // time in which a hand changes its speed [s]
 constexpr double kPeakOfMinimumJerk = 1.875;
 constexpr std::size_t kEveryForFidelity = 7;  // samples at which fidelities are compared
 
@@ -45,7 +45,8 @@ constexpr double kMeasured = 0.3;  // of the tolerance that the chosen model may
 std::vector<Pose> probe(const Scene& scene, const State& start, std::uint64_t k) {
   RandomStream random(kProbeSeed, k, Draw::plan);
   const World& world = scene.world;
-  const double c = world.annulus.clearance(), depth = std::min(scene.success.depth, kDeepest);
+  const double c = world.annulus.clearance(),
+               depth = std::min(scene.success.depth, world.drag ? kDeepestWithDrag : kDeepest);
   const auto around = [&](double scale) { return scale * (2 * random.uniform() - 1); };
   const double push =
       c + 0.7 * scene.limits.force / world.holder.stiffness.block<2, 2>(1, 1).norm();
@@ -58,14 +59,14 @@ std::vector<Pose> probe(const Scene& scene, const State& start, std::uint64_t k)
     p << x, y, z, ty, tz;
     tips.push_back(p);
   };
-  const double outside = world.profile.lead_in_length + 2e-6;
+  const double outside = world.profile.lead_in_length + 2e-6, mouth = 2e-6;
   const Vector2d aside(around(0.6 * c), around(0.6 * c));
   const double ty = around(lean), tz = around(lean);
   const bool misaligned = k % 4 == 3;  // straight down from where it is
   if (misaligned) {
     next(-depth, start.tip[1], start.tip[2], start.tip[3], start.tip[4]);
   } else {
-    next(std::min(outside, start.tip[0]), aside.x(), aside.y(), ty, tz);
+    tips.front() << mouth, aside, ty, tz;
     next(-depth, aside.x(), aside.y(), ty, tz);
   }
   for (const double side : {1.0, -1.0}) {
@@ -74,19 +75,27 @@ std::vector<Pose> probe(const Scene& scene, const State& start, std::uint64_t k)
     next(-depth, y, z, ty + around(lean), tz + around(lean));
     next(-(0.4 + 0.2 * random.uniform()) * depth, y, z, ty, tz);
   }
-  next(std::max(outside, 5e-6), aside.x(), aside.y(), 0, 0);
+  next(misaligned ? outside : mouth, aside.x(), aside.y(), 0, 0);
 
-  std::vector<Pose> hand = {start.hand};
   const double lever = depth + world.annulus.fibre_radius;
+  const auto way_to = [&](std::size_t i) {
+    const Pose move = tips[i] - tips[i - 1];
+    return move.head<3>().norm() + lever * move.tail<2>().norm();
+  };
+  // Where nothing depends on time the hand may as well be faster than the scene's.
+  double speed = scene.limits.speed, all = 0;
+  for (std::size_t i = 1; i < tips.size(); ++i) all += way_to(i);
+  if (!world.drag && world.dynamics == Dynamics::quasi_static)
+    speed = std::max(speed, kPeakOfMinimumJerk * all / (0.75 * kLongest));
+  std::vector<Pose> hand = {tips.front() - world.holder.sag};
   const double longest = world.dynamics == Dynamics::inertial ? kInertialLongest
                          : world.drag                         ? kLongestWithDrag
                                                               : kLongest;
   for (std::size_t i = 1; i < tips.size(); ++i) {
     const Pose from = hand.back(), to = tips[i] - world.holder.sag;
-    const double way = (to - from).head<3>().norm() + lever * (to - from).tail<2>().norm();
-    const double speed = scene.limits.speed * (0.5 + 0.5 * random.uniform());
+    const double part = speed * (0.5 + 0.5 * random.uniform());
     const auto steps = static_cast<std::size_t>(
-        std::ceil(std::max(kPeakOfMinimumJerk * way / speed, 2 * kSpeedingUp) / kSample));
+        std::ceil(std::max(kPeakOfMinimumJerk * way_to(i) / part, 2 * kSpeedingUp) / kSample));
     for (std::size_t n = 1; n <= steps; ++n) {
       if (static_cast<double>(hand.size()) * kSample > longest) return hand;
       const double p = static_cast<double>(n) / static_cast<double>(steps);
@@ -274,12 +283,12 @@ Plan make_plan(const Scene& scene, double tolerance) {
   for (std::uint64_t k = 0; k < (inertial ? kInertialProbes : kProbes); ++k) {
     Probe p;
     p.start = draw_start(full, kProbeSeed, k);
-    // Free flight tells nothing; what is short begins at the mouth.
+    // Free flight tells nothing.
     Pose from = p.start.tip;
-    from[0] = std::min(from[0], world.profile.lead_in_length + (inertial ? 1e-6 : 5e-6));
-    if (inertial) from.segment<2>(1) *= 0.5 * c / std::max(0.5 * c, from.segment<2>(1).norm());
+    from[0] = std::min(from[0], world.profile.lead_in_length + 5e-6);
     p.start = at_rest(world, from);
     p.hand = probe(full, p.start, k);
+    p.start = at_rest(world, p.hand.front() + world.holder.sag);
     std::size_t sample = 0;
     p.samples =
         run(world, p.start, p.hand, scene.limits.force, [&](const State& s, const Breakdown& b) {
@@ -310,6 +319,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
   std::vector<int> left_out;
   double spent = 0;
   for (const int i : order) {
+    if (most[static_cast<std::size_t>(i)] == 0) continue;  // not seen: it may act elsewhere
     const double more = changes(most[static_cast<std::size_t>(i)]);
     if (spent + more > (sticks ? kShareWhereItSticks : kShare) * tolerance) break;
     spent += more;
