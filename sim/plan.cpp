@@ -1,6 +1,5 @@
 #include "sim/plan.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,9 @@
 
 namespace ferrule {
 namespace {
+
+// Places in kTermNames.
+constexpr int kWallTerm = 5, kFrictionTerm = 6;
 
 constexpr std::uint64_t kProbeSeed = 20;
 constexpr std::uint64_t kProbes = 8;
@@ -304,7 +306,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
     sticks = sticks || snaps(p.samples, p.hand, c);
     probes.push_back(std::move(p));
   }
-  sticks = sticks || most[6] > 0 || world.drag;  // drag slows a snap down and hides it
+  sticks = sticks || most[kFrictionTerm] > 0 || world.drag;  // drag slows a snap down and hides it
   force_scale = std::max(force_scale, c / soft);
   // What a force that is missing can change: the felt force, and where the end is.
   const auto changes = [&](double force) { return force * std::max(1 / force_scale, soft / c); };
@@ -312,7 +314,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
   // What to leave out: the smallest terms, as long as all of them together are small enough.
   std::vector<int> order;
   for (int i = 0; i < kTerms; ++i)
-    if (has_term(world, i) && i != 5) order.push_back(i);
+    if (has_term(world, i) && i != kWallTerm) order.push_back(i);
   std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
     return most[static_cast<std::size_t>(a)] < most[static_cast<std::size_t>(b)];
   });
