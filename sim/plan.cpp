@@ -315,8 +315,9 @@ Plan make_plan(const Scene& scene, double tolerance) {
   std::vector<int> order;
   for (int i = 0; i < kTerms; ++i)
     if (has_term(world, i) && i != kWallTerm) order.push_back(i);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return most[static_cast<std::size_t>(a)] < most[static_cast<std::size_t>(b)];
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::pair(most[static_cast<std::size_t>(a)], a) <
+           std::pair(most[static_cast<std::size_t>(b)], b);
   });
   std::vector<int> left_out;
   double spent = 0;
