@@ -61,8 +61,7 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
   const double x_rim = state.tip[0] - r * at.outward.dot(state.tip.tail<2>());
   const EdgeDepth d = edge_depth(world.profile, x_rim, e.norm() + r);
   at.side = edge_side(d, state.side);
-  at.in_bore = at.side == EdgeSide::throat;
-  at.side_can_touch = at.in_bore && state.tip[0] < 0;
+  at.side_can_touch = at.side == EdgeSide::throat && state.tip[0] < 0;
   return at;
 }
 

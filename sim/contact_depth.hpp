@@ -62,9 +62,6 @@ struct ContactDepth {
 struct ContactSide {
   EdgeSide side = EdgeSide::throat;
   Vector2d outward = Vector2d::UnitX();  // unit direction from the bore's axis to the fibre's end
-  // Held back by the throat, not by the front face: what is below the entrance plane is in the
-  // bore.
-  bool in_bore = true;
   // It was in the bore when the step began: the mouth's rim faces the side, and surface forces act.
   bool side_can_touch = false;
 };

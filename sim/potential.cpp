@@ -57,9 +57,21 @@ ContactForce wall_force(const World& world, double depth) noexcept {
   return world.wall ? wall(*world.wall, depth) : ContactForce{};
 }
 
+// Drag along x over the step, by the inserted length before and now (Lagged::axial_drag).
+struct AxialDrag {
+  double energy, force, stiffness;  // the force is along x [N]
+
+  AxialDrag(const Lagged& lagged, const Pose& tip) noexcept {
+    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, -tip[0]);
+    const double k = lagged.axial_drag, more = now - before;
+    energy = k * more * more * (now + 2 * before) / 6;
+    force = 0.5 * k * more * (now + before);
+    stiffness = k * now;
+  }
+};
+
 void lag_drag(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
-  if (!world.drag || dt == 0 || !lagged.contact.in_bore) return;
-  lagged.drags = true;
+  if (!world.drag || dt == 0 || lagged.contact.side == EdgeSide::face) return;
   const double middle = 0.5 * lagged.length, spread = lagged.length / std::sqrt(60.0);
   const Vector2d e = eccentricity(state.tip, middle);
   const double radius = e.norm();
@@ -161,16 +173,13 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& tip) n
     total.force_scale += pull;
   }
 
-  if (lagged.drags && (tip[0] < 0 || lagged.from.x < 0)) {
-    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, -tip[0]);
-    const double k = lagged.axial_drag, more = now - before;
-    const double energy = k * more * more * (now + 2 * before) / 6;
-    const double force = 0.5 * k * more * (now + before);
-    total.value += energy;
-    total.value_scale += energy;
-    total.force_scale += std::abs(force);
-    total.gradient.x -= force;
-    total.hessian.xx += k * now;
+  if (lagged.axial_drag > 0) {
+    const AxialDrag axial(lagged, tip);
+    total.value += axial.energy;
+    total.value_scale += axial.energy;
+    total.force_scale += std::abs(axial.force);
+    total.gradient.x -= axial.force;
+    total.hessian.xx += axial.stiffness;
   }
 
   for (int place = 0; place < kContactPlaces; ++place) {
@@ -211,9 +220,8 @@ Forces forces(const World& world, const Lagged& lagged, const Pose& tip,
   out.bridge = lagged.contact.side_can_touch && bridge_at(world, lagged.bridge, tip);
   if (world.meniscus && lagged.contact.side_can_touch && tip[0] < 0)
     b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, end};
-  if (lagged.drags) {
-    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, length);
-    const double axial = 0.25 * lagged.axial_drag * (now - before) * (now + before);
+  if (lagged.axial_drag > 0) {
+    const double axial = 0.5 * AxialDrag(lagged, tip).force;
     const Pose moved = tip - lagged.from.full();
     for (std::size_t i = 0; i < 2; ++i) {
       const double arm = lagged.drag_arm[i];

@@ -47,10 +47,9 @@ struct Lagged {
 
   // Drag along x is k l per speed at the inserted length l, which changes with the step itself:
   // k (l^2 - l_0^2)/(2 dt), of energy k (l - l_0)^2 (l + 2 l_0)/(6 dt). Sideways it is lagged.
-  bool drags = false;
-  double axial_drag = 0;  // k/dt [N/m^2]
-  Matrix2d drag_per_move =
-      Matrix2d::Zero();              // force over displacement, sideways, at each arm [N/m]
+  double axial_drag = 0;  // k/dt [N/m^2]; 0 without drag
+  // Force over displacement, sideways, at each of two arms [N/m].
+  Matrix2d drag_per_move = Matrix2d::Zero();
   std::array<double, 2> drag_arm{};  // [m]
 
   bool inertial = false;

@@ -314,9 +314,8 @@ Json load_document(const std::string& name_or_file, const std::vector<std::strin
 }
 
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
-  const Json document = load_document(name_or_file, settings);
   const std::string file = scene_file(name_or_file);
-  return parse_scene(document, settings.empty() ? file : file + " with --set");
+  return parse_scene(load_document(file, settings), settings.empty() ? file : file + " with --set");
 }
 
 std::vector<std::string> shipped_scenes() {

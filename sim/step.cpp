@@ -37,33 +37,29 @@ double residual(const World& world, const PoseVector& gradient) noexcept {
                    gradient.t.cwiseAbs().maxCoeff() / world.holder.tilt_length});
 }
 
-bool positive(const Matrix2d& m, double determinant) noexcept {
+// The inverse of a symmetric matrix; false where it is not positive definite.
+bool invert(const Matrix2d& m, Matrix2d& inverse) noexcept {
+  double determinant = 0;
+  bool invertible = false;
+  m.computeInverseAndDetWithCheck(inverse, determinant, invertible, 0.0);
   return m(0, 0) > 0 && determinant > 0;
-}
-
-Matrix2d inverse(const Matrix2d& m, double determinant) noexcept {
-  Matrix2d i;
-  i << m(1, 1), -m(0, 1), -m(1, 0), m(0, 0);
-  return i / determinant;
 }
 
 // Solves h d = -g by eliminating the tilts, then y and z; false where h is not positive definite.
 bool solve(const PoseMatrix& h, const PoseVector& g, PoseVector& d) noexcept {
-  const double tilts = h.tt.determinant();
-  if (!positive(h.tt, tilts)) return false;
-  const Matrix2d et_over_tt = h.et * inverse(h.tt, tilts);
-  const Vector2d xt_over_tt = inverse(h.tt, tilts) * h.xt;
-  const Matrix2d ee = h.ee - et_over_tt * h.et.transpose();
+  Matrix2d over_tt, over_ee;
+  if (!invert(h.tt, over_tt)) return false;
+  const Matrix2d et_over_tt = h.et * over_tt;
+  const Vector2d xt_over_tt = over_tt * h.xt;
+  if (!invert(h.ee - et_over_tt * h.et.transpose(), over_ee)) return false;
   const Vector2d xe = h.xe - et_over_tt * h.xt;
-  const double across = ee.determinant();
-  if (!positive(ee, across)) return false;
-  const Vector2d xe_over_ee = inverse(ee, across) * xe;
+  const Vector2d xe_over_ee = over_ee * xe;
   const double xx = h.xx - xt_over_tt.dot(h.xt) - xe_over_ee.dot(xe);
   if (!(xx > 0)) return false;
   const Vector2d ge = g.e - et_over_tt * g.t;
   const double x = -(g.x - xt_over_tt.dot(g.t) - xe_over_ee.dot(ge)) / xx;
-  const Vector2d e = -(inverse(ee, across) * ge) - x * xe_over_ee;
-  const Vector2d t = -(inverse(h.tt, tilts) * g.t) - x * xt_over_tt - et_over_tt.transpose() * e;
+  const Vector2d e = -(over_ee * ge) - x * xe_over_ee;
+  const Vector2d t = -(over_tt * g.t) - x * xt_over_tt - et_over_tt.transpose() * e;
   d = {x, e, t};
   return true;
 }

@@ -28,23 +28,14 @@ template <class Law>
 bool has(const std::optional<Law>& law, Form form) noexcept {
   return law && law->form == form;
 }
-bool closed_van_der_waals(const World& world) noexcept {
-  return world.closed_form && has(world.van_der_waals, Form::corrected);
-}
-
 // The terms of `form` that are summed over nodes.
 struct Nodes {
   bool van_der_waals, electrostatic, capillary;
   bool any() const noexcept { return van_der_waals || electrostatic || capillary; }
 };
 Nodes nodes_of(const World& world, Form form) noexcept {
-  Nodes n{has(world.van_der_waals, form), has(world.electrostatic, form),
+  return {has(world.van_der_waals, form), has(world.electrostatic, form),
           has(world.capillary, form)};
-  if (form == Form::corrected) {
-    n.van_der_waals = n.van_der_waals && !closed_van_der_waals(world);
-    n.electrostatic = n.electrostatic && !electrostatic_in_closed_form(world);
-  }
-  return n;
 }
 
 void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, Nodes laws,
@@ -231,16 +222,19 @@ void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& w
   if (printed_length > 0 && printed.any())
     add_nodes(total, world, kMiddle, printed, false, printed_length, bridge, tip, by_term);
   if (tip[0] >= 0) return;
-  const Nodes corrected = nodes_of(world, Form::corrected);
+  Nodes corrected = nodes_of(world, Form::corrected);
+  const bool attracts = corrected.van_der_waals && world.closed_form;
+  const bool charged = corrected.electrostatic && electrostatic_in_closed_form(world);
+  if (attracts || charged)
+    add_closed_form(total, world,
+                    TiltedAnnulus::of(attracts ? &*world.van_der_waals : nullptr,
+                                      charged ? &*world.electrostatic : nullptr, world.annulus),
+                    tip, by_term);
+  corrected.van_der_waals = corrected.van_der_waals && !attracts;
+  corrected.electrostatic = corrected.electrostatic && !charged;
   if (corrected.any())
     add_nodes(total, world, world.quadrature, corrected, true, inserted(world, tip), bridge, tip,
               by_term);
-  const VanDerWaals* attraction = closed_van_der_waals(world) ? &*world.van_der_waals : nullptr;
-  const Electrostatic* charge =
-      electrostatic_in_closed_form(world) ? &*world.electrostatic : nullptr;
-  if (attraction || charge)
-    add_closed_form(total, world, TiltedAnnulus::of(attraction, charge, world.annulus), tip,
-                    by_term);
 }
 
 bool bridge_at(const World& world, bool bridge, const Pose& tip) noexcept {
