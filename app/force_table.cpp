@@ -42,12 +42,14 @@ ForceRow force_row(const World& world, double gap_nm, double length_um,
     if (const auto& law = world.capillary)
       row.capillary = length * capillary(*law, world.annulus, gap, true).force;
   } else if (length > 0) {
-    // A fibre that leans away from the wall below it.
+    // A fibre that leans away from the wall below it; the gap changes by decades along it.
+    World fine = world;
+    fine.quadrature = Quadrature::gauss_legendre(kMostNodes);
     Pose tip;
     tip << -length, gap - c, 0, tilt, 0;
     Energy energy;
     SurfaceGradients terms;
-    add_surface_forces(energy, terms, world, length, true, tip);
+    add_surface_forces(energy, terms, fine, length, true, tip);
     row.van_der_waals = -terms[kVanDerWaals].e.x();
     row.electrostatic = -terms[kElectrostatic].e.x();
     row.capillary = -terms[kCapillary].e.x();

@@ -102,6 +102,21 @@ class Forces(Case):
             self.assertAlmostEqual(row["capillary_uN"], rows[10]["capillary_uN"] *
                                    row["length_um"] / 100, delta=1e-9)
 
+    def test_a_tilted_fibre_feels_the_mean_over_its_gaps(self):
+        scene = ["--json", "--set", "laws.van_der_waals.form=corrected",
+                 "--set", "laws.electrostatic.form=corrected",
+                 "--set", "laws.capillary.form=corrected"]
+        tilted = json.loads(self.done("forces", "--gap-nm", 10, "--length-um", 100,
+                                      "--tilt-mrad", 1, *scene).stdout)["rows"][0]
+        gaps = 4000
+        rows = json.loads(self.done("forces", "--length-um", 100, "--gap-nm",
+                                    f"{10 + 50 / gaps}:{110 - 50 / gaps}:{gaps}",
+                                    *scene).stdout)["rows"]
+        for name in ("van_der_waals_uN", "electrostatic_uN", "capillary_uN"):
+            mean = sum(row[name] for row in rows) / gaps
+            self.assertLess(mean, 0)
+            self.assertLessEqual(abs(tilted[name] / mean - 1), 1e-3, name)
+
     def test_plot_is_a_drawing(self):
         file = self.path("plot.svg")
         for sweep in (["--gap-nm", "1:500:50:log"], ["--length-um", "0:200:21"],
