@@ -110,8 +110,9 @@ int demo_verb(const Arguments& a) {
   tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
                    kTrials));
   const Clock evaluate_clock;
-  const InsertionLaw law = report.fit.controller.law();
-  const ConstantVelocity constant(scaling.motion * scene.limits.speed);
+  const MakeController law = controller_maker(report.fit.controller.law());
+  const MakeController constant =
+      controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
   // Seeded apart from the demonstrations, so that no trial starts where one did.
   const std::uint64_t seed = a.seed + 1'000'003;
   report.learned =

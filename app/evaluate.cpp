@@ -27,15 +27,16 @@ int evaluate_verb(const Arguments& a) {
     throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
   const Scene scene = a.scene.load();
   const Scaling scaling = scene_scaling(scene);
-  std::optional<InsertionLaw> law;
-  if (!a.controller.empty()) law = read_controller(a.controller).law();
-  const ConstantVelocity constant(scaling.motion * scene.limits.speed);
+  MakeController law;
+  if (!a.controller.empty()) law = controller_maker(read_controller(a.controller).law());
+  const MakeController constant =
+      controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
 
-  const auto campaign = [&](const Controller& controller, const char* what) {
-    return run_campaign(scene, scaling, controller, a.seed, a.trials, a.threads,
+  const auto campaign = [&](const MakeController& make, const char* what) {
+    return run_campaign(scene, scaling, make, a.seed, a.trials, a.threads,
                         Progress(what, a.trials));
   };
-  const Controller& first = law ? static_cast<const Controller&>(*law) : constant;
+  const MakeController& first = law ? law : constant;
   const std::string first_name = law ? a.controller : a.baseline;
   const std::vector<TrialResult> results = campaign(first, "trials");
   const CampaignSummary summary = summarise(results);

@@ -11,7 +11,7 @@
 namespace ferrule {
 
 std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
-                                      const Controller& controller, std::uint64_t seed,
+                                      const MakeController& make, std::uint64_t seed,
                                       std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress) {
   std::vector<TrialResult> results(trials);
@@ -20,7 +20,7 @@ std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling
   arena.execute([&] {
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, trials, 1), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k) {
-        results[k] = run_trial(scene, scaling, controller, seed, k);
+        results[k] = run_trial(scene, scaling, *make(k), seed, k);
         const std::size_t so_far = ++done;
         if (progress) progress(so_far);
       }

@@ -1,5 +1,5 @@
-// A campaign: many trials of one controller in one scene, on all cores, with the same result for
-// any number of threads.
+// A campaign: many trials of one kind of controller in one scene, on all cores, with the same
+// result for any number of threads.
 #pragma once
 
 #include <functional>
@@ -13,7 +13,7 @@ namespace ferrule {
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread.
 std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
-                                      const Controller& controller, std::uint64_t seed,
+                                      const MakeController& make, std::uint64_t seed,
                                       std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress);
 

@@ -4,6 +4,10 @@
 // the fibre's force up to it and its velocity down to the tip with the scene's one Scaling.
 #pragma once
 
+#include <cstdint>
+#include <functional>
+#include <memory>
+
 #include "haptic/scaling.hpp"
 
 namespace ferrule {
@@ -15,18 +19,29 @@ struct Felt {
   double time;        // since the start [s], >= 0
 };
 
+// Serves one trial: it may remember what it felt before.
 class Controller {
  public:
   virtual ~Controller() = default;
-  // Velocity of the hand until the next tick [m/s, rad/s]. Must be finite; a trial checks.
-  virtual HandTwist command(const Felt& felt) const noexcept = 0;
+  // Called once per period, from the start on: velocity of the hand until the next tick [m/s,
+  // rad/s]. Must be finite; a trial checks.
+  virtual HandTwist command(const Felt& felt) noexcept = 0;
 };
+
+// A new controller for trial `trial`; called from many threads at once.
+using MakeController = std::function<std::unique_ptr<Controller>(std::uint64_t trial)>;
+
+// One that starts every trial as a copy of `controller`.
+template <class C>
+MakeController controller_maker(const C& controller) {
+  return [controller](std::uint64_t) { return std::make_unique<C>(controller); };
+}
 
 // The naive baseline: straight in at constant speed, whatever is felt.
 class ConstantVelocity : public Controller {
  public:
   explicit ConstantVelocity(double speed) : speed_(speed) {}  // along -x [m/s], > 0
-  HandTwist command(const Felt&) const noexcept override {
+  HandTwist command(const Felt&) noexcept override {
     HandTwist v = HandTwist::Zero();
     v[0] = -speed_;
     return v;

@@ -57,7 +57,7 @@ Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& 
 class InsertionLaw : public Controller {
  public:
   explicit InsertionLaw(const std::array<double, kGains>& gains) : gains_(gains) {}
-  HandTwist command(const Felt& felt) const noexcept override {
+  HandTwist command(const Felt& felt) noexcept override {
     HandTwist v = HandTwist::Zero();
     v.head<3>() = insertion_velocity(gains_.data(), Eigen::Vector3d(felt.wrench.head<3>()),
                                      felt.depth, felt.time);

@@ -7,7 +7,7 @@
 
 namespace ferrule {
 
-ControllerHand::ControllerHand(const Controller& controller, const HandPose& start, double speed,
+ControllerHand::ControllerHand(Controller& controller, const HandPose& start, double speed,
                                double end_depth)
     : controller_(controller), pose_(start), speed_(speed), end_depth_(end_depth) {}
 
@@ -24,7 +24,7 @@ void ControllerHand::render(const HandWrench& wrench) {
       limit_speed(controller_.command({wrench - at_rest_, hand_depth(pose_), time_}), speed_);
 }
 
-TrialResult run_trial(const Scene& scene, const Scaling& scaling, const Controller& controller,
+TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,
                       std::uint64_t seed, std::uint64_t trial, double period) noexcept {
   State state = draw_start(scene, seed, trial);
   InsertionWatch watch(scene, state);

@@ -15,20 +15,19 @@ struct TrialResult {
 
 // Trial `trial` of a campaign under `seed`. The controller feels the holder's wrench scaled up by
 // `scaling` and its velocity is scaled down; control and simulation share one period [s].
-TrialResult run_trial(const Scene& scene, const Scaling& scaling, const Controller& controller,
+TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,
                       std::uint64_t seed, std::uint64_t trial, double period = 1e-3) noexcept;
 
 // The same controller as a device, so that it can be recorded like a person.
 class ControllerHand : public Device {
  public:
   // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world].
-  ControllerHand(const Controller& controller, const HandPose& start, double speed,
-                 double end_depth);
+  ControllerHand(Controller& controller, const HandPose& start, double speed, double end_depth);
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;
 
  private:
-  const Controller& controller_;
+  Controller& controller_;
   HandPose pose_;
   HandTwist velocity_ = HandTwist::Zero();
   HandWrench at_rest_ = HandWrench::Zero();

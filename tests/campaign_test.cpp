@@ -45,9 +45,9 @@ TEST(Statistics, QuantilesInterpolateBetweenOrderStatistics) {
 TEST(Campaign, IsTheSameForAnyNumberOfThreads) {
   const Scene scene = quick();
   const Scaling scaling = scene_scaling(scene);
-  const auto one = run_campaign(scene, scaling, kLaw, 7, 24, 1, {});
+  const auto one = run_campaign(scene, scaling, controller_maker(kLaw), 7, 24, 1, {});
   for (const int threads : {2, 3, 0}) {
-    const auto many = run_campaign(scene, scaling, kLaw, 7, 24, threads, {});
+    const auto many = run_campaign(scene, scaling, controller_maker(kLaw), 7, 24, threads, {});
     for (std::size_t k = 0; k < one.size(); ++k) {
       EXPECT_EQ(one[k].outcome, many[k].outcome);
       EXPECT_EQ(one[k].summary.peak_force, many[k].summary.peak_force);
@@ -59,8 +59,8 @@ TEST(Campaign, IsTheSameForAnyNumberOfThreads) {
 
 TEST(Campaign, SummaryCountsEveryTrialOnce) {
   const Scene scene = quick();
-  const auto results =
-      run_campaign(scene, scene_scaling(scene), ConstantVelocity(2e-3), 7, 40, 0, {});
+  const auto results = run_campaign(scene, scene_scaling(scene),
+                                    controller_maker(ConstantVelocity(2e-3)), 7, 40, 0, {});
   const CampaignSummary s = summarise(results);
   std::size_t sum = 0;
   for (const std::size_t n : s.outcomes) sum += n;
@@ -88,8 +88,9 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
   const testing::TemporaryFolder folder;
   const Scene scene = quick();
   for (std::uint64_t trial = 1; trial <= 4; ++trial) {
-    const TrialResult result = run_trial(scene, scene_scaling(scene), kLaw, 1, trial);
-    const Episode episode = read_episode(testing::record(scene, folder.path(), trial, &kLaw));
+    InsertionLaw law = kLaw;
+    const TrialResult result = run_trial(scene, scene_scaling(scene), law, 1, trial);
+    const Episode episode = read_episode(testing::record(scene, folder.path(), trial, &law));
     EXPECT_EQ(episode.info.outcome == Outcome::inserted, result.outcome == Outcome::inserted);
     const auto n = static_cast<Eigen::Index>(std::lround(result.summary.time * 1e3));
     ASSERT_LT(n, episode.rows.rows());
@@ -101,12 +102,12 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
 TEST(Trial, AControllerThatIsNotFiniteEndsItsTrial) {
   class Broken : public Controller {
    public:
-    HandTwist command(const Felt& felt) const noexcept override {
+    HandTwist command(const Felt& felt) noexcept override {
       HandTwist v = HandTwist::Zero();
       v[0] = felt.time > 0.1 ? NAN : -1e-3;
       return v;
     }
-  } const broken;
+  } broken;
   const Scene scene = quick();
   EXPECT_EQ(run_trial(scene, scene_scaling(scene), broken, 1, 1).outcome, Outcome::invalid_output);
 }

@@ -20,7 +20,7 @@ inline EpisodeInfo info_of(const Scene& scene, std::uint64_t seed, std::uint64_t
 
 // Records trial `trial` into `folder`; a simulated operator unless a controller is given.
 inline std::string record(const Scene& scene, const std::string& folder, std::uint64_t trial,
-                          const Controller* controller = nullptr, double skill = 0.8) {
+                          Controller* controller = nullptr, double skill = 0.8) {
   const State start = draw_start(scene, 1, trial);
   const Scaling scaling = scene_scaling(scene);
   std::unique_ptr<Device> device;

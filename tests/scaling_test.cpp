@@ -36,7 +36,7 @@ TEST(Scaling, ALawLearnedInTheHandsWorldIsTheSameLawAtTheTip) {
   std::array<double, kGains> gains{};
   gains[1] = gains[3] = 1;
   gains[6] = 0.8e-3;
-  const InsertionLaw law(gains);
+  InsertionLaw law(gains);
   Eigen::Matrix<double, 5, 1> tip_wrench = Eigen::Matrix<double, 5, 1>::Zero();
   tip_wrench[1] = 2e-6;
   const Felt felt = {kPaper.wrench_to_hand(tip_wrench), 0, 1};

@@ -14,6 +14,6 @@ int main(int, char** arguments) {
     state = step(scene.world, state, hand, 1e-3).state;
   }
   std::cout << "tip at x = " << 1e6 * state.tip[0] << " um\n";
-  const ConstantVelocity controller(8e-3);
+  ConstantVelocity controller(8e-3);
   std::cout << name(run_trial(scene, scene_scaling(scene), controller, 1, 1).outcome) << "\n";
 }
