@@ -12,6 +12,18 @@
 
 namespace ferrule {
 
+FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
+  constexpr std::size_t kMost = 10000;
+  FeasibleTrial found{nullptr, trial, 0};
+  while (!(found.scene = draw_scene(scene, seed, found.trial))) {
+    if (++found.infeasible == kMost)
+      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
+                     " drawn pairs of parts not one fits");
+    found.trial += std::uint64_t{1} << 32;
+  }
+  return found;
+}
+
 Recorded record_one(const Scene& scene, const State& start, Device& device,
                     const std::string& operator_name, const std::string& folder, int number,
                     std::uint64_t seed, std::uint64_t trial) {
@@ -25,7 +37,7 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   Recorder recorder(folder, number, info);
   Recorded recorded{};
   recorded.outcome = run_episode(
-      scene, start, device, info.period,
+      scene, start, device, ForceSensor(scene.sensor, seed, trial), info.period,
       [&](const RowVector& row) {
         recorder.add(row);
         recorded.summary.time = row[kTime.begin];
@@ -52,7 +64,7 @@ struct Arguments {
 };
 
 int record_verb(const Arguments& a) {
-  const Scene scene = a.scene.load();
+  const Scene toleranced = a.scene.load();
   const bool simulated = a.operator_ == "simulated";
   std::optional<InsertionLaw> law;
   if (!simulated) law = read_controller(a.operator_).law();
@@ -64,16 +76,20 @@ int record_verb(const Arguments& a) {
   int next = first;
   const std::string name =
       simulated ? fmt::format("simulated, skill {}", a.skill) : "controller " + a.operator_;
-  const Scaling scaling = scene_scaling(scene);
+  const Scaling scaling = scene_scaling(toleranced);
 
   watch_for_interrupt();
   Json list = Json::array();
-  std::size_t inserted = 0;
+  std::size_t inserted = 0, infeasible = 0;
   Progress progress("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted(); ++i) {
     const int number = claim_episode(a.out, next);
     next = number + 1;
-    const auto trial = static_cast<std::uint64_t>(number);
+    const FeasibleTrial drawn =
+        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    const Scene& scene = *drawn.scene;
+    const std::uint64_t trial = drawn.trial;
+    infeasible += drawn.infeasible;
     const State start = draw_start(scene, a.seed, trial);
     std::unique_ptr<Device> device;
     if (simulated)
@@ -97,9 +113,14 @@ int record_verb(const Arguments& a) {
     progress(static_cast<std::size_t>(i) + 1);
   }
   if (a.json)
-    print_json({{"scene", scene.name}, {"operator", name}, {"episodes", list}});
+    print_json({{"scene", toleranced.name},
+                {"operator", name},
+                {"episodes", list},
+                {"infeasible_pairs", infeasible}});
   else
     fmt::print("{} of {} episodes inserted\n", inserted, list.size());
+  if (infeasible > 0 && !a.json)
+    fmt::print("{} drawn pairs of parts interfered and were put aside\n", infeasible);
   if (!interrupted()) return kDone;
   fmt::print(stderr,
              "stopped by Ctrl-C: the running episode was ended and kept; {} of {} are there\n",
