@@ -23,7 +23,8 @@ std::vector<double> parse_radii(const std::string& text) {
       continue;
     }
     for (const double radius : parse_range(part, "--radius")) {
-      if (!(radius > 0)) throw BadInput("--radius " + text + ": must be positive");
+      if (!(radius >= 1e-6 && radius <= 1e6))
+        throw BadInput("--radius " + text + ": must be from 1e-6 to 1e6");
       radii.push_back(radius);
     }
     part.clear();

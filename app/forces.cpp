@@ -35,13 +35,12 @@ void print_table(const std::vector<ForceRow>& rows) {
 }
 
 int forces_verb(const Arguments& a) {
-  Scene scene = a.scene.load();
-  if (!a.form.empty()) {
-    Json document = scene.document;
+  Json document = load_document(a.scene.scene, a.scene.settings);
+  if (document.is_object()) document.erase("accuracy");  // a table leaves out nothing
+  if (!a.form.empty())
     set_form(document, a.form == "printed" ? Form::printed : Form::corrected,
              a.scene.scene + " with --form " + a.form);
-    scene = parse_scene(document, a.scene.scene);
-  }
+  const Scene scene = parse_scene(document, a.scene.scene);
   const std::vector<double> depths =
       a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");
   // In contact the gap is closed, unless one is asked for.

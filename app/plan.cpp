@@ -46,6 +46,7 @@ int plan_scene(const Arguments& a) {
   if (document.is_object()) {
     document.erase("accuracy");
     document.erase("planned_accuracy");
+    document.erase("planned_error_bound");
   }
   const Scene scene = parse_scene(document, a.scene.scene);
   const Plan plan = make_plan(scene, a.tolerance);
@@ -85,8 +86,7 @@ int plan_scene(const Arguments& a) {
   }
   fmt::print(
       "{}, steps of {:g} ms. What is left out changes the result by at most {:.2g}.\n"
-      "Error bound {:.2g} of the clearance and of the largest force ({:.4g} uN); asked for: "
-      "{:g}{}\n",
+      "Error bound {:.2g} of the clearance, and of {:.4g} uN in force; asked for: {:g}{}\n",
       dynamics, 1e3 * plan.step, bound_left_out, plan.error_bound, 1e6 * plan.force_scale,
       plan.tolerance, holds ? "" : ": NOT REACHED");
   return holds ? kDone : kFailed;
@@ -99,8 +99,9 @@ void add_plan(CLI::App& app, Run& run) {
       "plan", "Which terms, fidelity, dynamics and step a scene needs for a tolerance");
   auto a = std::make_shared<Arguments>();
   a->scene.add_to(*verb, "paper");
-  verb->add_option("--tolerance", a->tolerance,
-                   "Error of tip over clearance and of force over the largest force")
+  verb->add_option(
+          "--tolerance", a->tolerance,
+          "Error of the tip over the clearance, and of the force over the largest at the holder")
       ->capture_default_str()
       ->check(number_between(1e-6, 0.5));
   verb->add_option("--out", a->out, "Write the planned scene to a file")->type_name("FILE");

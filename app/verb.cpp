@@ -45,6 +45,17 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
       ->take_all();
 }
 
+Scene SceneArguments::load() const {
+  Scene loaded = load_scene(scene, settings);
+  const auto number = [&](const char* key) { return loaded.document.value(key, 0.0); };
+  if (const double bound = number("planned_error_bound"); bound > number("planned_accuracy"))
+    fmt::print(stderr,
+               "note: accuracy = {:g} is not reached: the error bound of the plan is {:.2g} "
+               "(see ferrule plan)\n",
+               number("planned_accuracy"), bound);
+  return loaded;
+}
+
 void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help) {
   const auto whole = [](const std::string& text) {
     const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;

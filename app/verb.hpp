@@ -35,7 +35,8 @@ struct SceneArguments {
   std::vector<std::string> settings;
 
   void add_to(CLI::App& verb, const std::string& default_scene);
-  Scene load() const { return load_scene(scene, settings); }
+  // Says on stderr where an "accuracy" asked for in the scene is not reached.
+  Scene load() const;
 };
 
 // --seed: a whole number from 0 to 2^63 - 1.

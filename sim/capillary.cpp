@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/corrected_range.hpp"
 #include "sim/printed_range.hpp"
 
 namespace ferrule {
@@ -35,11 +36,9 @@ double half_width(double volume, double radius, double h) noexcept {
 LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noexcept {
   const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
   const double tension = 4 * law.surface_tension * std::cos(law.contact_angle);
-  const double open = std::max(h, 0.0);
-  const double x = half_width(law.volume, radius, open);
-  const double height = open + x * x / (2 * radius);
+  const double x = half_width(law.volume, radius, h);
+  const double height = h + x * x / (2 * radius);
   const double force = -tension * x / height;
-  if (h < 0) return {-tension * x - force * h, force, 0};
   return {-tension * x, force, tension * x / (height * height) * (2 - x * x / (radius * height))};
 }
 
@@ -66,7 +65,8 @@ LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool
   if (law.form == Form::printed) return layer_law(law, h);
   const double reach = capillary_reach(law, bridge);
   if (h >= reach) return {};
-  LineForce force = bridge_law(law, annulus, h);
+  LineForce force = corrected::down_to(
+      0, [&](double gap) noexcept { return bridge_law(law, annulus, gap); }, annulus, h);
   // The potential is zero where the force ends.
   const double prepared = bridge ? law.rupture_half_width : law.film_half_width;
   force.potential += 4 * law.surface_tension * std::cos(law.contact_angle) *

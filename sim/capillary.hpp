@@ -10,7 +10,7 @@
 //     A_l = 2 (h x + x^3/(6 R_e));   the gap there is H = h + x^2/(2 R_e)
 //     f = -4 gamma_L cos(theta_c) x/H,   potential -4 gamma_L cos(theta_c) x   (f = -dw/dh exactly)
 //   It forms when two films meet, h < 2 e, and ruptures beyond a stated distance: two different
-//   distances, so whether there is a bridge is state. Held at h = 0 in contact.
+//   distances, so whether there is a bridge is state. In contact: sim/corrected_range.hpp.
 #pragma once
 
 #include "sim/annulus.hpp"

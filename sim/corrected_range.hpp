@@ -1,9 +1,13 @@
-// Where the corrected surface laws (1c), (2c) end: at contact of the mean planes.
+// Where the corrected surface laws (1c), (2c), (4c) end: at contact.
 //
-// They act across the gap h + roughness. For h < 0 the solids are deformed and their mean planes
-// stay at the roughness: the force is held at its value for h = 0. Smooth surfaces (roughness below
-// the interatomic distance) are held from where the gap is that distance. Force and potential are
-// continuous.
+// They act across the gap h + roughness down to h = 0; (1c) and (2c) of smooth surfaces (roughness
+// below the interatomic distance) down to where the gap is that distance. Closer than that the
+// asperities (or the atoms) take over: what they carry is not known in detail, but it grows within
+// a distance t of the order of the roughness. The net force per length falls linearly,
+//   f(h) = f(h_c) (1 - (h_c - h)/t),   t = max(roughness, interatomic distance),
+// to nothing where the mean planes meet, and pushes beyond. Without that a law of many newtons per
+// metre would press the fibre ever deeper into a wall that only resists at its two points of
+// contact. Force and potential are continuous.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +17,25 @@
 
 namespace ferrule::corrected {
 
-// `law(h)` is the bare formula, valid where h + roughness > 0.
+// t above [m].
+inline double asperity_range(const Annulus& annulus) noexcept {
+  return std::max(annulus.roughness, printed::kInteratomicDistance);
+}
+
+// `law(h)` is the bare formula, valid for h >= closest.
 template <class Law>
-LineForce held_in_contact(const Law& law, const Annulus& annulus, double h) noexcept {
-  const double closest = std::max(0.0, printed::kInteratomicDistance - annulus.roughness);
+LineForce down_to(double closest, const Law& law, const Annulus& annulus, double h) noexcept {
   if (h >= closest) return law(h);
   const LineForce end = law(closest);
-  return {end.potential - end.force * (h - closest), end.force, 0};
+  const double t = asperity_range(annulus), over = closest - h;
+  return {end.potential + end.force * over * (1 - 0.5 * over / t), end.force * (1 - over / t),
+          end.force / t};
+}
+
+// The same for a law across the gap h + roughness.
+template <class Law>
+LineForce down_to_contact(const Law& law, const Annulus& annulus, double h) noexcept {
+  return down_to(asperity_range(annulus) - annulus.roughness, law, annulus, h);
 }
 
 }  // namespace ferrule::corrected

@@ -40,7 +40,7 @@ LineForce patch_law(const Electrostatic& law, const Annulus& annulus, double h) 
 
 LineForce electrostatic(const Electrostatic& law, const Annulus& annulus, double h) noexcept {
   if (law.form == Form::printed) return patch_law(law, annulus, h);
-  return corrected::held_in_contact(
+  return corrected::down_to_contact(
       [&](double gap) noexcept { return cylinders_law(law.voltage, annulus, gap); }, annulus, h);
 }
 

@@ -14,6 +14,8 @@
 namespace ferrule {
 namespace {
 
+constexpr int kMostLevels = 100;  // of nesting in a file
+
 // The text of a value in a message: one line, cut where it is long.
 std::string shown(const Json& value) {
   std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -41,7 +43,10 @@ Rule between(double low, double high, std::string text) {
 Json parse_json(const std::string& text, const std::string& file) {
   std::vector<std::set<std::string>> open;  // keys of the objects that are being read
   std::string twice;
-  const auto watch = [&](int, Json::parse_event_t event, Json& value) {
+  bool deep = false;
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    deep = deep || depth > kMostLevels;
+    if (deep) return false;
     if (event == Json::parse_event_t::object_start) open.emplace_back();
     if (event == Json::parse_event_t::object_end) open.pop_back();
     if (event == Json::parse_event_t::key && !open.back().insert(value).second) twice = value;
@@ -49,6 +54,9 @@ Json parse_json(const std::string& text, const std::string& file) {
   };
   try {
     Json json = Json::parse(text, watch);
+    if (deep)
+      throw BadInput(file + ": not JSON that is meant: nested deeper than " +
+                     std::to_string(kMostLevels) + " levels");
     if (!twice.empty()) throw BadInput(file + ": the key \"" + twice + "\" is there twice");
     return json;
   } catch (const Json::exception& error) {

@@ -206,7 +206,16 @@ MaugisCurve::MaugisCurve(double lambda) : lambda_(lambda) {
     stable_[b].energy_at_end =
         std::isfinite(stable_[b].end) ? on(stable_[b], stable_[b].end).energy : 0;
     for (const Piece& piece : stable_[b].pieces)
-      for (const Cell& cell : piece.cells) pull_off_ = std::min(pull_off_, cell.force[0]);
+      for (std::size_t i = 0; i < piece.cells.size(); ++i) {
+        if (piece.cells[i].force[0] > pull_off_) continue;
+        // The least is within the cell of the least node or the one before.
+        for (const std::size_t j : {i, i - (i > 0 ? 1u : 0u)})
+          pull_off_ = std::min(
+              pull_off_,
+              boost::math::tools::brent_find_minima(
+                  [&](double u) { return polynomial(piece.cells[j].force, u); }, 0.0, 1.0, 40)
+                  .second);
+      }
   }
 }
 

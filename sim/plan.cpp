@@ -22,8 +22,9 @@ constexpr std::uint64_t kProbes = 8;
 constexpr int kFullNodes = 16;                          // of the quadrature of the full model
 constexpr double kSample = 1e-3;                        // [s]
 constexpr double kLongest = 16, kLongestWithDrag = 30;  // of a probe [s]
-constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6;  // of a probe [m]
-constexpr double kMostLean = 0.03;                             // [rad]
+// Of a probe [m].
+constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6, kDeepestInertial = 5e-6;
+constexpr double kMostLean = 0.03;   // [rad]
 constexpr double kSpeedingUp = 0.1;  // time in which a hand changes its speed [s]
 constexpr double kPeakOfMinimumJerk = 1.875;
 constexpr std::size_t kEveryForFidelity = 7;  // samples at which fidelities are compared
@@ -35,7 +36,7 @@ const std::vector<double> kTimeless = {1e-3};
 const std::vector<double> kDragSteps = {1e-3, 5e-4, 2.5e-4, 1e-4, 5e-5};
 const std::vector<double> kInertialSteps = {1e-3, 1e-4, 2e-5, 1e-5, 5e-6};
 constexpr std::uint64_t kInertialProbes = 2;
-constexpr double kInertialLongest = 0.5;  // [s]
+constexpr double kInertialLongest = 2;  // [s]
 
 constexpr double kShare = 0.2;  // of the tolerance that all that is left out may take
 constexpr double kShareWhereItSticks = 1e-4;
@@ -47,8 +48,10 @@ constexpr double kMeasured = 0.3;  // of the tolerance that the chosen model may
 std::vector<Pose> probe(const Scene& scene, const State& start, std::uint64_t k) {
   RandomStream random(kProbeSeed, k, Draw::plan);
   const World& world = scene.world;
-  const double c = world.annulus.clearance(),
-               depth = std::min(scene.success.depth, world.drag ? kDeepestWithDrag : kDeepest);
+  const double deepest = world.dynamics == Dynamics::inertial ? kDeepestInertial
+                         : world.drag                         ? kDeepestWithDrag
+                                                              : kDeepest;
+  const double c = world.annulus.clearance(), depth = std::min(scene.success.depth, deepest);
   const auto around = [&](double scale) { return scale * (2 * random.uniform() - 1); };
   const double push =
       c + 0.7 * scene.limits.force / world.holder.stiffness.block<2, 2>(1, 1).norm();
@@ -438,6 +441,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
   if (!keeps_inertia && !stated) plan.error_bound = std::max(plan.error_bound, changes(inertia));
   plan.document = chosen.document;
   plan.document["planned_accuracy"] = tolerance;
+  plan.document["planned_error_bound"] = plan.error_bound;
   return plan;
 }
 

@@ -11,6 +11,9 @@
 //   |F - F_full| of the holder over the largest |F_full| of that run, or over the force that moves
 //   the
 //     holder by a clearance where that is more
+// The full model steps as control does: without drag and inertia it too takes a step per hand
+// sample of 1 ms, which is the input and no approximation. Where the fibre snaps or sticks, hands
+// sampled more finely end elsewhere; the bound does not speak of that.
 // An event, such as a snap into contact, is resolved to one sample in time; where it comes later,
 // the hand's travel until it comes, over the clearance, counts as the error.
 //

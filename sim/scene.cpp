@@ -324,6 +324,8 @@ Scene parse_scene(const Json& document, const std::string& file) {
     if (!(ratio > 1e-12 && ratio < 1e12))
       fields.refuse("scaling", "the ranges of hand and tip must be within a factor of 1e12");
   if (fields.present("planned_accuracy")) fields.number("planned_accuracy", rule::positive());
+  if (fields.present("planned_error_bound"))
+    fields.number("planned_error_bound", rule::not_negative());
   const bool to_plan = fields.present("accuracy");
   const Rule accuracy = rule::between(1e-6, 0.5, "must be from 1e-6 to 0.5");
   const double tolerance = to_plan ? fields.number("accuracy", accuracy) : 0;

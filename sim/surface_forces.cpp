@@ -13,7 +13,7 @@ namespace {
 const Quadrature kMiddle;  // the one gap that printed forces know
 
 // The closed form replaces the exact cylinders where it is as good as these.
-constexpr double kClosedFormError = 1e-5;
+constexpr double kClosedFormError = 1e-3;
 constexpr double kGaussTwo = 0.57735026918962576451;  // 1/sqrt(3)
 
 // Inserted length of the pose itself, and its derivative by x.
@@ -86,8 +86,8 @@ void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, 
   }
 }
 
-// Where along the length the mean surfaces are apart: between the two arms. Outside, towards an end
-// that touches, the force is held (sim/corrected_range.hpp).
+// Where along the length the mean surfaces are apart: between the two arms. Outside, towards an
+// end, they touch.
 struct Apart {
   double from, to;
 };
@@ -131,38 +131,34 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
       law.clearance - std::max(world.annulus.roughness, printed::kInteratomicDistance);
   const Apart free = apart(tip, length, widest);
 
-  // Where the mean surfaces touch, the force is held at that of the closest approach:
-  // Gauss-Legendre of order 2.
+  // Where the mean surfaces touch, the laws end (sim/corrected_range.hpp): Gauss-Legendre of order
+  // 2.
   const LocalLaw end(law, widest * widest);
-  const auto add_held = [&](double from, double to) {
+  const double thinnest = law.clearance - widest;
+  const auto add_touching = [&](double from, double to) {
     if (!(to > from)) return;
     const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
-    const double force = half * widest * (end.per_e[0] + end.per_e[1]);
-    const double spread = half * kGaussTwo;
-    const Radial near(eccentricity(tip, middle - spread), 0);
-    const Radial far(eccentricity(tip, middle + spread), 0);
-    const double value = 2 * half * (end.value[0] + end.value[1]) +
-                         force * (near.eccentricity + far.eccentricity - 2 * widest);
-    total.value += value;
-    total.value_scale += std::abs(value);
-    total.force_scale += 2 * std::abs(force);
-    const Vector2d sum = near.normal + far.normal;
-    const Vector2d turn = middle * sum + spread * (far.normal - near.normal);
-    total.gradient.e += force * sum;
-    total.gradient.t += force * turn;
-    const Matrix2d both = force * (near.curving + far.curving);
-    const Matrix2d differing = force * spread * (far.curving - near.curving);
-    total.hessian.ee += both;
-    total.hessian.et += middle * both + differing;
-    total.hessian.tt += (middle * middle + spread * spread) * both + 2 * middle * differing;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double part = half * widest * end.per_e[i];
-      by_term[terms[i]].e += part * sum;
-      by_term[terms[i]].t += part * turn;
+    const double steepest = half * widest * (end.per_e[0] + end.per_e[1]);
+    for (const double arm : {middle - half * kGaussTwo, middle + half * kGaussTwo}) {
+      const Radial at(eccentricity(tip, arm), 0);
+      const double over = at.eccentricity - widest, share = 1 - over / thinnest;
+      const double value =
+          half * (end.value[0] + end.value[1]) + steepest * over * (1 - 0.5 * over / thinnest);
+      total.value += value;
+      total.value_scale += std::abs(value);
+      total.force_scale += std::abs(steepest * share);
+      total.add_across(
+          tilt, {arm, 0}, steepest * share * at.normal,
+          steepest * (share * at.curving - at.normal * at.normal.transpose() / thinnest));
+      for (std::size_t i = 0; i < 2; ++i) {
+        const Vector2d pull = half * widest * end.per_e[i] * share * at.normal;
+        by_term[terms[i]].e += pull;
+        by_term[terms[i]].t += arm * pull;
+      }
     }
   };
-  add_held(0, free.from);
-  add_held(free.to, length);
+  add_touching(0, free.from);
+  add_touching(free.to, length);
   if (free.to > free.from) {
     const double part = free.to - free.from;
     const LineMean mean = line_mean(law, eccentricity(tip, free.from), eccentricity(tip, free.to));
@@ -190,13 +186,13 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   if (slope == 0) return;
   const Vector2d e = eccentricity(tip, length);
   const double radius2 = e.squaredNorm(), limit2 = widest * widest;
-  const bool held = radius2 > limit2;
-  LocalLaw mouth = held ? end : LocalLaw(law, radius2);
-  if (held) {
-    const double radius = std::sqrt(radius2);
+  const bool touches = radius2 > limit2;
+  LocalLaw mouth = touches ? end : LocalLaw(law, radius2);
+  if (touches) {
+    const double radius = std::sqrt(radius2), over = radius - widest;
     for (std::size_t i = 0; i < 2; ++i) {
-      mouth.value[i] += mouth.per_e[i] * widest * (radius - widest);
-      mouth.per_e[i] *= widest / radius;
+      mouth.value[i] += mouth.per_e[i] * widest * over * (1 - 0.5 * over / thinnest);
+      mouth.per_e[i] *= widest / radius * (1 - over / thinnest);
     }
   }
   for (std::size_t i = 0; i < 2; ++i) by_term[terms[i]].x += slope * mouth.value[i];

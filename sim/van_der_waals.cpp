@@ -47,7 +47,7 @@ LineForce patch_law(const VanDerWaals& law, const Annulus& annulus, double h) no
 
 LineForce van_der_waals(const VanDerWaals& law, const Annulus& annulus, double h) noexcept {
   if (law.form == Form::printed) return patch_law(law, annulus, h);
-  return corrected::held_in_contact(
+  return corrected::down_to_contact(
       [&](double gap) noexcept { return annulus_law(law.hamaker, annulus, gap); }, annulus, h);
 }
 

@@ -183,6 +183,18 @@ class Forces(Case):
 
 
 class Scenes(Case):
+    def test_json_nested_without_end_is_refused(self):
+        file = self.path("deep.json")
+        with open(file, "w") as f:
+            f.write("[" * 100000 + "]" * 100000)
+        self.refused(2, "plan", "--scene", file, says=("nested deeper",))
+
+    def test_an_accuracy_that_is_not_reached_is_said(self):
+        run = self.done("record", "--scene", "demo", "--episodes", 1, "--out", self.path("slow"),
+                        "--set", 'laws={"drag":{"form":"corrected","viscosity_Pa_s":5}}',
+                        "--set", "accuracy=0.001", "--set", "limits.time_s=1")
+        self.assertIn("accuracy = 0.001 is not reached", run.stderr)
+
     def setUp(self):
         super().setUp()
         self.schema = json.load(open(SOURCE + "/data/scenes/scene.schema.json"))

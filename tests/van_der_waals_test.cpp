@@ -85,8 +85,12 @@ TEST(VanDerWaals, CorrectedForceAndSlopeAreDerivativesOverDecades) {
     EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
                  1e-6);
   }
-  EXPECT_EQ(at(-3e-9).force, at(0).force) << "held in contact";
-  EXPECT_EQ(at(-3e-9).slope, 0);
+  // Pressed together: linear down to nothing where the mean planes meet, and pushing beyond.
+  EXPECT_CLOSE(at(-1e-9).force, 0.5 * at(0).force, 1e-12);
+  EXPECT_LE(std::abs(at(-2e-9).force), 1e-12 * std::abs(at(0).force));
+  EXPECT_CLOSE(at(-4e-9).force, -at(0).force, 1e-12);
+  EXPECT_CLOSE(at(-3e-9).slope, at(0).force / 2e-9, 1e-12);
+  EXPECT_CLOSE(at(-3e-9).potential - at(0).potential, 0.75e-9 * at(0).force, 1e-6);
 }
 
 TEST(VanDerWaals, CorrectedTendsToTheHalfSpacesOfDerjaguinNearContact) {
