@@ -80,6 +80,7 @@ int AxisReader::take(std::span<const std::uint8_t> report) noexcept {
       known = true;
     }
   }
+  reports_ += known;
   return known ? id : -1;
 }
 

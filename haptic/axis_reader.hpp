@@ -38,7 +38,8 @@ class AxisReader {
   // Sets the axes of one report to their centre; false if they all were there.
   bool centre(int report) noexcept;
 
-  int axes() const noexcept;  // how many there are
+  int axes() const noexcept;                                  // how many there are
+  std::int64_t reports() const noexcept { return reports_; }  // that carried an axis or button
   const std::array<AxisPlace, kRawAxes>& places() const noexcept { return places_; }
   const RawCounts& counts() const noexcept { return counts_; }
   std::uint32_t buttons() const noexcept { return buttons_; }  // bit k: button k + 1
@@ -52,6 +53,7 @@ class AxisReader {
   std::vector<HidField> button_fields_;
   RawCounts counts_ = RawCounts::Zero();
   std::uint32_t buttons_ = 0;
+  std::int64_t reports_ = 0;
   std::array<double, 256> heard_;
 };
 
