@@ -62,11 +62,16 @@ TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
     const Json mapping = Json::parse(episode.info.mapping);
     const bool velocity = mapping["motion"] == "velocity";
     ASSERT_EQ(velocity, fake_kind(model) == DeviceKind::space_mouse);
+    const auto limit = mapping["limit_counts"].get<std::array<double, kRawAxes>>();
+    const auto centre = mapping["centre_counts"].get<std::array<double, kRawAxes>>();
+    const double dead = mapping["dead_zone"];
+    std::vector<std::array<double, kRawAxes>> gain = mapping[velocity ? "gain_m_s" : "gain_m"];
+    for (const Json& row : mapping[velocity ? "gain_rad_s" : "gain_rad"]) gain.push_back(row);
+    ASSERT_EQ(gain.size(), 5u);
     const auto deflection = [&](Eigen::Index row, std::size_t axis) {
-      const double limit = mapping["limit_counts"][axis], dead = mapping["dead_zone"];
-      if (limit == 0) return 0.0;
-      const double centre = mapping["centre_counts"][axis];
-      const double d = (episode.counts(row, static_cast<Eigen::Index>(axis)) - centre) / limit;
+      if (limit[axis] == 0) return 0.0;
+      const double d =
+          (episode.counts(row, static_cast<Eigen::Index>(axis)) - centre[axis]) / limit[axis];
       const double size = std::min(1.0, std::max(0.0, (std::abs(d) - dead) / (1 - dead)));
       return d < 0 ? -size : size;
     };
@@ -75,12 +80,10 @@ TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
     double worst = 0, largest = 0;
     for (Eigen::Index n = 0; n + 1 < episode.rows.rows(); ++n)
       for (int k = 0; k < 5; ++k) {
-        const Json& gain = k < 3 ? mapping[velocity ? "gain_m_s" : "gain_m"][k]
-                                 : mapping[velocity ? "gain_rad_s" : "gain_rad"][k - 3];
         double expected = 0;
         for (std::size_t axis = 0; axis < kRawAxes; ++axis)
           expected +=
-              gain[axis].get<double>() *
+              gain[static_cast<std::size_t>(k)][axis] *
               (velocity ? deflection(n, axis) : deflection(n + 1, axis) - deflection(0, axis));
         const double pose = episode.rows(n + 1, kHandPose.begin + k);
         const double moved = velocity ? episode.rows(n, kCommand.begin + k)
