@@ -81,19 +81,21 @@ int demo_verb(const Arguments& a) {
     int number = 0;
     for (const double skill : kSkills)
       for (int i = 0; i < kEpisodesPerSkill; ++i) {
-        const auto trial = static_cast<std::uint64_t>(++number);
+        ++number;
         if (claim_episode(episodes, number) != number)
           throw BadInput(episodes + ": holds other episodes; choose another folder with --out");
-        const State start = draw_start(scene, a.seed, trial);
-        const auto device = simulated_operator(scene, start, skill, 1e-3, a.seed, trial);
+        const auto [drawn, trial, infeasible] =
+            feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
+        const State start = draw_start(*drawn, a.seed, trial);
+        const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
         report.recorded.push_back(
-            {skill, record_one(scene, start, *device, fmt::format("simulated, skill {}", skill),
+            {skill, record_one(*drawn, start, *device, fmt::format("simulated, skill {}", skill),
                                episodes, number, a.seed, trial)});
         if (interrupted()) {
           tell("stopped by Ctrl-C; episodes so far are in " + episodes);
           return kInterrupted;
         }
-        progress(trial);
+        progress(static_cast<std::size_t>(number));
       }
   }
   report.record_seconds = clock.seconds();

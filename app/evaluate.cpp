@@ -70,8 +70,9 @@ Json to_json(const CampaignSummary& s) {
     if (s.outcomes[static_cast<std::size_t>(i)] > 0)
       outcomes[name(static_cast<Outcome>(i))] = s.outcomes[static_cast<std::size_t>(i)];
   return {{"trials", s.trials},
+          {"feasible", s.feasible},
           {"successes", s.successes},
-          {"success_rate", s.success_rate},
+          {"success_rate", number_or_null(s.success_rate)},
           {"wilson_low", s.wilson.low},
           {"wilson_high", s.wilson.high},
           {"outcomes", outcomes},
@@ -90,7 +91,7 @@ void add_json(const Comparison& c, Json& json) {
 std::string to_text(const std::string& who, const CampaignSummary& s) {
   std::string text =
       fmt::format("{}: {} of {} inserted, {:.1f} % (95 % {:.1f} to {:.1f})\n", who, s.successes,
-                  s.trials, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high);
+                  s.feasible, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high);
   for (int i = 1; i < kOutcomes; ++i)
     if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
       text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);

@@ -15,6 +15,18 @@
 
 namespace ferrule {
 
+FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
+  constexpr std::size_t kMost = 10000;
+  FeasibleTrial found{nullptr, trial, 0};
+  while (!(found.scene = draw_scene(scene, seed, found.trial))) {
+    if (++found.infeasible == kMost)
+      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
+                     " drawn pairs of parts not one fits");
+    found.trial += std::uint64_t{1} << 32;
+  }
+  return found;
+}
+
 Recorded record_one(const Scene& scene, const State& start, Device& device,
                     const std::string& operator_name, const std::string& folder, int number,
                     std::uint64_t seed, std::uint64_t trial) {
@@ -29,7 +41,7 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   Recorder recorder(folder, number, info);
   Recorded recorded{};
   recorded.outcome = run_episode(
-      scene, start, device, info.period,
+      scene, start, device, ForceSensor(scene.sensor, seed, trial), info.period,
       [&](const RowVector& row, const RawCounts& counts) {
         recorder.add(row, counts);
         recorded.summary.time = row[kTime.begin];
@@ -55,24 +67,6 @@ struct Arguments {
   bool append = false, json = false;
 };
 
-// What --device names: a real device, open, or the model of one.
-struct AtDevice {
-  std::string name;
-  DeviceKind kind{};
-  std::unique_ptr<HidTransport> transport;
-  std::optional<FakeModel> fake;
-};
-
-AtDevice open_device(const std::string& wanted) {
-  if (const auto model = fake_model(wanted))
-    return {"simulated hand, " + wanted, fake_kind(*model), nullptr, model};
-  if (wanted.starts_with("fake:"))
-    throw BadInput("--device " + wanted + ": must be fake:spacemouse or fake:pid");
-  FoundDevice found = choose_device(wanted);
-  return {fmt::format("{} {:04x}:{:04x}", name(*found.kind), found.info.vendor, found.info.product),
-          *found.kind, open_hid(found.info), std::nullopt};
-}
-
 // A device with a person at it: each read waits for its time.
 class InTime : public Device {
  public:
@@ -93,8 +87,39 @@ class InTime : public Device {
       std::chrono::steady_clock::now();
 };
 
+// What --device names: a real device, open, or the model of one.
+struct AtDevice {
+  std::string name;
+  DeviceKind kind{};
+  std::unique_ptr<HidTransport> transport;
+  std::optional<FakeModel> fake;
+
+  // Its driver at the start of an episode. A device that does not work takes the `journal` along
+  // that was reserved for the episode.
+  std::unique_ptr<Device> hold(const Scene& scene, const State& start, double gain,
+                               const std::string& journal, bool& lost) const {
+    if (fake) return fake_hand(*fake, scene, start, gain);
+    try {
+      return std::make_unique<InTime>(hand_device(kind, *transport, scene, start, gain), lost);
+    } catch (const DeviceTrouble&) {
+      std::filesystem::remove(journal);
+      throw;
+    }
+  }
+};
+
+AtDevice open_device(const std::string& wanted) {
+  if (const auto model = fake_model(wanted))
+    return {"simulated hand, " + wanted, fake_kind(*model), nullptr, model};
+  if (wanted.starts_with("fake:"))
+    throw BadInput("--device " + wanted + ": must be fake:spacemouse or fake:pid");
+  FoundDevice found = choose_device(wanted);
+  return {fmt::format("{} {:04x}:{:04x}", name(*found.kind), found.info.vendor, found.info.product),
+          *found.kind, open_hid(found.info), std::nullopt};
+}
+
 int record_verb(const Arguments& a) {
-  const Scene scene = a.scene.load();
+  const Scene toleranced = a.scene.load();
   std::optional<AtDevice> at;
   if (!a.device.empty()) at = open_device(a.device);
   const bool simulated = !at && a.operator_ == "simulated";
@@ -110,23 +135,24 @@ int record_verb(const Arguments& a) {
                            : simulated ? fmt::format("simulated, skill {}", a.skill)
                                        : "controller " + a.operator_;
   bool lost = false;
-  const Scaling scaling = scene_scaling(scene);
+  const Scaling scaling = scene_scaling(toleranced);
 
   watch_for_interrupt();
   Json list = Json::array();
-  std::size_t inserted = 0;
+  std::size_t inserted = 0, infeasible = 0;
   Progress progress("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted() && !lost; ++i) {
     const int number = claim_episode(a.out, next);
     next = number + 1;
-    const auto trial = static_cast<std::uint64_t>(number);
+    const FeasibleTrial drawn =
+        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    const Scene& scene = *drawn.scene;
+    const std::uint64_t trial = drawn.trial;
+    infeasible += drawn.infeasible;
     const State start = draw_start(scene, a.seed, trial);
     std::unique_ptr<Device> device;
-    if (at && at->fake)
-      device = fake_hand(*at->fake, scene, start, a.gain);
-    else if (at)
-      device = std::make_unique<InTime>(hand_device(at->kind, *at->transport, scene, start, a.gain),
-                                        lost);
+    if (at)
+      device = at->hold(scene, start, a.gain, a.out + "/" + episode_name(number) + ".part", lost);
     else if (simulated)
       device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
     else
@@ -148,9 +174,14 @@ int record_verb(const Arguments& a) {
     progress(static_cast<std::size_t>(i) + 1);
   }
   if (a.json)
-    print_json({{"scene", scene.name}, {"operator", name}, {"episodes", list}});
+    print_json({{"scene", toleranced.name},
+                {"operator", name},
+                {"episodes", list},
+                {"infeasible_pairs", infeasible}});
   else
     fmt::print("{} of {} episodes inserted\n", inserted, list.size());
+  if (infeasible > 0 && !a.json)
+    fmt::print("{} drawn pairs of parts interfered and were put aside\n", infeasible);
   if (lost)
     throw DeviceTrouble(at->transport->info().path +
                         ": the device was lost; the running episode was ended and kept");

@@ -134,13 +134,8 @@ std::vector<Table> derived_tables(const Episode& episode, const Scene& scene) {
   const Matrix commands = rows.middleCols(kCommand.begin, kCommand.width);
   const Matrix actions = (commands * action_scale(scene).cwiseInverse().asDiagonal());
   Matrix rewards = Matrix::Zero(count, 1), dones = Matrix::Zero(count, 1);
-  Matrix wrench(count, 5), depth(count, 1);
-  const Scaling scaling = scene_scaling(scene);
-  for (Eigen::Index n = 0; n < count; ++n) {
-    wrench.row(n) =
-        scaling.wrench_to_hand(rows.row(n).segment<5>(kHolder.begin).transpose()).transpose();
-    depth(n, 0) = 1e3 * std::max(0.0, -rows(n, kHandPose.begin));
-  }
+  const Matrix wrench = felt_wrench(episode, scene);
+  const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
   if (count > 0) {
     rewards(count - 1, 0) = episode.info.outcome == Outcome::inserted ? 1 : 0;
     dones(count - 1, 0) = 1;
@@ -351,6 +346,17 @@ Episode read_episode(const std::string& file) {
     episode.counts = in.table(kCountsPath, kRawAxes, count).cast<std::int32_t>();
   }
   return episode;
+}
+
+Eigen::Matrix<double, Eigen::Dynamic, 5> felt_wrench(const Episode& episode, const Scene& scene) {
+  const Scaling scaling = scene_scaling(scene);
+  ForceSensor sensor(scene.sensor, episode.info.seed, episode.info.trial);
+  Eigen::Matrix<double, Eigen::Dynamic, 5> felt(episode.rows.rows(), 5);
+  for (Eigen::Index n = 0; n < felt.rows(); ++n) {
+    const Wrench holder = episode.rows.row(n).segment<5>(kHolder.begin).transpose();
+    felt.row(n) = scaling.wrench_to_hand(sensor.read(holder, episode.info.period)).transpose();
+  }
+  return felt;
 }
 
 std::optional<Difference> derived_difference(const std::string& file, const Episode& episode) {

@@ -58,6 +58,10 @@ std::string program_build();
 // Scaling of a scene.
 Scaling scene_scaling(const Scene& scene) noexcept;
 
+// What the hand felt in each row (N, 5), through the scene's force sensor, in the hand's world [N,
+// N m]. The sensor's errors follow from the episode's seed and trial.
+Eigen::Matrix<double, Eigen::Dynamic, 5> felt_wrench(const Episode& episode, const Scene& scene);
+
 // Writes beside `file` and gives it its name when whole. Throws FileTrouble, also if there is a
 // file of that name: an episode never replaces another.
 void write_episode(const std::string& file, const Episode& episode);

@@ -50,7 +50,8 @@ std::optional<Difference> verify(const Episode& episode) {
   std::optional<Difference> first;
   Eigen::Index n = 0;
   const Outcome outcome = run_episode(
-      scene, start, hand, episode.info.period,
+      scene, start, hand, ForceSensor(scene.sensor, episode.info.seed, episode.info.trial),
+      episode.info.period,
       [&](const RowVector& row) {
         RowVector recorded = rows.row(n), recomputed = row;
         // The last command is what the recorded hand was built from, not a result.

@@ -2,15 +2,16 @@
 
 namespace ferrule {
 
-Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
-                    const std::function<void(const RowVector&)>& record,
+Outcome run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                    double period, const std::function<void(const RowVector&)>& record,
                     const std::function<bool()>& stop) {
   return run_episode(
-      scene, start, device, period, [&](const RowVector& row, const RawCounts&) { record(row); },
-      stop);
+      scene, start, device, std::move(sensor), period,
+      [&](const RowVector& row, const RawCounts&) { record(row); }, stop);
 }
 
-Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
+Outcome run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                    double period,
                     const std::function<void(const RowVector&, const RawCounts&)>& record,
                     const std::function<bool()>& stop) {
   const Scaling scaling = scene_scaling(scene);
@@ -26,7 +27,7 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, doub
     if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
     state = result.state;
     RowVector row = make_row(t, sample.pose, result);
-    device.render(scaling.wrench_to_hand(result.forces.holder));
+    device.render(scaling.wrench_to_hand(sensor.read(result.forces.holder, period)));
 
     const std::optional<Outcome> now = watch.after(result);
     const HandSample next = device.read(static_cast<double>(n + 1) * period);

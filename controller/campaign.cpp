@@ -35,14 +35,16 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
   std::vector<double> time, force, loss;
   for (const TrialResult& r : results) {
     ++s.outcomes[static_cast<std::size_t>(r.outcome)];
+    if (r.outcome == Outcome::infeasible) continue;
+    ++s.feasible;
     force.push_back(r.summary.peak_force);
     if (r.outcome != Outcome::inserted) continue;
     time.push_back(r.summary.time);
     loss.push_back(r.loss_dB);
   }
   s.successes = time.size();
-  s.success_rate = static_cast<double>(s.successes) / static_cast<double>(s.trials);
-  s.wilson = wilson(s.successes, s.trials);
+  s.success_rate = static_cast<double>(s.successes) / static_cast<double>(s.feasible);
+  s.wilson = s.feasible > 0 ? wilson(s.successes, s.feasible) : Interval{0, 1};
   const auto spread = [](const std::vector<double>& v) {
     return Spread{quantile(v, 0.5), quantile(v, 0.95)};
   };
@@ -53,15 +55,17 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
 }
 
 Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b) {
-  if (a.size() != b.size() || a.empty())
+  if (a.size() != b.size())
     throw std::invalid_argument("compare: both must have the same number of trials");
-  std::size_t only_a = 0, only_b = 0;
+  std::size_t only_a = 0, only_b = 0, feasible = 0;
   for (std::size_t k = 0; k < a.size(); ++k) {
+    feasible += a[k].outcome != Outcome::infeasible;
     const bool in_a = a[k].outcome == Outcome::inserted, in_b = b[k].outcome == Outcome::inserted;
     only_a += in_a && !in_b;
     only_b += in_b && !in_a;
   }
-  const double n = static_cast<double>(a.size());
+  if (feasible == 0) throw std::invalid_argument("compare: no trial is feasible");
+  const double n = static_cast<double>(feasible);
   const double count_a = static_cast<double>(only_a), count_b = static_cast<double>(only_b);
   // Bonett and Price 2012: Wald's interval with one discordant pair added on either side.
   const double p_a = (count_a + 1) / (n + 2), p_b = (count_b + 1) / (n + 2), d = p_a - p_b;

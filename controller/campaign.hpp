@@ -22,25 +22,25 @@ struct Spread {
 };
 
 struct CampaignSummary {
-  std::size_t trials, successes;
-  double success_rate;
+  std::size_t trials, feasible, successes;
+  double success_rate;                          // of the feasible trials; NaN without any
   Interval wilson;                              // 95 %
   std::array<std::size_t, kOutcomes> outcomes;  // by Outcome
   Spread time;                                  // of the insertions that succeeded [s]
-  Spread peak_force;                            // of all trials [N]
+  Spread peak_force;                            // of all feasible trials [N]
   Spread loss_dB;                               // of the insertions that succeeded
 };
 
 CampaignSummary summarise(const std::vector<TrialResult>& results);
 
-// Two controllers on the same trials.
+// Two controllers on the same trials, the feasible ones.
 struct Comparison {
   double difference;  // success rate of a minus that of b
   Interval interval;  // 95 %, for paired trials
   double mcnemar_p;
 };
 
-// Throws std::invalid_argument unless both have the same number of trials, > 0.
+// Throws std::invalid_argument unless both have the same number of trials, some of them feasible.
 Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b);
 
 }  // namespace ferrule

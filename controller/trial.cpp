@@ -24,9 +24,14 @@ void ControllerHand::render(const HandWrench& wrench) {
       limit_speed(controller_.command({wrench - at_rest_, hand_depth(pose_), time_}), speed_);
 }
 
-TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period) noexcept {
+TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
+                      std::uint64_t seed, std::uint64_t trial, double period) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
+  if (!drawn) return {Outcome::infeasible, {}, kNone};
+  const Scene& scene = *drawn;
   State state = draw_start(scene, seed, trial);
+  ForceSensor sensor(scene.sensor, seed, trial);
   InsertionWatch watch(scene, state);
   ControllerHand hand(controller, scaling.motion_to_hand(state.hand),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
@@ -36,10 +41,10 @@ TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& co
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0.0 : period);
     state = result.state;
-    hand.render(scaling.wrench_to_hand(result.forces.holder));
+    hand.render(scaling.wrench_to_hand(sensor.read(result.forces.holder, period)));
     outcome = watch.after(result);
   }
-  TrialResult result{*outcome, watch.summary(), std::numeric_limits<double>::quiet_NaN()};
+  TrialResult result{*outcome, watch.summary(), kNone};
   if (*outcome == Outcome::inserted)
     result.loss_dB = joint_loss_dB(result.summary.offset, result.summary.tilt);
   return result;

@@ -13,10 +13,11 @@ struct TrialResult {
   double loss_dB;  // predicted joint loss from the final offset and tilt; NaN unless inserted
 };
 
-// Trial `trial` of a campaign under `seed`. The controller feels the holder's wrench scaled up by
-// `scaling` and its velocity is scaled down; control and simulation share one period [s].
+// Trial `trial` of a campaign under `seed`. The controller feels what the scene's force sensor
+// reads, scaled up by `scaling`, and its velocity is scaled down; control and simulation share one
+// period [s].
 TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period = 1e-3) noexcept;
+                      std::uint64_t seed, std::uint64_t trial, double period = 1e-3);
 
 // The same controller as a device, so that it can be recorded like a person.
 class ControllerHand : public Device {

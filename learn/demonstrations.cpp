@@ -11,7 +11,7 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   d.outcome = episode.info.outcome;
   d.period = episode.info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
-  d.force = scene_scaling(scene).force * rows.middleCols<3>(kHolder.begin);
+  d.force = felt_wrench(episode, scene).leftCols<3>();
   if (rows.rows() > 0) d.force.rowwise() -= Eigen::RowVector3d(d.force.row(0));
   d.velocity = rows.middleCols<3>(kCommand.begin);
   d.depth = (-rows.col(kHandPose.begin)).cwiseMax(0.0);

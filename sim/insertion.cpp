@@ -6,10 +6,27 @@ namespace ferrule {
 namespace {
 
 constexpr std::array<const char*, kOutcomes> kNames = {
-    "inserted", "force_limit",    "jam",           "missed",     "timeout", "buckled",
-    "broken",   "invalid_output", "stopped_short", "interrupted"};
+    "inserted", "force_limit",    "jam",           "missed",      "timeout",   "buckled",
+    "broken",   "invalid_output", "stopped_short", "interrupted", "infeasible"};
 
 }  // namespace
+
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
+                                        std::uint64_t trial) {
+  if (!scene.tolerance) return {std::shared_ptr<const Scene>(), &scene};
+  RandomStream random(seed, trial, Draw::parts);
+  const Tolerance& t = *scene.tolerance;
+  double deviation = random.normal();
+  while (std::abs(deviation) > 3) deviation = random.normal();
+  const double fibre = 2 * scene.world.annulus.fibre_radius + t.fibre_sd * deviation;
+  const double bore = t.bore_low + (t.bore_high - t.bore_low) * random.uniform();
+  if (fibre >= bore) return nullptr;
+  Json document = scene.document;
+  document.erase("tolerance");
+  document["fibre"]["diameter_um"] = 1e6 * fibre;
+  document["ferrule"]["bore_diameter_um"] = 1e6 * bore;
+  return std::make_shared<const Scene>(parse_scene(document, scene.name));
+}
 
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
   RandomStream random(seed, trial, Draw::start);

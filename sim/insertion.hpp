@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "sim/breakdown.hpp"
@@ -9,6 +10,12 @@
 #include "sim/step.hpp"
 
 namespace ferrule {
+
+// The scene of trial `trial` under `seed`: `scene` itself, or where its parts are toleranced one
+// with the diameters of a pair that was drawn; null where that pair interferes. It must not outlive
+// `scene`. Throws BadInput if the scene cannot be with these diameters.
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
+                                        std::uint64_t trial);
 
 // Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says.
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
@@ -24,8 +31,9 @@ enum class Outcome {
   invalid_output,  // the controller or operator commanded something that is not a finite number
   stopped_short,   // the operator finished before the success depth
   interrupted,     // the operator or user stopped it
+  infeasible,      // the drawn fibre does not fit into the drawn bore: no failure of anybody
 };
-inline constexpr int kOutcomes = 10;
+inline constexpr int kOutcomes = 11;
 const char* name(Outcome outcome) noexcept;
 // Throws BadInput if there is no such outcome.
 Outcome outcome_from_name(const std::string& name);

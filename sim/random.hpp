@@ -11,7 +11,14 @@
 namespace ferrule {
 
 // What a stream of numbers is for; streams of one trial are independent.
-enum class Draw : std::uint32_t { start = 0, operator_hand = 1, split = 2, plan = 3 };
+enum class Draw : std::uint32_t {
+  start = 0,
+  operator_hand = 1,
+  split = 2,
+  plan = 3,
+  sensor = 4,
+  parts = 5
+};
 
 class RandomStream {
  public:

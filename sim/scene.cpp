@@ -205,6 +205,32 @@ World read_world(JsonFields& scene) {
   return world;
 }
 
+Tolerance read_tolerance(JsonFields f) {
+  Tolerance t{};
+  t.fibre_sd = micro * f.number("fibre_diameter_sd_um", rule::not_negative());
+  const Vector2d bore = micro * f.pair("bore_diameter_um");
+  if (!(bore[0] > 0 && bore[1] >= bore[0]))
+    f.refuse("bore_diameter_um", "must be the smallest and the largest diameter, both positive");
+  t.bore_low = bore[0];
+  t.bore_high = bore[1];
+  f.finish();
+  return t;
+}
+
+ForceSensorModel read_sensor(JsonFields f) {
+  ForceSensorModel sensor;
+  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
+    if (f.present(key)) value = unit * f.number(key, rule);
+  };
+  number("noise_uN", micro, rule::not_negative(), sensor.noise);
+  number("bias_uN", micro, rule::not_negative(), sensor.bias);
+  number("bandwidth_Hz", 1, rule::positive(), sensor.bandwidth);
+  number("resolution_uN", micro, rule::not_negative(), sensor.resolution);
+  number("moment_arm_mm", milli, rule::positive(), sensor.arm);
+  f.finish();
+  return sensor;
+}
+
 std::string scene_folder() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
@@ -268,7 +294,8 @@ Scene parse_scene(const Json& document, const std::string& file) {
       milli * start.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"));
   start.finish();
 
-  fields.object("sensor").finish();
+  if (fields.present("tolerance")) scene.tolerance = read_tolerance(fields.object("tolerance"));
+  scene.sensor = read_sensor(fields.object("sensor"));
 
   JsonFields limits = fields.object("limits");
   scene.limits.force = micro * limits.number("force_uN", rule::positive());

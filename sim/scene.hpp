@@ -3,9 +3,11 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "sim/force_sensor.hpp"
 #include "sim/json_fields.hpp"
 #include "sim/world.hpp"
 
@@ -31,6 +33,14 @@ struct Success {
   double depth;  // inserted length [m], > 0
 };
 
+// Pairs of parts as they come: the fibre's diameter is normally distributed about
+// fibre.diameter_um, cut at three standard deviations (where sorting ends); the bore's is uniform
+// over its tolerance band.
+struct Tolerance {
+  double fibre_sd;             // of the diameter [m], >= 0
+  double bore_low, bore_high;  // diameters [m], 0 < low <= high
+};
+
 // Ranges of (14) and (15) of the paper.
 struct ScalingRanges {
   double hand_range, tip_range;  // x_s and x_m [m], > 0
@@ -41,6 +51,8 @@ struct Scene {
   std::string name;
   World world;
   StartDistribution start;
+  std::optional<Tolerance> tolerance;
+  ForceSensorModel sensor;
   Limits limits;
   Success success;
   ScalingRanges scaling;

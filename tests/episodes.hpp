@@ -32,8 +32,8 @@ inline std::string record(const Scene& scene, const std::string& folder, std::ui
     device = simulated_operator(scene, start, skill, 1e-3, 1, trial);
   Recorder recorder(folder, static_cast<int>(trial), info_of(scene, 1, trial));
   const Outcome outcome = run_episode(
-      scene, start, *device, 1e-3, [&](const RowVector& row) { recorder.add(row); },
-      [] { return false; });
+      scene, start, *device, ForceSensor(scene.sensor, 1, trial), 1e-3,
+      [&](const RowVector& row) { recorder.add(row); }, [] { return false; });
   return recorder.finish(outcome);
 }
 

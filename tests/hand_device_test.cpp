@@ -31,7 +31,7 @@ Outcome run(
     const Scene& scene, Device& device, Recorder& recorder,
     const std::function<bool()>& stop = [] { return false; }) {
   return run_episode(
-      scene, draw_start(scene, 1, 1), device, 1e-3,
+      scene, draw_start(scene, 1, 1), device, {}, 1e-3,
       [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); }, stop);
 }
 
@@ -141,7 +141,7 @@ TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     Eigen::Index n = 0;
     run_episode(
-        scene, start, *device, 1e-3,
+        scene, start, *device, {}, 1e-3,
         [&](const RowVector& row, const RawCounts& c) {
           recorder.add(row, c);
           if (n < 300) counts.row(n) = c.transpose();

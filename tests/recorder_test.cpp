@@ -70,7 +70,7 @@ TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
       Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
       std::size_t n = 0;
       run_episode(
-          scene, start, *device, 1e-3,
+          scene, start, *device, {}, 1e-3,
           [&](const RowVector& row) {
             recorder.add(row);
             if (++n == killed_at) ::kill(::getpid(), SIGKILL);
@@ -101,7 +101,7 @@ TEST(Recover, TakesWhatIsWholeOfATornJournal) {
     Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
     std::size_t n = 0;
     run_episode(
-        scene, start, *device, 1e-3, [&](const RowVector& row) { recorder.add(row), ++n; },
+        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { recorder.add(row), ++n; },
         [&] { return n == 500; });
   }  // left without finish
   const std::string journal = folder / "episode_0001.part";

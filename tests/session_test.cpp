@@ -31,7 +31,7 @@ TEST(Session, ARowPairsAForceWithTheVelocityThatAnswersIt) {
   KnownHand hand(scaling.motion_to_hand(start.hand));
   std::vector<RowVector> rows;
   run_episode(
-      scene, start, hand, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
+      scene, start, hand, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
       [] { return false; });
   ASSERT_GT(rows.size(), 4000u);
   for (std::size_t n = 0; n < rows.size(); ++n) {
@@ -59,7 +59,7 @@ TEST(Session, AHandThatIsNotFiniteEndsTheEpisode) {
   const Scene scene = testing::paper();
   std::size_t rows = 0;
   const Outcome outcome = run_episode(
-      scene, draw_start(scene, 1, 1), broken, 1e-3, [&](const RowVector&) { ++rows; },
+      scene, draw_start(scene, 1, 1), broken, {}, 1e-3, [&](const RowVector&) { ++rows; },
       [] { return false; });
   EXPECT_EQ(outcome, Outcome::invalid_output);
   EXPECT_GT(rows, 490u);

@@ -115,7 +115,7 @@ TEST(Trainee, InsertsAsInFig10OfThePaper) {
     const auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, trial);
     std::vector<RowVector> rows;
     const Outcome outcome = run_episode(
-        scene, start, *device, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
+        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
         [] { return false; });
     EXPECT_EQ(outcome, Outcome::inserted);
     const double to_um = 1e6 / scene_scaling(scene).motion;

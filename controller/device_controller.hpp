@@ -1,0 +1,35 @@
+// A device at the controller's place: so that an operator can be tried on the trials of a campaign.
+#pragma once
+
+#include <memory>
+
+#include "controller/controller.hpp"
+#include "haptic/device.hpp"
+
+namespace ferrule {
+
+// Commands the velocity of the device's hand over each `period` [s], and rests once the operator is
+// finished. The device must begin at the pose the trial begins at; it feels the wrench relative to
+// that at rest.
+class DeviceController : public Controller {
+ public:
+  DeviceController(std::unique_ptr<Device> device, double period)
+      : device_(std::move(device)), period_(period), pose_(device_->read(0).pose) {}
+
+  HandTwist command(const Felt& felt) noexcept override {
+    device_->render(felt.wrench);
+    const HandSample next = device_->read(static_cast<double>(++ticks_) * period_);
+    const HandTwist velocity =
+        next.finished ? HandTwist(HandTwist::Zero()) : HandTwist((next.pose - pose_) / period_);
+    pose_ = next.pose;
+    return velocity;
+  }
+
+ private:
+  std::unique_ptr<Device> device_;
+  double period_;
+  HandPose pose_;
+  std::int64_t ticks_ = 0;
+};
+
+}  // namespace ferrule
