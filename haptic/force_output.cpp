@@ -4,9 +4,20 @@
 #include <string>
 
 namespace ferrule {
+namespace {
+
+PidReports reports_of(const HidInfo& info) {
+  try {
+    return PidReports(parse_report_descriptor(info.descriptor));
+  } catch (const DeviceTrouble& trouble) {
+    throw DeviceTrouble(info.path + ": " + trouble.what());
+  }
+}
+
+}  // namespace
 
 ForceOutput::ForceOutput(HidTransport& transport)
-    : transport_(transport), reports_(parse_report_descriptor(transport.info().descriptor)) {
+    : transport_(transport), reports_(reports_of(transport.info())) {
   running_ = true;
   try {
     start();
