@@ -555,6 +555,44 @@ class Devices(Case):
                      says=["/dev/none"])
         self.assertFalse(os.path.exists(self.path("out")))
 
+    @unittest.skipUnless(shutil.which("umockdev-run"), "umockdev is not installed")
+    def test_connected_devices_are_listed_with_what_they_need(self):
+        # Six axes of a multi-axis controller; in a /sys of umockdev's. The second has no node that
+        # could be opened, the third is a mouse of the same maker.
+        descriptor = "05010908A101850116A2FE265E01" "093009310932093309340935" "751095068102C0"
+        text = ""
+        for number, product in enumerate((0xC635, 0xC62E, 0xC650)):
+            node = f"N: hidraw{number}\n" if number != 1 else ""
+            text += (f"P: /devices/{number}\nE: SUBSYSTEM=hid\nE: HID_NAME=mouse {number}\n"
+                     f"E: HID_ID=0003:0000256F:{product:08X}\nE: HID_PHYS=\nE: HID_UNIQ=\n"
+                     f"H: report_descriptor={descriptor}\n\n"
+                     f"P: /devices/{number}/hidraw/hidraw{number}\n{node}"
+                     f"E: DEVNAME=/dev/hidraw{number}\nE: SUBSYSTEM=hidraw\n"
+                     f"L: device=../../../{number}\n\n")
+        with open(self.path("devices"), "w") as out:
+            out.write(text)
+
+        def listed(*arguments):
+            run = subprocess.run(["umockdev-run", "-d", self.path("devices"), "--", PROGRAM,
+                                  "devices", *arguments], capture_output=True, text=True,
+                                 timeout=600)
+            self.assertEqual(run.returncode, 0, run.stderr)
+            return run.stdout
+
+        usable, forbidden, never = json.loads(listed("--json"))["devices"]
+        self.assertEqual((usable["path"], usable["id"], usable["kind"], usable["state"]),
+                         ("/dev/hidraw0", "256f:c635", "SpaceMouse", "usable"))
+        self.assertEqual(usable["name"], "mouse 0")
+        self.assertNotIn("udev_rule", usable)
+        self.assertEqual(forbidden["state"], "forbidden")
+        rule = 'KERNEL=="hidraw*", KERNELS=="*:256F:C62E.*", TAG+="uaccess"'
+        self.assertEqual(forbidden["udev_rule"], rule)
+        self.assertIn(rule, forbidden["command"])
+        self.assertEqual((never["kind"], never["state"]), (None, "never used"))
+        text = listed()
+        self.assertIn("found, but not permitted", text)
+        self.assertIn(forbidden["command"], text)
+
     def test_a_fake_device_is_shown_live(self):
         for device, axes in (("fake:spacemouse", {"X", "Y", "Z", "Rx", "Ry", "Rz"}),
                              ("fake:pid", {"X", "Y", "Z"})):
