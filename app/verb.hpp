@@ -28,6 +28,7 @@ void add_forces(CLI::App& app, Run& run);
 void add_contact(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
+void add_compare(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 void add_recover(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);

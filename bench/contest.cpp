@@ -1,0 +1,118 @@
+#include "bench/contest.hpp"
+
+#include <algorithm>
+
+#include "bench/measure.hpp"
+#include "capture/simulated_operator.hpp"
+#include "controller/device_controller.hpp"
+#include "learn/fit_law.hpp"
+
+namespace ferrule {
+namespace {
+
+// A recorded hand motion again, whatever is felt.
+class RecordedMotion : public Controller {
+ public:
+  explicit RecordedMotion(std::shared_ptr<const Demonstration> recorded)
+      : recorded_(std::move(recorded)) {}
+
+  HandTwist command(const Felt&) noexcept override {
+    HandTwist v = HandTwist::Zero();
+    if (next_ < recorded_->velocity.rows())
+      v.head<3>() = recorded_->velocity.row(next_++).transpose();
+    return v;
+  }
+
+ private:
+  std::shared_ptr<const Demonstration> recorded_;
+  Eigen::Index next_ = 0;
+};
+
+// What an engineer sets without demonstrations: straight in at the speed limit, at half of it where
+// 2 N are felt, and sideways as compliant as a hand, 1 mm/s per newton.
+InsertionLaw tuned_by_hand(double speed) {
+  std::array<double, kGains> gains{};
+  gains[0] = speed;
+  gains[1] = 0.1;  // ramp [s]
+  gains[2] = 1e3;  // no end depth
+  gains[3] = 1;
+  gains[4] = 0.25;  // slowing [1/N^2]
+  gains[6] = gains[7] = 1e-3;
+  return InsertionLaw(gains);
+}
+
+double seconds_of(const std::function<void()>& work) {
+  const auto begin = std::chrono::steady_clock::now();
+  work();
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+}  // namespace
+
+std::vector<Contestant> unlearned(const Scene& scene, const DemonstrationSet& set, double skill,
+                                  std::uint64_t seed) {
+  const Scaling scaling = scene_scaling(scene);
+  const double speed = scaling.motion * scene.limits.speed;
+  const auto duration = [](const Demonstration& d) {
+    return d.period * static_cast<double>(d.velocity.rows());
+  };
+  const auto fastest = std::make_shared<const Demonstration>(
+      *std::min_element(set.demonstrations.begin(), set.demonstrations.end(),
+                        [&](const auto& a, const auto& b) { return duration(a) < duration(b); }));
+  std::vector<Contestant> all;
+  all.push_back({"constant velocity", controller_maker(ConstantVelocity(speed)), 0, 0, {}});
+  all.push_back({"tuned by hand", controller_maker(tuned_by_hand(speed)), 0, 0, {}});
+  all.push_back({"best demonstration again",
+                 [fastest](std::uint64_t) { return std::make_unique<RecordedMotion>(fastest); },
+                 0,
+                 0,
+                 {}});
+  all.push_back({"simulated operator",
+                 [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
+                   constexpr double kPeriod = 1e-3;
+                   const State start = draw_start(scene, seed, trial);
+                   return std::make_unique<DeviceController>(
+                       simulated_operator(scene, start, skill, kPeriod, seed, trial), kPeriod);
+                 },
+                 0,
+                 0,
+                 {}});
+  return all;
+}
+
+std::vector<Learner> learners(std::uint64_t fit_seed) {
+  const auto ceres = [fit_seed](const DemonstrationSet& set) {
+    Contestant c;
+    FitReport report;
+    c.fit_seconds = seconds_of([&] { report = fit_law(set, fit_seed); });
+    c.make = controller_maker(report.controller.law());
+    c.parameters = kGains;
+    c.held_out = report.controller.held_out_residual;
+    return c;
+  };
+  return {{"ceres insertion law", ceres}};
+}
+
+DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count) {
+  DemonstrationSet part = set;
+  if (count < part.demonstrations.size())
+    part.demonstrations.erase(part.demonstrations.begin() + static_cast<std::ptrdiff_t>(count),
+                              part.demonstrations.end());
+  return part;
+}
+
+double ns_per_action(const Contestant& contestant, const Demonstration& felt) {
+  const std::unique_ptr<Controller> controller = contestant.make(1);
+  const auto rows = felt.force.rows();
+  Felt now{HandWrench::Zero(), 0, 0};
+  Eigen::Index n = 0;
+  return nanoseconds_per_call([&](long) {
+    n = n + 1 < rows ? n + 1 : 0;
+    now.wrench.head<3>() = felt.force.row(n).transpose();
+    now.depth = felt.depth[n];
+    now.time = felt.time[n];
+    keep(controller->command(now));
+  });
+}
+
+}  // namespace ferrule
