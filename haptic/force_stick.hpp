@@ -3,7 +3,9 @@
 //
 // X moves the hand along x, Y along -y (a stick's Y grows towards the operator; pull for up), Z
 // along z; tilts stay as they are. The hand starts where the scene starts, wherever the stick is.
-// Forces along x and y are felt at X and Y; a device with one axis shows that along x alone.
+// Forces along x and y are felt at X and Y, relative to the first that is rendered: the weight at
+// rest, which is often more than a device can do, is left out. A device with one axis shows the
+// force along x alone.
 #pragma once
 
 #include "haptic/axis_reader.hpp"
@@ -37,6 +39,7 @@ class ForceStick : public Device {
   ForceOutput output_;
   HandPose start_;
   double full_force_, time_ = 0;
+  std::optional<HandWrench> rest_;                            // what was rendered first
   std::optional<Eigen::Matrix<double, kRawAxes, 1>> origin_;  // deflection at the start
   std::array<double, 2> force_{};
   std::uint32_t held_ = 0;

@@ -45,11 +45,17 @@ TEST(ForceStick, ItsPositionIsTheHandsFromWhereItStood) {
 TEST(ForceStick, ForcesPushAgainstTheMotionTheyBelongTo) {
   FakeFirmware firmware(FakeModel::pid_22);
   ForceStick stick(firmware, kReach, kFull, start_pose());
-  HandWrench wrench;
+  HandWrench rest, wrench;
+  rest << 0, -20, 0, 0, 0;         // a weight beyond what the device can do is not felt
   wrench << 2, -4, 100, 100, 100;  // out of the bore, downwards; z and moments have no motor
   for (int n = 0; n < 20; ++n) {
     read_at(stick, firmware, n * 1e-3);
-    stick.render(wrench);
+    stick.render(rest);
+    EXPECT_EQ(stick.force()[1], 0);
+  }
+  for (int n = 20; n < 40; ++n) {
+    read_at(stick, firmware, n * 1e-3);
+    stick.render(rest + wrench);
   }
   const auto force = firmware.force();
   EXPECT_NEAR(force[0], 0.25, 1e-3);
@@ -65,6 +71,9 @@ TEST(ForceStick, IsCutAtWhatTheDeviceCanDo) {
   ForceStick stick(firmware, kReach, kFull, start_pose());
   HandWrench wrench = HandWrench::Constant(1e6);
   wrench[1] = NAN;
+  stick.render(wrench);  // nothing to feel against yet
+  EXPECT_EQ(stick.force()[0], 0);
+  stick.render(HandWrench::Zero());
   for (int n = 0; n < 20; ++n) {
     read_at(stick, firmware, n * 1e-3);
     stick.render(wrench);
