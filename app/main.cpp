@@ -4,6 +4,7 @@
 
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
+#include "haptic/trouble.hpp"
 
 int main(int argc, char** argv) {
   using namespace ferrule;
@@ -23,6 +24,7 @@ int main(int argc, char** argv) {
   add_evaluate(app, run);
   add_compare(app, run);
   add_bench(app, run);
+  add_devices(app, run);
   const auto is_verb = [&](const std::string& word) {
     for (const CLI::App* verb : app.get_subcommands({}))
       if (verb->get_name() == word) return true;
@@ -54,6 +56,9 @@ int main(int argc, char** argv) {
   } catch (const FileTrouble& error) {
     fmt::print(stderr, "ferrule: {}\n", error.what());
     return kFileTrouble;
+  } catch (const DeviceTrouble& trouble) {
+    fmt::print(stderr, "ferrule: {}\n", trouble.what());
+    return kDeviceTrouble;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "ferrule: out of memory\n");
     return kFileTrouble;

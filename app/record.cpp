@@ -1,11 +1,14 @@
-// ferrule record: demonstrations from a simulated operator, or from a controller at the hand's
+// ferrule record: demonstrations from a simulated operator, a device, or a controller at the hand's
 // place.
 #include <fmt/format.h>
 
+#include <chrono>
 #include <filesystem>
+#include <thread>
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
+#include "capture/hand_device.hpp"
 #include "capture/simulated_operator.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/trial.hpp"
@@ -34,12 +37,13 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   info.trial = trial;
   info.version = program_version();
   info.build = program_build();
+  if (const Mapping* mapping = device.mapping()) info.mapping = mapping_text(*mapping);
   Recorder recorder(folder, number, info);
   Recorded recorded{};
   recorded.outcome = run_episode(
       scene, start, device, ForceSensor(scene.sensor, seed, trial), info.period,
-      [&](const RowVector& row) {
-        recorder.add(row);
+      [&](const RowVector& row, const RawCounts& counts) {
+        recorder.add(row, counts);
         recorded.summary.time = row[kTime.begin];
         recorded.summary.depth = std::max(0.0, -row[kStates.begin]);
         const Eigen::Vector3d force = row.segment<3>(kHolder.begin).transpose();
@@ -56,33 +60,88 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
-  std::string operator_ = "simulated", out;
-  double skill = 0.8;
+  std::string operator_ = "simulated", device, out;
+  double skill = 0.8, gain = 1;
   int episodes = 20;
   std::uint64_t seed = 1;
   bool append = false, json = false;
 };
 
+// A device with a person at it: each read waits for its time.
+class InTime : public Device {
+ public:
+  InTime(std::unique_ptr<Device> device, bool& lost) : device_(std::move(device)), lost_(lost) {}
+  HandSample read(double t) override {
+    std::this_thread::sleep_until(begin_ + std::chrono::duration<double>(t));
+    const HandSample sample = device_->read(t);
+    lost_ = sample.lost;
+    return sample;
+  }
+  void render(const HandWrench& wrench) override { device_->render(wrench); }
+  const Mapping* mapping() const noexcept override { return device_->mapping(); }
+
+ private:
+  std::unique_ptr<Device> device_;
+  bool& lost_;
+  std::chrono::time_point<std::chrono::steady_clock, std::chrono::duration<double>> begin_ =
+      std::chrono::steady_clock::now();
+};
+
+// What --device names: a real device, open, or the model of one.
+struct AtDevice {
+  std::string name;
+  DeviceKind kind{};
+  std::unique_ptr<HidTransport> transport;
+  std::optional<FakeModel> fake;
+
+  // Its driver at the start of an episode. A device that does not work takes the `journal` along
+  // that was reserved for the episode.
+  std::unique_ptr<Device> hold(const Scene& scene, const State& start, double gain,
+                               const std::string& journal, bool& lost) const {
+    if (fake) return fake_hand(*fake, scene, start, gain);
+    try {
+      return std::make_unique<InTime>(hand_device(kind, *transport, scene, start, gain), lost);
+    } catch (const DeviceTrouble&) {
+      std::filesystem::remove(journal);
+      throw;
+    }
+  }
+};
+
+AtDevice open_device(const std::string& wanted) {
+  if (const auto model = fake_model(wanted))
+    return {"simulated hand, " + wanted, fake_kind(*model), nullptr, model};
+  if (wanted.starts_with("fake:"))
+    throw BadInput("--device " + wanted + ": must be fake:spacemouse or fake:pid");
+  FoundDevice found = choose_device(wanted);
+  return {fmt::format("{} {:04x}:{:04x}", name(*found.kind), found.info.vendor, found.info.product),
+          *found.kind, open_hid(found.info), std::nullopt};
+}
+
 int record_verb(const Arguments& a) {
   const Scene toleranced = a.scene.load();
-  const bool simulated = a.operator_ == "simulated";
+  std::optional<AtDevice> at;
+  if (!a.device.empty()) at = open_device(a.device);
+  const bool simulated = !at && a.operator_ == "simulated";
   std::optional<InsertionLaw> law;
-  if (!simulated) law = read_controller(a.operator_).law();
+  if (!at && !simulated) law = read_controller(a.operator_).law();
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
   int next = first;
-  const std::string name =
-      simulated ? fmt::format("simulated, skill {}", a.skill) : "controller " + a.operator_;
+  const std::string name = at          ? at->name
+                           : simulated ? fmt::format("simulated, skill {}", a.skill)
+                                       : "controller " + a.operator_;
+  bool lost = false;
   const Scaling scaling = scene_scaling(toleranced);
 
   watch_for_interrupt();
   Json list = Json::array();
   std::size_t inserted = 0, infeasible = 0;
   Progress progress("recording", static_cast<std::size_t>(a.episodes));
-  for (int i = 0; i < a.episodes && !interrupted(); ++i) {
+  for (int i = 0; i < a.episodes && !interrupted() && !lost; ++i) {
     const int number = claim_episode(a.out, next);
     next = number + 1;
     const FeasibleTrial drawn =
@@ -92,7 +151,9 @@ int record_verb(const Arguments& a) {
     infeasible += drawn.infeasible;
     const State start = draw_start(scene, a.seed, trial);
     std::unique_ptr<Device> device;
-    if (simulated)
+    if (at)
+      device = at->hold(scene, start, a.gain, a.out + "/" + episode_name(number) + ".part", lost);
+    else if (simulated)
       device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
     else
       device = std::make_unique<ControllerHand>(*law, scaling.motion_to_hand(start.hand),
@@ -121,6 +182,9 @@ int record_verb(const Arguments& a) {
     fmt::print("{} of {} episodes inserted\n", inserted, list.size());
   if (infeasible > 0 && !a.json)
     fmt::print("{} drawn pairs of parts interfered and were put aside\n", infeasible);
+  if (lost)
+    throw DeviceTrouble(at->transport->info().path +
+                        ": the device was lost; the running episode was ended and kept");
   if (!interrupted()) return kDone;
   fmt::print(stderr,
              "stopped by Ctrl-C: the running episode was ended and kept; {} of {} are there\n",
@@ -162,10 +226,19 @@ void add_record(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("record", "Record demonstrations, one HDF5 file per episode");
   auto a = std::make_shared<Arguments>();
   a->scene.add_to(*verb, "demo");
-  verb->add_option("--operator", a->operator_,
-                   "Who holds the fibre: \"simulated\", or a controller file")
+  auto* person = verb->add_option("--operator", a->operator_,
+                                  "Who holds the fibre: \"simulated\", or a controller file")
+                     ->capture_default_str()
+                     ->type_name("simulated|FILE");
+  verb->add_option("--device", a->device,
+                   "Hold the fibre yourself, with the first usable device or that of a path; or "
+                   "try it with a simulated hand on a fake one")
+      ->excludes(person)
+      ->type_name("auto|PATH|fake:spacemouse|fake:pid");
+  verb->add_option("--gain", a->gain,
+                   "How far or fast the device moves the hand, of the usual (capture/README.md)")
       ->capture_default_str()
-      ->type_name("simulated|FILE");
+      ->check(number_between(0.01, 100));
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
       ->check(number_between(0, 1));

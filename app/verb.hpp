@@ -12,7 +12,14 @@ namespace ferrule {
 
 // Exit codes (README): 0 done, 1 a stated criterion failed, 2 bad usage or input, 3 file trouble,
 // 4 device trouble, 130 stopped by Ctrl-C.
-enum ExitCode { kDone = 0, kFailed = 1, kBadInput = 2, kFileTrouble = 3, kInterrupted = 130 };
+enum ExitCode {
+  kDone = 0,
+  kFailed = 1,
+  kBadInput = 2,
+  kFileTrouble = 3,
+  kDeviceTrouble = 4,
+  kInterrupted = 130
+};
 
 // What the chosen verb does; set when the command line is parsed.
 using Run = std::function<int()>;
@@ -28,6 +35,7 @@ void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
+void add_devices(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value.
 struct SceneArguments {

@@ -18,6 +18,7 @@ constexpr std::int64_t kFormatVersion = 1;
 constexpr hsize_t kChunk = 1024;            // rows
 constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
 constexpr const char* kDemo = "/data/demo_0";
+constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -165,6 +166,11 @@ void write_tables(const Writer& out, const Episode& episode, const Scene& scene)
   for (const Block& b : kBlocks)
     out.table({rows_path(b), episode.rows.middleCols(b.begin, b.width), b.unit, b.columns,
                Table::exact, b.width == 1});
+  if (!episode.info.mapping.empty()) {
+    out.group(kDemo + std::string("/raw"));
+    out.table({kCountsPath, episode.counts.cast<double>(), "1", "X Y Z Rx Ry Rz; of the device",
+               Table::whole});
+  }
   for (const Table& table : derived_tables(episode, scene)) {
     const Handle set = out.table(table);
     if (table.path != std::string(kDemo) + "/actions") continue;
@@ -195,6 +201,7 @@ class Reader {
         file_(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose,
               name + ": not a readable HDF5 file") {}
 
+  bool has(const char* key) const { return H5Aexists(file_, key) > 0; }
   std::string text(const char* key, const char* place = "/") const {
     const Handle a = open_attribute(key, place);
     const Handle type(H5Aget_type(a), H5Tclose, trouble(key));
@@ -293,6 +300,7 @@ void write_episode(const std::string& file, const Episode& episode) {
   out.attribute(h5, "alpha_x", scene_scaling(scene).motion);
   out.attribute(h5, "alpha_f", scene_scaling(scene).force);
   out.attribute(h5, "outcome", std::string(name(info.outcome)));
+  if (!info.mapping.empty()) out.attribute(h5, "mapping", info.mapping);
   {
     const Handle data = out.group("/data");
     out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
@@ -333,6 +341,10 @@ Episode read_episode(const std::string& file) {
   episode.rows.resize(count, Eigen::NoChange);
   for (const Block& b : kBlocks)
     episode.rows.middleCols(b.begin, b.width) = in.table(rows_path(b), b.width, count);
+  if (in.has("mapping")) {
+    info.mapping = in.text("mapping");
+    episode.counts = in.table(kCountsPath, kRawAxes, count).cast<std::int32_t>();
+  }
   return episode;
 }
 
@@ -380,6 +392,27 @@ std::optional<Difference> derived_difference(const std::string& file, const Epis
       }
   }
   return std::nullopt;
+}
+
+std::string mapping_text(const Mapping& mapping) {
+  const auto rows = [&](Eigen::Index from, Eigen::Index count) {
+    Json list = Json::array();
+    for (Eigen::Index i = from; i < from + count; ++i) {
+      list.push_back(Json::array());
+      for (Eigen::Index axis = 0; axis < mapping.gain.cols(); ++axis)
+        list.back().push_back(mapping.gain(i, axis));
+    }
+    return list;
+  };
+  const bool velocity = mapping.kind == Mapping::Kind::velocity;
+  const Json json = {{"motion", velocity ? "velocity" : "position"},
+                     {"axes", {"X", "Y", "Z", "Rx", "Ry", "Rz"}},
+                     {"centre_counts", mapping.centre},
+                     {"limit_counts", mapping.limit},
+                     {"dead_zone", mapping.dead_zone},
+                     {velocity ? "gain_m_s" : "gain_m", rows(0, 3)},
+                     {velocity ? "gain_rad_s" : "gain_rad", rows(3, 2)}};
+  return json.dump();
 }
 
 std::vector<std::string> episode_files(const std::string& folder) {

@@ -2,7 +2,8 @@
 //
 // Layout (the demonstration layout of robomimic, with exact rows beside it):
 //   /                    attributes: format, format_version, ferrule_version, build, scene (JSON),
-//                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome
+//                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome; for a
+//                        device with raw axes: mapping (JSON)
 //   /data                attributes: total, env_args (JSON)
 //   /data/demo_0         attribute: num_samples
 //     rows/<block>       every block of capture/row.hpp but `states`, float64, exact
@@ -13,6 +14,7 @@
 //     hand's
 //                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
 //     next_obs/<key>     the same one row later
+//     raw/counts         (N, 6) int64, of a device with raw axes: as it counted them at t_n
 // Every data set has the attributes `unit` and `columns`.
 #pragma once
 
@@ -22,6 +24,7 @@
 #include <vector>
 
 #include "capture/row.hpp"
+#include "haptic/device.hpp"
 #include "sim/insertion.hpp"
 
 namespace ferrule {
@@ -33,12 +36,20 @@ struct EpisodeInfo {
   double period = 1e-3;  // [s]
   Outcome outcome = Outcome::interrupted;
   std::string version, build;  // of the program that recorded it
+  std::string mapping;         // mapping_text of a device with raw axes, and else empty
 };
+
+// Row n: the counts that the pose at t_n, or its rate from then on, follows from.
+using CountRows = Eigen::Matrix<std::int32_t, Eigen::Dynamic, kRawAxes, Eigen::RowMajor>;
 
 struct Episode {
   EpisodeInfo info;
   Rows rows;
+  CountRows counts;  // as many as rows where there is a mapping, and else none
 };
+
+// The attribute `mapping`: how counts become the hand's pose (haptic/device.hpp), in JSON.
+std::string mapping_text(const Mapping& mapping);
 
 // Version and build of this program.
 std::string program_version();

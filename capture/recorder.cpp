@@ -19,7 +19,11 @@ namespace fs = std::filesystem;
 constexpr const char* kJournal = "ferrule journal";
 constexpr std::int64_t kJournalVersion = 1;
 constexpr double kFlushEvery = 0.1;  // [s] of recording
-constexpr std::size_t kRowBytes = kRowSize * sizeof(double);
+
+// A row in the journal: its numbers, and the counts where there is a mapping.
+Eigen::Index row_size(const EpisodeInfo& info) {
+  return kRowSize + (info.mapping.empty() ? 0 : static_cast<Eigen::Index>(kRawAxes));
+}
 
 void append(int fd, const void* data, std::size_t size, const std::string& file) {
   if (const int error = write_all(fd, static_cast<const char*>(data), size))
@@ -27,11 +31,12 @@ void append(int fd, const void* data, std::size_t size, const std::string& file)
 }
 
 std::string header(const EpisodeInfo& info) {
-  const Json json = {{"format", kJournal},         {"format_version", kJournalVersion},
-                     {"row_size", kRowSize},       {"scene", info.scene},
-                     {"operator", info.operator_}, {"seed", info.seed},
-                     {"trial", info.trial},        {"period_s", info.period},
-                     {"version", info.version},    {"build", info.build}};
+  Json json = {{"format", kJournal},         {"format_version", kJournalVersion},
+               {"row_size", row_size(info)}, {"scene", info.scene},
+               {"operator", info.operator_}, {"seed", info.seed},
+               {"trial", info.trial},        {"period_s", info.period},
+               {"version", info.version},    {"build", info.build}};
+  if (!info.mapping.empty()) json["mapping"] = info.mapping;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -40,8 +45,9 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   JsonFields f(json, file);
   if (f.text("format") != kJournal) f.refuse("format", std::string("must be ") + kJournal);
   f.integer("format_version", kJournalVersion, kJournalVersion);
-  f.integer("row_size", kRowSize, kRowSize);
   EpisodeInfo info;
+  if (f.present("mapping")) info.mapping = f.text("mapping");
+  f.integer("row_size", row_size(info), row_size(info));
   info.scene = f.text("scene");
   info.operator_ = f.text("operator");
   info.seed = f.raw("seed").get<std::uint64_t>();
@@ -92,7 +98,8 @@ Recovered recover_one(const fs::path& journal) {
     Episode episode;
     episode.info = parse_header(text.substr(0, line), journal.string());
     episode.info.outcome = Outcome::interrupted;
-    result.rows = (text.size() - line - 1) / kRowBytes;
+    const Eigen::Index width = row_size(episode.info);
+    result.rows = (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
     if (fs::exists(file)) {
       const auto whole = static_cast<std::size_t>(read_episode(file.string()).rows.rows());
       if (whole < result.rows)
@@ -107,8 +114,12 @@ Recovered recover_one(const fs::path& journal) {
       result.remark = "was killed before its first flush: removed";
       return result;
     }
-    episode.rows.resize(static_cast<Eigen::Index>(result.rows), Eigen::NoChange);
-    std::memcpy(episode.rows.data(), text.data() + line + 1, result.rows * kRowBytes);
+    const auto count = static_cast<Eigen::Index>(result.rows);
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> numbers(count, width);
+    std::memcpy(numbers.data(), text.data() + line + 1,
+                static_cast<std::size_t>(numbers.size()) * sizeof(double));
+    episode.rows = numbers.leftCols<kRowSize>();
+    if (width > kRowSize) episode.counts = numbers.rightCols<kRawAxes>().cast<std::int32_t>();
     write_episode(file.string(), episode);
     result.file = file.string();
     fs::remove(journal);
@@ -174,15 +185,23 @@ Recorder::~Recorder() {
   if (fd_ >= 0) ::close(fd_);
 }
 
-void Recorder::add(const RowVector& row) {
+void Recorder::add(const RowVector& row, const RawCounts& counts) {
   rows_.push_back(row);
+  if (!episode_.info.mapping.empty()) counts_.push_back(counts);
   const auto per_flush =
       static_cast<std::size_t>(std::max(1.0, std::floor(kFlushEvery / episode_.info.period)));
   if (rows_.size() - flushed_ >= per_flush) flush();
 }
 
 void Recorder::flush() {
-  append(fd_, rows_.data() + flushed_, (rows_.size() - flushed_) * kRowBytes, journal_);
+  const Eigen::Index width = row_size(episode_.info);
+  std::vector<double> numbers;
+  numbers.reserve((rows_.size() - flushed_) * static_cast<std::size_t>(width));
+  for (std::size_t n = flushed_; n < rows_.size(); ++n) {
+    numbers.insert(numbers.end(), rows_[n].begin(), rows_[n].end());
+    if (width > kRowSize) numbers.insert(numbers.end(), counts_[n].begin(), counts_[n].end());
+  }
+  append(fd_, numbers.data(), numbers.size() * sizeof(double), journal_);
   flushed_ = rows_.size();
 }
 
@@ -190,7 +209,9 @@ std::string Recorder::finish(Outcome outcome) {
   flush();
   episode_.info.outcome = outcome;
   episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
-  std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * kRowBytes);
+  std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * sizeof(RowVector));
+  episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
+  std::memcpy(episode_.counts.data(), counts_.data(), counts_.size() * sizeof(RawCounts));
   write_episode(file_, episode_);
   ::close(std::exchange(fd_, -1));
   ::unlink(journal_.c_str());

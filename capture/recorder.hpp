@@ -25,7 +25,8 @@ class Recorder {
   ~Recorder();
 
   // Throws FileTrouble when the disk is full; the rows flushed before stay recoverable.
-  void add(const RowVector& row);
+  // `counts` are kept where the episode has a mapping.
+  void add(const RowVector& row, const RawCounts& counts = RawCounts::Zero());
 
   // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
   std::string finish(Outcome outcome);
@@ -36,6 +37,7 @@ class Recorder {
   std::string journal_, file_;
   Episode episode_;
   std::vector<RowVector> rows_;
+  std::vector<RawCounts> counts_;
   std::size_t flushed_ = 0;
   int fd_ = -1;
 };

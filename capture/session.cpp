@@ -5,13 +5,22 @@ namespace ferrule {
 Outcome run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                     double period, const std::function<void(const RowVector&)>& record,
                     const std::function<bool()>& stop) {
+  return run_episode(
+      scene, start, device, std::move(sensor), period,
+      [&](const RowVector& row, const RawCounts&) { record(row); }, stop);
+}
+
+Outcome run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                    double period,
+                    const std::function<void(const RowVector&, const RawCounts&)>& record,
+                    const std::function<bool()>& stop) {
   const Scaling scaling = scene_scaling(scene);
   InsertionWatch watch(scene, start);
   State state = start;
   Outcome outcome = Outcome::stopped_short;
   HandSample sample = device.read(0);
-  HandTwist velocity = HandTwist::Zero();  // over the period before
-  for (std::int64_t n = 0; !sample.finished; ++n) {
+  HandTwist velocity = HandTwist::Zero();                      // over the period before
+  for (std::int64_t n = 0; n == 0 || !sample.finished; ++n) {  // one row at least
     const double t = static_cast<double>(n) * period;
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(sample.pose), n == 0 ? 0.0 : period);
@@ -25,10 +34,10 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, Forc
     const HandTwist command = (next.pose - sample.pose) / period;
     row.segment<kPose>(kHandVelocity.begin) = velocity.transpose();
     row.segment<kPose>(kCommand.begin) = command.transpose();
-    record(row);
+    record(row, sample.counts);
     if (now) outcome = *now;
     if (now && *now != Outcome::inserted) return outcome;
-    if (stop()) return Outcome::interrupted;
+    if (next.lost || stop()) return Outcome::interrupted;
     if (t >= scene.limits.time) return outcome;
     velocity = command;
     sample = next;

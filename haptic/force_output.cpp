@@ -1,0 +1,107 @@
+#include "haptic/force_output.hpp"
+
+#include <algorithm>
+#include <string>
+
+namespace ferrule {
+namespace {
+
+PidReports reports_of(const HidInfo& info) {
+  try {
+    return PidReports(parse_report_descriptor(info.descriptor));
+  } catch (const DeviceTrouble& trouble) {
+    throw DeviceTrouble(info.path + ": " + trouble.what());
+  }
+}
+
+}  // namespace
+
+ForceOutput::ForceOutput(HidTransport& transport)
+    : transport_(transport), reports_(reports_of(transport.info())) {
+  running_ = true;
+  try {
+    start();
+  } catch (...) {
+    stop();
+    throw;
+  }
+}
+
+ForceOutput::~ForceOutput() {
+  stop();
+}
+
+void ForceOutput::start() {
+  // Effects of a program that died here before are gone after a reset. Not every device takes one.
+  try_write(reports_.control(PidControl::reset));
+  for (; made_ < axes(); ++made_) {
+    const HidReport create = reports_.create_constant();
+    HidReport answer = reports_.block_load_request();
+    if (!transport_.send_feature(create.span()))
+      throw DeviceTrouble(transport_.info().path + ": refuses to make an effect");
+    const int length = transport_.get_feature(answer.span());
+    const PidBlockLoad load = reports_.block_load(
+        answer.span().first(static_cast<std::size_t>(std::clamp(length, 0, 65))));
+    if (load.status == PidBlockLoad::Status::full)
+      throw DeviceTrouble(transport_.info().path + ": has no room for another effect");
+    if (load.status == PidBlockLoad::Status::error)
+      throw DeviceTrouble(transport_.info().path + ": could not make an effect");
+    Effect& effect = effects_[static_cast<std::size_t>(made_)];
+    effect.block = load.block;
+    effect.told = reports_.set_constant_force(load.block, 0);
+    write(reports_.set_effect(load.block, made_, kDuration), "Set Effect");
+    write(effect.told, "Set Constant Force");
+  }
+  if (const auto gain = reports_.full_device_gain()) write(*gain, "Device Gain");
+  write(reports_.control(PidControl::enable), "Device Control");
+  for (int i = 0; i < made_; ++i)
+    write(reports_.operation(effects_[static_cast<std::size_t>(i)].block, PidOperation::start),
+          "Effect Operation");
+}
+
+bool ForceOutput::update(double t, const std::array<double, 2>& force) noexcept {
+  if (!running_) return false;
+  for (int i = 0; i < made_; ++i) {
+    Effect& effect = effects_[static_cast<std::size_t>(i)];
+    if (t - effect.started < kAgain) continue;
+    effect.started = t;
+    return try_write(reports_.operation(effect.block, PidOperation::start));
+  }
+  for (int i = 0; i < made_; ++i) {
+    const auto axis = static_cast<std::size_t>((next_ + i) % made_);
+    Effect& effect = effects_[axis];
+    const HidReport wanted = reports_.set_constant_force(effect.block, force[axis]);
+    if (std::ranges::equal(wanted.span(), effect.told.span())) continue;
+    effect.told = wanted;
+    next_ = static_cast<int>(axis) + 1;
+    return try_write(wanted);
+  }
+  return true;
+}
+
+void ForceOutput::stop() noexcept {
+  if (!running_) return;
+  running_ = false;
+  for (int i = 0; i < made_; ++i) {
+    const int block = effects_[static_cast<std::size_t>(i)].block;
+    try_write(reports_.set_constant_force(block, 0));
+    try_write(reports_.operation(block, PidOperation::stop));
+  }
+  try_write(reports_.control(PidControl::stop_all));
+  try_write(reports_.control(PidControl::disable));
+  for (int i = 0; i < made_; ++i)
+    if (const auto free = reports_.block_free(effects_[static_cast<std::size_t>(i)].block))
+      try_write(*free);
+  made_ = 0;
+  try_write(reports_.control(PidControl::reset));
+}
+
+void ForceOutput::write(const HidReport& report, const char* what) {
+  if (!try_write(report)) throw DeviceTrouble(transport_.info().path + ": refuses " + what);
+}
+
+bool ForceOutput::try_write(const HidReport& report) noexcept {
+  return transport_.write(report.span());
+}
+
+}  // namespace ferrule

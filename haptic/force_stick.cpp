@@ -1,0 +1,64 @@
+#include "haptic/force_stick.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ferrule {
+
+Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept {
+  Mapping m;
+  m.kind = Mapping::Kind::position;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    if (!axes.places()[axis].there) continue;
+    m.centre[axis] = axes.places()[axis].centre;
+    m.limit[axis] = axes.places()[axis].limit;
+  }
+  m.gain(0, 0) = reach;
+  m.gain(1, 1) = -reach;
+  m.gain(2, 2) = reach;
+  return m;
+}
+
+ForceStick::ForceStick(HidTransport& transport, double reach, double full_force,
+                       const HandPose& start)
+    : transport_(transport),
+      axes_(parse_report_descriptor(transport.info().descriptor)),
+      mapping_(force_stick_mapping(axes_, reach)),
+      output_(transport),
+      start_(start),
+      full_force_(full_force) {
+  lost_ = !axes_.poll(transport_, 0);
+  held_ = axes_.buttons();
+}
+
+HandSample ForceStick::read(double t) {
+  time_ = t;
+  lost_ = lost_ || !axes_.poll(transport_, t);
+  find_origin();
+  HandPose pose = start_;
+  if (origin_) pose += mapping_.gain * (mapping_.deflection(axes_.counts()) - *origin_);
+  const bool pressed = axes_.buttons() & ~held_;
+  held_ &= axes_.buttons();
+  return {pose, pressed || lost_, lost_, axes_.counts()};
+}
+
+void ForceStick::render(const HandWrench& wrench) {
+  if (!rest_ && wrench.allFinite()) rest_ = wrench;
+  const HandWrench felt = rest_ ? HandWrench(wrench - *rest_) : HandWrench(HandWrench::Zero());
+  for (Eigen::Index axis = 0; axis < 2; ++axis) {
+    const double sign = std::copysign(1.0, mapping_.gain(axis, axis));
+    const double part = sign * felt[axis] / full_force_;
+    force_[static_cast<std::size_t>(axis)] =
+        std::isfinite(part) ? std::clamp(part, -1.0, 1.0) : 0.0;
+  }
+  if (!output_.update(time_, force_)) lost_ = true;
+}
+
+// Many sticks report only when they move: until then the hand is where the scene starts.
+void ForceStick::find_origin() noexcept {
+  for (const AxisPlace& place : axes_.places())
+    if (!origin_ && place.there && axes_.heard(place.field.report) >= 0)
+      origin_ = mapping_.deflection(axes_.counts());
+}
+
+}  // namespace ferrule

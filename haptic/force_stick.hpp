@@ -1,0 +1,49 @@
+// A force-feedback stick or wheel (USB class PID): its position is the hand's position, and it
+// pushes back along one or two axes.
+//
+// X moves the hand along x, Y along -y (a stick's Y grows towards the operator; pull for up), Z
+// along z; tilts stay as they are. The hand starts where the scene starts, wherever the stick is.
+// Forces along x and y are felt at X and Y, relative to the first that is rendered: the weight at
+// rest, which is often more than a device can do, is left out. A device with one axis shows the
+// force along x alone.
+#pragma once
+
+#include "haptic/axis_reader.hpp"
+#include "haptic/force_output.hpp"
+
+namespace ferrule {
+
+// Full deflection is `reach` [m] to either side.
+Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept;
+
+class ForceStick : public Device {
+ public:
+  // `full_force` [N] at the hand is what the device does at most; what is beyond is cut.
+  // `transport` must outlive this. Throws DeviceTrouble (haptic/force_output.hpp).
+  ForceStick(HidTransport& transport, double reach, double full_force, const HandPose& start);
+
+  HandSample read(double t) override;
+  void render(const HandWrench& wrench) override;
+  const Mapping* mapping() const noexcept override { return &mapping_; }
+
+  const AxisReader& axes() const noexcept { return axes_; }
+  // What was rendered last, of what the device can do [-], along its X and Y.
+  const std::array<double, 2>& force() const noexcept { return force_; }
+
+ private:
+  void find_origin() noexcept;
+
+  HidTransport& transport_;
+  AxisReader axes_;
+  Mapping mapping_;
+  ForceOutput output_;
+  HandPose start_;
+  double full_force_, time_ = 0;
+  std::optional<HandWrench> rest_;                            // what was rendered first
+  std::optional<Eigen::Matrix<double, kRawAxes, 1>> origin_;  // deflection at the start
+  std::array<double, 2> force_{};
+  std::uint32_t held_ = 0;
+  bool lost_ = false;
+};
+
+}  // namespace ferrule

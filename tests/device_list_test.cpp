@@ -1,0 +1,48 @@
+#include "haptic/device_list.hpp"
+
+#include <gtest/gtest.h>
+
+#include "haptic/fake_firmware.hpp"
+
+namespace ferrule {
+namespace {
+
+TEST(DeviceList, KindsFollowFromIdsUsageAndDescriptorNotFromNames) {
+  HidInfo mouse = FakeFirmware::describe(FakeModel::space_mouse_split);
+  EXPECT_EQ(device_kind(mouse), DeviceKind::space_mouse);
+  mouse.name = "";
+  mouse.product = 0x1234;  // unknown id, but it says multi-axis controller
+  EXPECT_EQ(device_kind(mouse), DeviceKind::space_mouse);
+  mouse.product = 0xc635;
+  mouse.usage_page = mouse.usage = 0;  // known id, no descriptor
+  mouse.descriptor.clear();
+  EXPECT_EQ(device_kind(mouse), DeviceKind::space_mouse);
+  mouse.usage_page = 1;
+  mouse.usage = 2;  // another interface of the same device
+  EXPECT_EQ(device_kind(mouse), std::nullopt);
+
+  HidInfo cad = FakeFirmware::describe(FakeModel::space_mouse_split);
+  cad.product = 0xc650;
+  EXPECT_EQ(device_kind(cad), std::nullopt);
+
+  HidInfo stick = FakeFirmware::describe(FakeModel::pid_18);
+  EXPECT_EQ(device_kind(stick), DeviceKind::force_stick);
+  stick.descriptor.resize(stick.descriptor.size() - 1);
+  EXPECT_EQ(device_kind(stick), std::nullopt);
+  stick.descriptor.clear();
+  stick.name = "SpaceMouse with force feedback";
+  EXPECT_EQ(device_kind(stick), std::nullopt);
+}
+
+TEST(DeviceList, TheRuleNamesTheDeviceAsTheKernelDoes) {
+  HidInfo info;
+  info.vendor = 0x046d;
+  info.product = 0xc62b;
+  EXPECT_EQ(udev_rule(info), "KERNEL==\"hidraw*\", KERNELS==\"*:046D:C62B.*\", TAG+=\"uaccess\"");
+  EXPECT_NE(
+      udev_command(info).find("echo '" + udev_rule(info) + "' | sudo tee -a /etc/udev/rules.d/"),
+      std::string::npos);
+}
+
+}  // namespace
+}  // namespace ferrule

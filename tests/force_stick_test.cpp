@@ -1,0 +1,112 @@
+#include "haptic/force_stick.hpp"
+
+#include "haptic/fake_firmware.hpp"
+#include "tests/compare.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kReach = 0.05, kFull = 8;
+
+HandPose start_pose() {
+  HandPose pose;
+  pose << 0.03, -0.001, 0.002, 1e-3, -2e-3;
+  return pose;
+}
+
+HandSample read_at(ForceStick& stick, FakeFirmware& firmware, double t) {
+  firmware.advance(t);
+  return stick.read(t);
+}
+
+TEST(ForceStick, ItsPositionIsTheHandsFromWhereItStood) {
+  for (const FakeModel model : {FakeModel::pid_18, FakeModel::pid_22}) {
+    FakeFirmware firmware(model);
+    firmware.deflect({1000, -2000, 3000, 0, 0, 0});
+    firmware.advance(0);
+    ForceStick stick(firmware, kReach, kFull, start_pose());
+    ASSERT_EQ(stick.mapping()->kind, Mapping::Kind::position);
+    EXPECT_EQ(read_at(stick, firmware, 0.001).pose, start_pose());
+    firmware.deflect({1000 - 16384, -2000 + 8192, 3000 + 4096, 0, 0, 0});
+    const HandSample sample = read_at(stick, firmware, 0.002);
+    EXPECT_EQ(sample.counts[0], 1000 - 16384);
+    const HandPose moved = sample.pose - start_pose();
+    const double count = kReach / 32767;
+    EXPECT_NEAR(moved[0], -16384 * count, 1e-15);
+    EXPECT_NEAR(moved[1], -8192 * count, 1e-15);
+    EXPECT_NEAR(moved[2], 4096 * count, 1e-15);
+    EXPECT_EQ(moved[3], 0);
+    EXPECT_EQ(moved[4], 0);
+  }
+}
+
+// Power into the hand is power out of the fibre: force times motion agree in sign and size on the
+// device's axes and in the hand's world.
+TEST(ForceStick, ForcesPushAgainstTheMotionTheyBelongTo) {
+  FakeFirmware firmware(FakeModel::pid_22);
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  HandWrench rest, wrench;
+  rest << 0, -20, 0, 0, 0;         // a weight beyond what the device can do is not felt
+  wrench << 2, -4, 100, 100, 100;  // out of the bore, downwards; z and moments have no motor
+  for (int n = 0; n < 20; ++n) {
+    read_at(stick, firmware, n * 1e-3);
+    stick.render(rest);
+    EXPECT_EQ(stick.force()[1], 0);
+  }
+  for (int n = 20; n < 40; ++n) {
+    read_at(stick, firmware, n * 1e-3);
+    stick.render(rest + wrench);
+  }
+  const auto force = firmware.force();
+  EXPECT_NEAR(force[0], 0.25, 1e-3);
+  EXPECT_NEAR(force[1], 0.5, 1e-3);
+  for (Eigen::Index axis = 0; axis < 2; ++axis)
+    EXPECT_NEAR(force[static_cast<std::size_t>(axis)] * kFull * stick.mapping()->gain(axis, axis),
+                wrench[axis] * kReach, 1e-3 * kFull * kReach);
+  EXPECT_EQ(stick.force()[0], 0.25);
+}
+
+TEST(ForceStick, IsCutAtWhatTheDeviceCanDo) {
+  FakeFirmware firmware(FakeModel::pid_18);
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  HandWrench wrench = HandWrench::Constant(1e6);
+  wrench[1] = NAN;
+  stick.render(wrench);  // nothing to feel against yet
+  EXPECT_EQ(stick.force()[0], 0);
+  stick.render(HandWrench::Zero());
+  for (int n = 0; n < 20; ++n) {
+    read_at(stick, firmware, n * 1e-3);
+    stick.render(wrench);
+  }
+  EXPECT_NEAR(firmware.force()[0], 1, 1e-3);
+  EXPECT_NEAR(firmware.force()[1], 0, 2e-2);
+}
+
+TEST(ForceStick, LostWhetherReadOrWrittenItIsLost) {
+  for (const bool read_first : {true, false}) {
+    FakeFirmware firmware(FakeModel::pid_18);
+    ForceStick stick(firmware, kReach, kFull, start_pose());
+    const HandSample before = read_at(stick, firmware, 0.001);
+    EXPECT_FALSE(before.finished);
+    firmware.unplug();
+    if (!read_first)
+      for (int n = 0; n < 60; ++n) stick.render(HandWrench::Constant(0.1 * n));
+    const HandSample after = stick.read(0.002);
+    EXPECT_TRUE(after.lost);
+    EXPECT_TRUE(after.finished);
+    EXPECT_EQ(after.pose, before.pose);
+  }
+}
+
+TEST(ForceStick, AButtonEndsTheEpisode) {
+  FakeFirmware firmware(FakeModel::pid_22);
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  EXPECT_FALSE(read_at(stick, firmware, 0.001).finished);
+  firmware.press(4);
+  const HandSample sample = read_at(stick, firmware, 0.002);
+  EXPECT_TRUE(sample.finished);
+  EXPECT_FALSE(sample.lost);
+}
+
+}  // namespace
+}  // namespace ferrule
