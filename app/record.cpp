@@ -23,21 +23,10 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   info.version = program_version();
   info.build = program_build();
   Recorder recorder(folder, number, info);
-  Recorded recorded{};
-  recorded.outcome = run_episode(
-      scene, start, device, info.period,
-      [&](const RowVector& row) {
-        recorder.add(row);
-        recorded.summary.time = row[kTime.begin];
-        recorded.summary.depth = std::max(0.0, -row[kStates.begin]);
-        const Eigen::Vector3d force = row.segment<3>(kHolder.begin).transpose();
-        const Eigen::Vector3d weight = row.segment<3>(kForces.begin + 6).transpose();
-        recorded.summary.peak_force =
-            std::max(recorded.summary.peak_force, (force - weight).norm());
-      },
+  const EpisodeEnd end = run_episode(
+      scene, start, device, info.period, [&](const RowVector& row) { recorder.add(row); },
       interrupted);
-  recorded.file = recorder.finish(recorded.outcome);
-  return recorded;
+  return {recorder.finish(end.outcome), end.outcome, end.summary};
 }
 
 namespace {

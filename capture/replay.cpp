@@ -49,7 +49,7 @@ std::optional<Difference> verify(const Episode& episode) {
   State start = draw_start(scene, episode.info.seed, episode.info.trial);
   std::optional<Difference> first;
   Eigen::Index n = 0;
-  const Outcome outcome = run_episode(
+  const EpisodeEnd end = run_episode(
       scene, start, hand, episode.info.period,
       [&](const RowVector& row) {
         RowVector recorded = rows.row(n), recomputed = row;
@@ -66,10 +66,10 @@ std::optional<Difference> verify(const Episode& episode) {
   if (first) return first;
   if (n != rows.rows())
     return Difference{static_cast<std::size_t>(n), "outcome",
-                      static_cast<double>(episode.info.outcome), static_cast<double>(outcome)};
-  if (outcome != episode.info.outcome && episode.info.outcome != Outcome::interrupted)
+                      static_cast<double>(episode.info.outcome), static_cast<double>(end.outcome)};
+  if (end.outcome != episode.info.outcome && episode.info.outcome != Outcome::interrupted)
     return Difference{static_cast<std::size_t>(n - 1), "outcome",
-                      static_cast<double>(episode.info.outcome), static_cast<double>(outcome)};
+                      static_cast<double>(episode.info.outcome), static_cast<double>(end.outcome)};
   return std::nullopt;
 }
 

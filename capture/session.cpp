@@ -2,9 +2,9 @@
 
 namespace ferrule {
 
-Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
-                    const std::function<void(const RowVector&)>& record,
-                    const std::function<bool()>& stop) {
+EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, double period,
+                       const std::function<void(const RowVector&)>& record,
+                       const std::function<bool()>& stop) {
   const Scaling scaling = scene_scaling(scene);
   InsertionWatch watch(scene, start);
   State state = start;
@@ -15,7 +15,7 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, doub
     const double t = static_cast<double>(n) * period;
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(sample.pose), n == 0 ? 0.0 : period);
-    if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
+    if (result.status == StepStatus::bad_command) return {Outcome::invalid_output, watch.summary()};
     state = result.state;
     RowVector row = make_row(t, sample.pose, result);
     device.render(scaling.wrench_to_hand(result.forces.holder));
@@ -27,13 +27,16 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, doub
     row.segment<kPose>(kCommand.begin) = command.transpose();
     record(row);
     if (now) outcome = *now;
-    if (now && *now != Outcome::inserted) return outcome;
-    if (stop()) return Outcome::interrupted;
-    if (t >= scene.limits.time) return outcome;
+    if (now && *now != Outcome::inserted) break;
+    if (stop()) {
+      outcome = Outcome::interrupted;
+      break;
+    }
+    if (t >= scene.limits.time) break;
     velocity = command;
     sample = next;
   }
-  return outcome;
+  return {outcome, watch.summary()};
 }
 
 }  // namespace ferrule

@@ -6,15 +6,21 @@
 
 #include "capture/recorder.hpp"
 #include "haptic/device.hpp"
+#include "sim/insertion.hpp"
 
 namespace ferrule {
+
+struct EpisodeEnd {
+  Outcome outcome;
+  InsertionSummary summary;  // up to the last row
+};
 
 // Runs one episode from `start` until the device is finished, the insertion fails, or `stop`
 // returns true, for the scene's longest trial at most; every tick becomes a row. The outcome is
 // `inserted` if the fibre got deep enough, `stopped_short` if the operator finished before that,
 // and `interrupted` if `stop` ended it.
-Outcome run_episode(const Scene& scene, const State& start, Device& device, double period,
-                    const std::function<void(const RowVector&)>& record,
-                    const std::function<bool()>& stop);
+EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, double period,
+                       const std::function<void(const RowVector&)>& record,
+                       const std::function<bool()>& stop);
 
 }  // namespace ferrule
