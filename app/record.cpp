@@ -8,6 +8,7 @@
 #include "app/verb.hpp"
 #include "capture/simulated_operator.hpp"
 #include "controller/controller_file.hpp"
+#include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
 
 namespace ferrule {
@@ -26,7 +27,7 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   const EpisodeEnd end = run_episode(
       scene, start, device, info.period, [&](const RowVector& row) { recorder.add(row); },
       interrupted);
-  return {recorder.finish(end.outcome), end.outcome, end.summary};
+  return {recorder.finish(end.outcome, end.why), end.outcome, end.summary};
 }
 
 namespace {
@@ -37,14 +38,15 @@ struct Arguments {
   double skill = 0.8;
   int episodes = 20;
   std::uint64_t seed = 1;
-  bool append = false, json = false;
+  bool append = false, supervise = false, json = false;
 };
 
 int record_verb(const Arguments& a) {
   const Scene scene = a.scene.load();
   const bool simulated = a.operator_ == "simulated";
-  std::optional<InsertionLaw> law;
-  if (!simulated) law = read_controller(a.operator_).law();
+  if (simulated && a.supervise) throw BadInput("--supervise: needs a controller as --operator");
+  MakeController make;
+  if (!simulated) make = controller_maker(read_controller(a.operator_).law());
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
@@ -54,6 +56,7 @@ int record_verb(const Arguments& a) {
   const std::string name =
       simulated ? fmt::format("simulated, skill {}", a.skill) : "controller " + a.operator_;
   const Scaling scaling = scene_scaling(scene);
+  if (a.supervise) make = supervised(make, supervisor_limits(scene, scaling));
 
   watch_for_interrupt();
   Json list = Json::array();
@@ -64,11 +67,13 @@ int record_verb(const Arguments& a) {
     next = number + 1;
     const auto trial = static_cast<std::uint64_t>(number);
     const State start = draw_start(scene, a.seed, trial);
+    std::unique_ptr<Controller> controller;
+    if (make) controller = make(trial);
     std::unique_ptr<Device> device;
     if (simulated)
       device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
     else
-      device = std::make_unique<ControllerHand>(*law, scaling.motion_to_hand(start.hand),
+      device = std::make_unique<ControllerHand>(*controller, scaling.motion_to_hand(start.hand),
                                                 scaling.motion * scene.limits.speed,
                                                 1.1 * scaling.motion * scene.success.depth);
     const Recorded r = record_one(scene, start, *device, name, a.out, number, a.seed, trial);
@@ -142,6 +147,8 @@ void add_record(CLI::App& app, Run& run) {
       ->check(CLI::Range(1, 1000000));
   add_seed(*verb, a->seed, "Seed of starts and operator");
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
+  verb->add_flag("--supervise", a->supervise,
+                 "Put a supervisor around the controller: limits, retreat and retry");
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] { run = [a] { return record_verb(*a); }; });

@@ -15,7 +15,8 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, d
     const double t = static_cast<double>(n) * period;
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(sample.pose), n == 0 ? 0.0 : period);
-    if (result.status == StepStatus::bad_command) return {Outcome::invalid_output, watch.summary()};
+    if (result.status == StepStatus::bad_command)
+      return {Outcome::invalid_output, watch.summary(), {}};
     state = result.state;
     RowVector row = make_row(t, sample.pose, result);
     device.render(scaling.wrench_to_hand(result.forces.holder));
@@ -36,7 +37,9 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, d
     velocity = command;
     sample = next;
   }
-  return {outcome, watch.summary()};
+  if (sample.gave_up && outcome == Outcome::stopped_short)
+    return {Outcome::gave_up, watch.summary(), sample.gave_up};
+  return {outcome, watch.summary(), {}};
 }
 
 }  // namespace ferrule

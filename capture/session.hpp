@@ -13,12 +13,13 @@ namespace ferrule {
 struct EpisodeEnd {
   Outcome outcome;
   InsertionSummary summary;  // up to the last row
+  std::string why;           // the operator gave up, where that is the outcome
 };
 
 // Runs one episode from `start` until the device is finished, the insertion fails, or `stop`
 // returns true, for the scene's longest trial at most; every tick becomes a row. The outcome is
-// `inserted` if the fibre got deep enough, `stopped_short` if the operator finished before that,
-// and `interrupted` if `stop` ended it.
+// `inserted` if the fibre got deep enough, `stopped_short` if the operator finished before that
+// (`gave_up` if that was giving up), and `interrupted` if `stop` ended it.
 EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, double period,
                        const std::function<void(const RowVector&)>& record,
                        const std::function<bool()>& stop);

@@ -11,8 +11,9 @@
 namespace ferrule {
 
 struct HandSample {
-  HandPose pose;          // [m, rad]
-  bool finished = false;  // the operator is done with this episode
+  HandPose pose;                  // [m, rad]
+  bool finished = false;          // the operator is done with this episode
+  const char* gave_up = nullptr;  // and why, where that is giving up
 };
 
 class Device {

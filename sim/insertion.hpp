@@ -24,8 +24,9 @@ enum class Outcome {
   invalid_output,  // the controller or operator commanded something that is not a finite number
   stopped_short,   // the operator finished before the success depth
   interrupted,     // the operator or user stopped it
+  gave_up,         // the supervisor of the controller saw no way on
 };
-inline constexpr int kOutcomes = 10;
+inline constexpr int kOutcomes = 11;
 const char* name(Outcome outcome) noexcept;
 // Throws BadInput if there is no such outcome.
 Outcome outcome_from_name(const std::string& name);

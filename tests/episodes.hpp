@@ -34,7 +34,7 @@ inline std::string record(const Scene& scene, const std::string& folder, std::ui
   const EpisodeEnd end = run_episode(
       scene, start, *device, 1e-3, [&](const RowVector& row) { recorder.add(row); },
       [] { return false; });
-  return recorder.finish(end.outcome);
+  return recorder.finish(end.outcome, end.why);
 }
 
 }  // namespace ferrule::testing
