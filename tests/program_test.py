@@ -648,6 +648,24 @@ class Learning(Case):
             self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
                                    msg=name)
 
+    def test_a_supervisor_is_asked_for_and_says_what_it_did(self):
+        arguments = ["evaluate", "--baseline", "constant-velocity", "--trials", 12, "--seed", 5]
+        alone = json.loads(self.done(*arguments, "--json").stdout)
+        self.assertNotIn("interventions", alone)
+        kept, again = (self.done(*arguments, "--json", "--supervise", "--threads", n).stdout
+                       for n in (1, 2))
+        self.assertEqual(kept, again)
+        kept = json.loads(kept)
+        self.assertGreater(kept["successes"], alone["successes"])
+        self.assertEqual(kept["trials_with_interventions"], 12)
+        self.assertEqual(kept["interventions"]["acceleration"]["trials"], 12)
+        self.assertEqual(kept["interventions"]["retreat"]["count"],
+                         sum(kept["interventions"][kind]["count"] for kind in ("held", "jam")) -
+                         kept["outcomes"].get("gave_up", 0))
+        self.assertEqual(sum(kept["gave_up"].values()), kept["outcomes"].get("gave_up", 0))
+        self.assertIn("retreat", self.done(*arguments, "--supervise").stdout)
+        self.refused(2, "record", "--supervise", "--out", self.path("out"), says=["--supervise"])
+
     def test_refusals(self):
         out = self.path("out")
         self.record(out, episodes=2)
