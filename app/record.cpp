@@ -53,8 +53,9 @@ int record_verb(const Arguments& a) {
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
   int next = first;
-  const std::string name =
-      simulated ? fmt::format("simulated, skill {}", a.skill) : "controller " + a.operator_;
+  const std::string name = simulated
+                               ? fmt::format("simulated, skill {}", a.skill)
+                               : "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
   const Scaling scaling = scene_scaling(scene);
   if (a.supervise) make = supervised(make, supervisor_limits(scene, scaling));
 

@@ -68,6 +68,8 @@ int score_verb(const Arguments& a) {
   for (const Scored& s : all) measures.push_back(s.measures);
   const std::vector<Score> scores = score(measures);
   if (!a.plot.empty()) {
+    if (!std::isfinite(scores[0].total))
+      throw BadInput(a.folder + ": no episode succeeded: there is no score to draw");
     write_svg(a.plot, learning_curve(all, scores));
     fmt::print(stderr, "wrote {}\n", a.plot);
   }

@@ -638,6 +638,7 @@ class Score(Case):
         result = json.loads(self.done("score", out, "--json").stdout)["episodes"]
         self.assertIsNone(result[0]["score"])
         self.assertIn("no episode succeeded", self.done("score", out).stdout)
+        self.refused(2, "score", out, "--plot", self.path("none.svg"), says=["no episode succeeded"])
         with open(files[0], "r+b") as f:
             f.truncate(os.path.getsize(files[0]) // 2)
         self.refused(3, "score", out, says=["episode_0001.h5"])
