@@ -5,6 +5,7 @@
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "controller/controller_file.hpp"
+#include "controller/supervisor.hpp"
 
 namespace ferrule {
 namespace {
@@ -15,7 +16,7 @@ struct Arguments {
   std::size_t trials = 1000;
   std::uint64_t seed = 7;
   int threads = 0;
-  bool json = false;
+  bool supervise = false, json = false;
 };
 
 Json spread_json(const Spread& s, double unit) {
@@ -33,8 +34,9 @@ int evaluate_verb(const Arguments& a) {
       controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
 
   const auto campaign = [&](const MakeController& make, const char* what) {
-    return run_campaign(scene, scaling, make, a.seed, a.trials, a.threads,
-                        Progress(what, a.trials));
+    return run_campaign(scene, scaling,
+                        a.supervise ? supervised(make, supervisor_limits(scene, scaling)) : make,
+                        a.seed, a.trials, a.threads, Progress(what, a.trials));
   };
   const MakeController& first = law ? law : constant;
   const std::string first_name = law ? a.controller : a.baseline;
@@ -62,6 +64,15 @@ int evaluate_verb(const Arguments& a) {
   return kDone;
 }
 
+Json to_json(const InterventionSummary& s) {
+  Json kinds = Json::object(), gave_up = Json::object();
+  for (std::size_t i = 0; i < kInterventions; ++i) {
+    kinds[kInterventionNames[i]] = {{"count", s.kinds[i].count}, {"trials", s.kinds[i].trials}};
+    if (s.gave_up[i] > 0) gave_up[kInterventionNames[i]] = s.gave_up[i];
+  }
+  return {{"interventions", kinds}, {"trials_with_interventions", s.trials}, {"gave_up", gave_up}};
+}
+
 }  // namespace
 
 Json to_json(const CampaignSummary& s) {
@@ -69,16 +80,18 @@ Json to_json(const CampaignSummary& s) {
   for (int i = 0; i < kOutcomes; ++i)
     if (s.outcomes[static_cast<std::size_t>(i)] > 0)
       outcomes[name(static_cast<Outcome>(i))] = s.outcomes[static_cast<std::size_t>(i)];
-  return {{"trials", s.trials},
-          {"feasible", s.feasible},
-          {"successes", s.successes},
-          {"success_rate", number_or_null(s.success_rate)},
-          {"wilson_low", s.wilson.low},
-          {"wilson_high", s.wilson.high},
-          {"outcomes", outcomes},
-          {"time_s", spread_json(s.time, 1)},
-          {"peak_force_uN", spread_json(s.peak_force, 1e6)},
-          {"loss_dB", spread_json(s.loss_dB, 1)}};
+  Json json = {{"trials", s.trials},
+               {"feasible", s.feasible},
+               {"successes", s.successes},
+               {"success_rate", number_or_null(s.success_rate)},
+               {"wilson_low", s.wilson.low},
+               {"wilson_high", s.wilson.high},
+               {"outcomes", outcomes},
+               {"time_s", spread_json(s.time, 1)},
+               {"peak_force_uN", spread_json(s.peak_force, 1e6)},
+               {"loss_dB", spread_json(s.loss_dB, 1)}};
+  if (s.interventions) json.update(to_json(*s.interventions));
+  return json;
 }
 
 void add_json(const Comparison& c, Json& json) {
@@ -103,6 +116,15 @@ std::string to_text(const std::string& who, const CampaignSummary& s) {
   line("time", s.time, 1, "s");
   line("peak force", s.peak_force, 1e6, "uN");
   line("joint loss", s.loss_dB, 1, "dB");
+  if (!s.interventions) return text;
+  text += fmt::format("  {:<14} in {} of {} trials\n", "interventions", s.interventions->trials,
+                      s.trials);
+  for (std::size_t i = 0; i < kInterventions; ++i)
+    if (const auto [count, trials] = s.interventions->kinds[i]; count > 0) {
+      text += fmt::format("    {:<12} {} in {} trials", kInterventionNames[i], count, trials);
+      const std::size_t ended = s.interventions->gave_up[i];
+      text += ended ? fmt::format(", ended {}\n", ended) : "\n";
+    }
   return text;
 }
 
@@ -120,6 +142,8 @@ void add_evaluate(CLI::App& app, Run& run) {
       ->check(CLI::Range(0, 4096));
   verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
       ->check(CLI::IsMember({"constant-velocity"}));
+  verb->add_flag("--supervise", a->supervise,
+                 "Put a supervisor around every controller: limits, retreat and retry");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] { run = [a] { return evaluate_verb(*a); }; });
 }

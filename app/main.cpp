@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   add_record(app, run);
   add_recover(app, run);
   add_replay(app, run);
+  add_score(app, run);
   add_fit(app, run);
   add_evaluate(app, run);
   add_compare(app, run);

@@ -11,6 +11,7 @@
 #include "capture/hand_device.hpp"
 #include "capture/simulated_operator.hpp"
 #include "controller/controller_file.hpp"
+#include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
 
 namespace ferrule {
@@ -39,21 +40,11 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   info.build = program_build();
   if (const Mapping* mapping = device.mapping()) info.mapping = mapping_text(*mapping);
   Recorder recorder(folder, number, info);
-  Recorded recorded{};
-  recorded.outcome = run_episode(
+  const EpisodeEnd end = run_episode(
       scene, start, device, ForceSensor(scene.sensor, seed, trial), info.period,
-      [&](const RowVector& row, const RawCounts& counts) {
-        recorder.add(row, counts);
-        recorded.summary.time = row[kTime.begin];
-        recorded.summary.depth = std::max(0.0, -row[kStates.begin]);
-        const Eigen::Vector3d force = row.segment<3>(kHolder.begin).transpose();
-        const Eigen::Vector3d weight = row.segment<3>(kForces.begin + 6).transpose();
-        recorded.summary.peak_force =
-            std::max(recorded.summary.peak_force, (force - weight).norm());
-      },
+      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
       interrupted);
-  recorded.file = recorder.finish(recorded.outcome);
-  return recorded;
+  return {recorder.finish(end.outcome, end.why), end.outcome, end.summary};
 }
 
 namespace {
@@ -64,7 +55,7 @@ struct Arguments {
   double skill = 0.8, gain = 1;
   int episodes = 20;
   std::uint64_t seed = 1;
-  bool append = false, json = false;
+  bool append = false, supervise = false, json = false;
 };
 
 // A device with a person at it: each read waits for its time.
@@ -123,19 +114,23 @@ int record_verb(const Arguments& a) {
   std::optional<AtDevice> at;
   if (!a.device.empty()) at = open_device(a.device);
   const bool simulated = !at && a.operator_ == "simulated";
-  std::optional<InsertionLaw> law;
-  if (!at && !simulated) law = read_controller(a.operator_).law();
+  if ((at || simulated) && a.supervise)
+    throw BadInput("--supervise: needs a controller as --operator");
+  MakeController make;
+  if (!at && !simulated) make = controller_maker(read_controller(a.operator_).law());
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
   int next = first;
-  const std::string name = at          ? at->name
-                           : simulated ? fmt::format("simulated, skill {}", a.skill)
-                                       : "controller " + a.operator_;
+  const std::string name = at ? at->name
+                           : simulated
+                               ? fmt::format("simulated, skill {}", a.skill)
+                               : "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
   bool lost = false;
   const Scaling scaling = scene_scaling(toleranced);
+  if (a.supervise) make = supervised(make, supervisor_limits(toleranced, scaling));
 
   watch_for_interrupt();
   Json list = Json::array();
@@ -150,13 +145,15 @@ int record_verb(const Arguments& a) {
     const std::uint64_t trial = drawn.trial;
     infeasible += drawn.infeasible;
     const State start = draw_start(scene, a.seed, trial);
+    std::unique_ptr<Controller> controller;
+    if (make) controller = make(trial);
     std::unique_ptr<Device> device;
     if (at)
       device = at->hold(scene, start, a.gain, a.out + "/" + episode_name(number) + ".part", lost);
     else if (simulated)
       device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
     else
-      device = std::make_unique<ControllerHand>(*law, scaling.motion_to_hand(start.hand),
+      device = std::make_unique<ControllerHand>(*controller, scaling.motion_to_hand(start.hand),
                                                 scaling.motion * scene.limits.speed,
                                                 1.1 * scaling.motion * scene.success.depth);
     const Recorded r = record_one(scene, start, *device, name, a.out, number, a.seed, trial);
@@ -247,6 +244,8 @@ void add_record(CLI::App& app, Run& run) {
       ->check(CLI::Range(1, 1000000));
   add_seed(*verb, a->seed, "Seed of starts and operator");
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
+  verb->add_flag("--supervise", a->supervise,
+                 "Put a supervisor around the controller: limits, retreat and retry");
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] { run = [a] { return record_verb(*a); }; });

@@ -22,8 +22,8 @@ struct FeasibleTrial {
 // Throws BadInput where hardly any pair fits.
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial);
 
-// Trial `trial` of `scene` under `seed` with `device`, as episode `number` of `folder`. The last
-// summary is that of the last row. Throws FileTrouble.
+// Trial `trial` of `scene` under `seed` with `device`, as episode `number` of `folder`. Throws
+// FileTrouble.
 Recorded record_one(const Scene& scene, const State& start, Device& device,
                     const std::string& operator_name, const std::string& folder, int number,
                     std::uint64_t seed, std::uint64_t trial);

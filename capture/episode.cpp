@@ -301,6 +301,7 @@ void write_episode(const std::string& file, const Episode& episode) {
   out.attribute(h5, "alpha_f", scene_scaling(scene).force);
   out.attribute(h5, "outcome", std::string(name(info.outcome)));
   if (!info.mapping.empty()) out.attribute(h5, "mapping", info.mapping);
+  if (info.outcome == Outcome::gave_up) out.attribute(h5, "why", info.why);
   {
     const Handle data = out.group("/data");
     out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
@@ -335,6 +336,7 @@ Episode read_episode(const std::string& file) {
   } catch (const BadInput& error) {
     throw FileTrouble(file + ": damaged: " + error.what());
   }
+  if (info.outcome == Outcome::gave_up) info.why = in.text("why");
   if (!(info.period > 0)) throw FileTrouble(file + ": damaged: period_s is not positive");
   const Eigen::Index count = in.table(rows_path(kTime), 1, -1).rows();
   if (count == 0) throw FileTrouble(file + ": damaged: it holds no rows");

@@ -3,7 +3,7 @@
 // Layout (the demonstration layout of robomimic, with exact rows beside it):
 //   /                    attributes: format, format_version, ferrule_version, build, scene (JSON),
 //                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome; for a
-//                        device with raw axes: mapping (JSON)
+//                        device with raw axes: mapping (JSON); where the outcome is gave_up: why
 //   /data                attributes: total, env_args (JSON)
 //   /data/demo_0         attribute: num_samples
 //     rows/<block>       every block of capture/row.hpp but `states`, float64, exact
@@ -35,6 +35,7 @@ struct EpisodeInfo {
   std::uint64_t seed = 0, trial = 0;
   double period = 1e-3;  // [s]
   Outcome outcome = Outcome::interrupted;
+  std::string why;             // the operator gave up, where that is the outcome
   std::string version, build;  // of the program that recorded it
   std::string mapping;         // mapping_text of a device with raw axes, and else empty
 };

@@ -205,9 +205,10 @@ void Recorder::flush() {
   flushed_ = rows_.size();
 }
 
-std::string Recorder::finish(Outcome outcome) {
+std::string Recorder::finish(Outcome outcome, const std::string& why) {
   flush();
   episode_.info.outcome = outcome;
+  episode_.info.why = why;
   episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
   std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * sizeof(RowVector));
   episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);

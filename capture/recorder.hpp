@@ -29,7 +29,8 @@ class Recorder {
   void add(const RowVector& row, const RawCounts& counts = RawCounts::Zero());
 
   // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
-  std::string finish(Outcome outcome);
+  // `why`: the operator gave up, where that is the outcome.
+  std::string finish(Outcome outcome, const std::string& why = "");
 
  private:
   void flush();

@@ -12,7 +12,10 @@ namespace {
 // The recorded hand as a device.
 class RecordedHand : public Device {
  public:
-  RecordedHand(const Rows& rows, double period) : rows_(rows), period_(period) {}
+  explicit RecordedHand(const Episode& episode)
+      : rows_(episode.rows), period_(episode.info.period) {
+    if (episode.info.outcome == Outcome::gave_up) gave_up_ = episode.info.why.c_str();
+  }
 
   HandSample read(double) override {
     const Eigen::Index n = next_++;
@@ -22,13 +25,14 @@ class RecordedHand : public Device {
     return {(rows_.row(last).segment<kPose>(kHandPose.begin) +
              period_ * rows_.row(last).segment<kPose>(kCommand.begin))
                 .transpose(),
-            true};
+            true, gave_up_};
   }
   void render(const HandWrench&) override {}
 
  private:
   const Rows& rows_;
   double period_;
+  const char* gave_up_ = nullptr;  // the operator's decision, and not a result
   Eigen::Index next_ = 0;
 };
 
@@ -45,11 +49,11 @@ std::optional<Difference> verify(const Episode& episode) {
       parse_scene(parse_json(episode.info.scene, "the episode's scene"), "the episode's scene");
   const Rows& rows = episode.rows;
   if (rows.rows() == 0) return std::nullopt;
-  RecordedHand hand(rows, episode.info.period);
+  RecordedHand hand(episode);
   State start = draw_start(scene, episode.info.seed, episode.info.trial);
   std::optional<Difference> first;
   Eigen::Index n = 0;
-  const Outcome outcome = run_episode(
+  const EpisodeEnd end = run_episode(
       scene, start, hand, ForceSensor(scene.sensor, episode.info.seed, episode.info.trial),
       episode.info.period,
       [&](const RowVector& row) {
@@ -67,10 +71,10 @@ std::optional<Difference> verify(const Episode& episode) {
   if (first) return first;
   if (n != rows.rows())
     return Difference{static_cast<std::size_t>(n), "outcome",
-                      static_cast<double>(episode.info.outcome), static_cast<double>(outcome)};
-  if (outcome != episode.info.outcome && episode.info.outcome != Outcome::interrupted)
+                      static_cast<double>(episode.info.outcome), static_cast<double>(end.outcome)};
+  if (end.outcome != episode.info.outcome && episode.info.outcome != Outcome::interrupted)
     return Difference{static_cast<std::size_t>(n - 1), "outcome",
-                      static_cast<double>(episode.info.outcome), static_cast<double>(outcome)};
+                      static_cast<double>(episode.info.outcome), static_cast<double>(end.outcome)};
   return std::nullopt;
 }
 

@@ -2,18 +2,18 @@
 
 namespace ferrule {
 
-Outcome run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
-                    double period, const std::function<void(const RowVector&)>& record,
-                    const std::function<bool()>& stop) {
+EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                       double period, const std::function<void(const RowVector&)>& record,
+                       const std::function<bool()>& stop) {
   return run_episode(
       scene, start, device, std::move(sensor), period,
       [&](const RowVector& row, const RawCounts&) { record(row); }, stop);
 }
 
-Outcome run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
-                    double period,
-                    const std::function<void(const RowVector&, const RawCounts&)>& record,
-                    const std::function<bool()>& stop) {
+EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                       double period,
+                       const std::function<void(const RowVector&, const RawCounts&)>& record,
+                       const std::function<bool()>& stop) {
   const Scaling scaling = scene_scaling(scene);
   InsertionWatch watch(scene, start);
   State state = start;
@@ -24,7 +24,8 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, Forc
     const double t = static_cast<double>(n) * period;
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(sample.pose), n == 0 ? 0.0 : period);
-    if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
+    if (result.status == StepStatus::bad_command)
+      return {Outcome::invalid_output, watch.summary(), {}};
     state = result.state;
     RowVector row = make_row(t, sample.pose, result);
     device.render(scaling.wrench_to_hand(sensor.read(result.forces.holder, period)));
@@ -36,13 +37,18 @@ Outcome run_episode(const Scene& scene, const State& start, Device& device, Forc
     row.segment<kPose>(kCommand.begin) = command.transpose();
     record(row, sample.counts);
     if (now) outcome = *now;
-    if (now && *now != Outcome::inserted) return outcome;
-    if (next.lost || stop()) return Outcome::interrupted;
-    if (t >= scene.limits.time) return outcome;
+    if (now && *now != Outcome::inserted) break;
+    if (next.lost || stop()) {
+      outcome = Outcome::interrupted;
+      break;
+    }
+    if (t >= scene.limits.time) break;
     velocity = command;
     sample = next;
   }
-  return outcome;
+  if (sample.gave_up && outcome == Outcome::stopped_short)
+    return {Outcome::gave_up, watch.summary(), sample.gave_up};
+  return {outcome, watch.summary(), {}};
 }
 
 }  // namespace ferrule

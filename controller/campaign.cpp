@@ -29,6 +29,23 @@ std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling
   return results;
 }
 
+namespace {
+
+void count(const Supervision& trial, std::optional<InterventionSummary>& sum) {
+  if (!sum) sum.emplace();
+  bool any = false;
+  for (std::size_t i = 0; i < kInterventions; ++i) {
+    const std::size_t n = trial.interventions[i];
+    sum->kinds[i].count += n;
+    sum->kinds[i].trials += n > 0;
+    any |= n > 0;
+  }
+  sum->trials += any;
+  if (trial.gave_up) ++sum->gave_up[static_cast<std::size_t>(*trial.gave_up)];
+}
+
+}  // namespace
+
 CampaignSummary summarise(const std::vector<TrialResult>& results) {
   CampaignSummary s{};
   s.trials = results.size();
@@ -38,6 +55,7 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
     if (r.outcome == Outcome::infeasible) continue;
     ++s.feasible;
     force.push_back(r.summary.peak_force);
+    if (r.supervision) count(*r.supervision, s.interventions);
     if (r.outcome != Outcome::inserted) continue;
     time.push_back(r.summary.time);
     loss.push_back(r.loss_dB);

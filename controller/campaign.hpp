@@ -21,14 +21,25 @@ struct Spread {
   double median, p95;  // NaN where there is nothing to take them of
 };
 
+// What supervisors did in a campaign.
+struct InterventionSummary {
+  struct Kind {
+    std::size_t count, trials;  // how often; in how many trials
+  };
+  std::array<Kind, kInterventions> kinds;           // by Intervention
+  std::size_t trials;                               // with any
+  std::array<std::size_t, kInterventions> gave_up;  // trials, by why
+};
+
 struct CampaignSummary {
   std::size_t trials, feasible, successes;
-  double success_rate;                          // of the feasible trials; NaN without any
-  Interval wilson;                              // 95 %
-  std::array<std::size_t, kOutcomes> outcomes;  // by Outcome
-  Spread time;                                  // of the insertions that succeeded [s]
-  Spread peak_force;                            // of all feasible trials [N]
-  Spread loss_dB;                               // of the insertions that succeeded
+  double success_rate;                               // of the feasible trials; NaN without any
+  Interval wilson;                                   // 95 %
+  std::array<std::size_t, kOutcomes> outcomes;       // by Outcome
+  Spread time;                                       // of the insertions that succeeded [s]
+  Spread peak_force;                                 // of all feasible trials [N]
+  Spread loss_dB;                                    // of the insertions that succeeded
+  std::optional<InterventionSummary> interventions;  // where there was a supervisor
 };
 
 CampaignSummary summarise(const std::vector<TrialResult>& results);

@@ -8,6 +8,7 @@
 #include <functional>
 #include <memory>
 
+#include "controller/supervision.hpp"
 #include "haptic/scaling.hpp"
 
 namespace ferrule {
@@ -26,6 +27,10 @@ class Controller {
   // Called once per period, from the start on: velocity of the hand until the next tick [m/s,
   // rad/s]. Must be finite; a trial checks.
   virtual HandTwist command(const Felt& felt) noexcept = 0;
+  // How far the models inside are apart about the last command [m/s]; 0 for a single one.
+  virtual double disagreement() const noexcept { return 0; }
+  // What a supervisor did so far; null for a controller that has none.
+  virtual const Supervision* supervision() const noexcept { return nullptr; }
 };
 
 // A new controller for trial `trial`; called from many threads at once.

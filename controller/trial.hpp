@@ -11,6 +11,7 @@ struct TrialResult {
   Outcome outcome;
   InsertionSummary summary;
   double loss_dB;  // predicted joint loss from the final offset and tilt; NaN unless inserted
+  std::optional<Supervision> supervision;  // empty for a controller without supervisor
 };
 
 // Trial `trial` of a campaign under `seed`. The controller feels what the scene's force sensor
@@ -22,7 +23,8 @@ TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& co
 // The same controller as a device, so that it can be recorded like a person.
 class ControllerHand : public Device {
  public:
-  // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world].
+  // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world],
+  // and when its supervisor gives up.
   ControllerHand(Controller& controller, const HandPose& start, double speed, double end_depth);
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;

@@ -23,6 +23,7 @@ using RawCounts = Eigen::Matrix<std::int32_t, kRawAxes, 1>;
 struct HandSample {
   HandPose pose;                         // [m, rad]
   bool finished = false;                 // the operator is done with this episode
+  const char* gave_up = nullptr;         // and why, where that is giving up
   bool lost = false;                     // the device is gone; then `finished` too
   RawCounts counts = RawCounts::Zero();  // that the pose, or its rate from t on, follows from
 };

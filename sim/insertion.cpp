@@ -6,8 +6,8 @@ namespace ferrule {
 namespace {
 
 constexpr std::array<const char*, kOutcomes> kNames = {
-    "inserted", "force_limit",    "jam",           "missed",      "timeout",   "buckled",
-    "broken",   "invalid_output", "stopped_short", "interrupted", "infeasible"};
+    "inserted", "force_limit",    "jam",           "missed",      "timeout",    "buckled",
+    "broken",   "invalid_output", "stopped_short", "interrupted", "infeasible", "gave_up"};
 
 }  // namespace
 

@@ -32,8 +32,9 @@ enum class Outcome {
   stopped_short,   // the operator finished before the success depth
   interrupted,     // the operator or user stopped it
   infeasible,      // the drawn fibre does not fit into the drawn bore: no failure of anybody
+  gave_up,         // the supervisor of the controller saw no way on
 };
-inline constexpr int kOutcomes = 11;
+inline constexpr int kOutcomes = 12;
 const char* name(Outcome outcome) noexcept;
 // Throws BadInput if there is no such outcome.
 Outcome outcome_from_name(const std::string& name);

@@ -31,10 +31,10 @@ inline std::string record(const Scene& scene, const std::string& folder, std::ui
   else
     device = simulated_operator(scene, start, skill, 1e-3, 1, trial);
   Recorder recorder(folder, static_cast<int>(trial), info_of(scene, 1, trial));
-  const Outcome outcome = run_episode(
+  const EpisodeEnd end = run_episode(
       scene, start, *device, ForceSensor(scene.sensor, 1, trial), 1e-3,
       [&](const RowVector& row) { recorder.add(row); }, [] { return false; });
-  return recorder.finish(outcome);
+  return recorder.finish(end.outcome, end.why);
 }
 
 }  // namespace ferrule::testing

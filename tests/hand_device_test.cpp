@@ -31,8 +31,10 @@ Outcome run(
     const Scene& scene, Device& device, Recorder& recorder,
     const std::function<bool()>& stop = [] { return false; }) {
   return run_episode(
-      scene, draw_start(scene, 1, 1), device, {}, 1e-3,
-      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); }, stop);
+             scene, draw_start(scene, 1, 1), device, {}, 1e-3,
+             [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
+             stop)
+      .outcome;
 }
 
 TEST(HandDevice, TheFakeHandInsertsWithEveryModelAndTheEpisodeReplays) {

@@ -734,6 +734,47 @@ class Replay(Case):
         self.refused(3, "replay", self.path("z.h5"), says=["z.h5"])
 
 
+class Score(Case):
+    def test_a_session_is_scored_listed_and_drawn(self):
+        out = self.path("out")
+        self.record(out, "--skill", 0.9, episodes=3)
+        self.record(out, "--skill", 0.2, "--append", "--set", "limits.force_uN=0.5", episodes=2)
+        result = json.loads(self.done("score", out, "--json").stdout)["episodes"]
+        self.assertEqual([e["file"] for e in result], sorted(glob.glob(out + "/*.h5")))
+        self.assertEqual([e["outcome"] == "inserted" for e in result], [True] * 3 + [False] * 2)
+        for part in result[0]["parts"]:
+            self.assertEqual(max(e["parts"][part] for e in result[:3]), 1)
+        for e in result:
+            mean = sum(e["parts"].values()) / len(e["parts"])
+            factor = 1 if e["outcome"] == "inserted" else 0.5 * e["completion"]
+            self.assertAlmostEqual(e["score"], 100 * mean * factor, delta=1e-9)
+            with h5py.File(e["file"]) as f:
+                demo = f["data/demo_0"]
+                force = demo["rows/holder_wrench"][:, :3] - demo["rows/forces"][:, 6:9]
+                peak = numpy.linalg.norm(force, axis=1).max() * 1e6
+                self.assertAlmostEqual(e["peak_force_uN"] / peak, 1, delta=1e-9)
+                touches = (demo["states"][:, 13] + demo["states"][:, 19]) > 0
+                self.assertAlmostEqual(e["contact_time_s"], touches.sum() * 1e-3, delta=1e-9)
+        plot = self.path("curve.svg")
+        table = self.done("score", out, "--plot", plot).stdout
+        self.assertEqual(table.count("\n"), 6)
+        self.assertIn("</svg>", open(plot).read())
+
+    def test_what_cannot_be_scored(self):
+        out = self.path("out")
+        self.refused(3, "score", out, says=["out"])
+        os.mkdir(out)
+        self.refused(2, "score", out, says=["no episodes"])
+        files = self.record(out, "--set", "limits.force_uN=0.2", episodes=1)
+        result = json.loads(self.done("score", out, "--json").stdout)["episodes"]
+        self.assertIsNone(result[0]["score"])
+        self.assertIn("no episode succeeded", self.done("score", out).stdout)
+        self.refused(2, "score", out, "--plot", self.path("none.svg"), says=["no episode succeeded"])
+        with open(files[0], "r+b") as f:
+            f.truncate(os.path.getsize(files[0]) // 2)
+        self.refused(3, "score", out, says=["episode_0001.h5"])
+
+
 class Learning(Case):
     KEYS = {"trials", "successes", "success_rate", "wilson_low", "wilson_high", "outcomes", "time_s",
             "peak_force_uN", "loss_dB"}
@@ -778,6 +819,24 @@ class Learning(Case):
         for name, gain in known["gains"].items():
             self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
                                    msg=name)
+
+    def test_a_supervisor_is_asked_for_and_says_what_it_did(self):
+        arguments = ["evaluate", "--baseline", "constant-velocity", "--trials", 12, "--seed", 5]
+        alone = json.loads(self.done(*arguments, "--json").stdout)
+        self.assertNotIn("interventions", alone)
+        kept, again = (self.done(*arguments, "--json", "--supervise", "--threads", n).stdout
+                       for n in (1, 2))
+        self.assertEqual(kept, again)
+        kept = json.loads(kept)
+        self.assertGreater(kept["successes"], alone["successes"])
+        self.assertEqual(kept["trials_with_interventions"], 12)
+        self.assertEqual(kept["interventions"]["acceleration"]["trials"], 12)
+        self.assertEqual(kept["interventions"]["retreat"]["count"],
+                         sum(kept["interventions"][kind]["count"] for kind in ("held", "jam")) -
+                         kept["outcomes"].get("gave_up", 0))
+        self.assertEqual(sum(kept["gave_up"].values()), kept["outcomes"].get("gave_up", 0))
+        self.assertIn("retreat", self.done(*arguments, "--supervise").stdout)
+        self.refused(2, "record", "--supervise", "--out", self.path("out"), says=["--supervise"])
 
     def test_refusals(self):
         out = self.path("out")

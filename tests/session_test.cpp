@@ -58,10 +58,10 @@ TEST(Session, AHandThatIsNotFiniteEndsTheEpisode) {
   } broken;
   const Scene scene = testing::paper();
   std::size_t rows = 0;
-  const Outcome outcome = run_episode(
+  const EpisodeEnd end = run_episode(
       scene, draw_start(scene, 1, 1), broken, {}, 1e-3, [&](const RowVector&) { ++rows; },
       [] { return false; });
-  EXPECT_EQ(outcome, Outcome::invalid_output);
+  EXPECT_EQ(end.outcome, Outcome::invalid_output);
   EXPECT_GT(rows, 490u);
 }
 

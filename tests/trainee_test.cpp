@@ -114,10 +114,10 @@ TEST(Trainee, InsertsAsInFig10OfThePaper) {
     const State start = draw_start(scene, 1, trial);
     const auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, trial);
     std::vector<RowVector> rows;
-    const Outcome outcome = run_episode(
+    const EpisodeEnd end = run_episode(
         scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
         [] { return false; });
-    EXPECT_EQ(outcome, Outcome::inserted);
+    EXPECT_EQ(end.outcome, Outcome::inserted);
     const double to_um = 1e6 / scene_scaling(scene).motion;
     double fastest = 0, sideways = 0;
     for (const RowVector& row : rows) {

@@ -1,0 +1,67 @@
+// How good an insertion was: what an episode's rows say about the operator's skill, each measure
+// against the best of a set, and a total.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "capture/episode.hpp"
+
+namespace ferrule {
+
+// Measures of one episode, at the tip's scale, all rows unless said otherwise. For all of them less
+// is better.
+enum class Part {
+  time,           // from the start until the success depth is reached, or to the end [s]
+  peak_force,     // largest at the holder, weight apart [N]
+  mean_force,     // over the time in contact, weight apart [N]; 0 without contact
+  friction_work,  // against the friction of all contacts together [J]
+  smoothness,     // minus the spectral arc length of the hand's speed [-], > 0
+  corrections,    // movements along x after the first [-]
+  contact_time,   // with the end or the side touching [s]
+};
+inline constexpr std::size_t kParts = 7;
+inline constexpr std::array<const char*, kParts> kPartNames = {
+    "time",       "peak_force",  "mean_force",  "friction_work",
+    "smoothness", "corrections", "contact_time"};
+
+struct Measures {
+  std::array<double, kParts> parts;
+  Outcome outcome;
+  double completion;  // inserted length over the success depth, largest [-], 0 to 1
+
+  double operator[](Part part) const noexcept { return parts[static_cast<std::size_t>(part)]; }
+};
+
+// Of an episode recorded in `scene`.
+Measures measure(const Episode& episode, const Scene& scene);
+
+// Spectral arc length SPARC of a speed profile sampled every `period` [s] (Balasubramanian,
+// Melendez-Calderon, Roby-Brami and Burdet 2015, "On the analysis of movement smoothness"):
+//   -integral from 0 to f_c of sqrt((1/f_c)^2 + (d V/d f)^2) df,  V the spectrum over its value at
+//   0,
+// with the speed padded with zeros to 16 times the next power of two of its length, and f_c the
+// last frequency up to 20 Hz at which V >= 0.05. The authors' 10 Hz would cut through the band of
+// physiological tremor (8 to 12 Hz), so that chance decides whether a hand's tremor counts; with
+// 20 Hz all of it counts where it is above the threshold. < 0, and 0 where nothing moves; does not
+// depend on the profile's amplitude, nor on its duration while the spectrum stays below 20 Hz.
+double spectral_arc_length(const Eigen::VectorXd& speed, double period);
+
+// Movements of an axial velocity [m/s] sampled every `period` [s]: averaged over 0.2 s, which takes
+// tremor out; one begins when the speed exceeds a fifth of `limit` [m/s] and ends when it falls
+// below a tenth of it or changes sign.
+int movements(const Eigen::VectorXd& velocity, double limit, double period);
+
+struct Score {
+  // best / own of each part, 1 at best (movements instead of corrections, so that none divides by
+  // 0); NaN where no episode of the set succeeded.
+  std::array<double, kParts> parts;
+  // 100 mean(parts), times half the completion unless inserted; NaN as above.
+  double total;
+};
+
+// Best is the least of the episodes that succeeded. The others are scored on what they have, where
+// that is better than the best as 1.
+std::vector<Score> score(const std::vector<Measures>& episodes);
+
+}  // namespace ferrule

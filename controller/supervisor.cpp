@@ -1,0 +1,251 @@
+#include "controller/supervisor.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace ferrule {
+namespace {
+
+constexpr double kSlow = 0.1;      // of the speed: held by the force below it, no jam looked for
+constexpr double kAside = 0.1;     // of the force: a lateral force that tells where to go
+constexpr double kHugest = 1e100;  // components beyond are cut, so that their squares are finite
+const double kGoldenAngle = std::numbers::pi * (3 - std::sqrt(5.0));  // 137.5 degrees
+
+// `v` no longer than `length`.
+HandTwist cut(const HandTwist& v, double length) noexcept {
+  const double norm = v.norm();
+  return norm > length ? HandTwist(v * (length / norm)) : v;
+}
+
+// The part of `v` that does not relieve a felt `force`.
+HandTwist straining_part(const HandTwist& v, const Eigen::Vector3d& force) noexcept {
+  const double f = force.norm();
+  HandTwist w = v;
+  if (!(f > 0)) return w;
+  const Eigen::Vector3d along = force / f;
+  w.head<3>() -= std::max(0.0, along.dot(v.head<3>())) * along;
+  return w;
+}
+
+}  // namespace
+
+SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
+  const Holder& holder = scene.world.holder;
+  Matrix5 stiffness = holder.stiffness;
+  stiffness.bottomRows<2>() /= holder.tilt_length;
+  stiffness.rightCols<2>() /= holder.tilt_length;
+  SupervisorLimits limits;
+  limits.speed = scaling.motion * scene.limits.speed;
+  limits.force = scaling.force * scene.limits.force;
+  limits.acceleration = limits.speed / 0.1;
+  limits.stiffness = Eigen::SelfAdjointEigenSolver<Matrix5>(stiffness).eigenvalues().maxCoeff() *
+                     scaling.force / scaling.motion;
+  limits.lever = scaling.motion * holder.tilt_length;
+  limits.disagreement = 0.2 * limits.speed;
+  limits.jam_force = 0.25 * limits.force;
+  limits.retreat = scaling.motion * 20e-6;
+  limits.offset = scaling.motion * 10e-6;
+  return limits;
+}
+
+Supervisor::Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits)
+    : inner_(std::move(inner)),
+      limits_(limits),
+      fastest_(std::min(limits.speed,
+                        speed_within((1 - limits.margin) * limits.force / limits.stiffness))) {}
+
+HandTwist Supervisor::command(const Felt& felt) noexcept {
+  pose_ += limits_.period * velocity_;
+  HandTwist wanted = inner_->command(felt);
+  const bool finite = wanted.allFinite() && felt.wrench.allFinite();
+  note(Intervention::not_finite, !finite);
+  if (!finite && phase_ != Phase::stop) stop(Intervention::not_finite);
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  if (felt.wrench.allFinite()) force = felt.wrench.head<3>();
+
+  if (phase_ == Phase::follow) {
+    wanted = wanted.cwiseMax(-kHugest).cwiseMin(kHugest);
+    wanted.tail<2>() *= limits_.lever;
+    wanted = follow(felt, wanted);
+  }
+  if (phase_ == Phase::retreat || phase_ == Phase::shift) wanted = go_back(felt);
+  if (phase_ == Phase::stop) wanted.setZero();
+
+  velocity_ = keep_limits(wanted, force);
+  if (phase_ == Phase::stop && velocity_.isZero(0)) supervision_.gave_up = reason_;
+  HandTwist command = velocity_;
+  command.tail<2>() /= limits_.lever;
+  return command;
+}
+
+// The controller's velocity as far as it makes sense; may begin a retreat.
+HandTwist Supervisor::follow(const Felt& felt, HandTwist wanted) noexcept {
+  remember_way();
+  const double speed = slower_ * limits_.speed;
+  note(Intervention::speed, wanted.norm() > speed);
+  wanted = cut(wanted, speed);
+
+  const double apart = inner_->disagreement();
+  const bool disagree = !(apart <= limits_.disagreement);
+  note(Intervention::disagreement, disagree);
+  if (disagree) wanted *= std::isfinite(apart) ? limits_.disagreement / apart : 0;
+  const auto lasts = [&](bool now, double& since) {
+    if (!now) since = -1;
+    if (now && since < 0) since = felt.time;
+    return now && felt.time - since >= limits_.patience;
+  };
+  const Eigen::Vector3d force = felt.wrench.head<3>();
+  const double braked = braked_speed(force.norm());
+  const bool held = braked < kSlow * fastest_ && straining_part(wanted, force).norm() > braked;
+  if (jammed(felt))
+    give_way(Intervention::jam, felt);
+  else if (lasts(held, held_since_))
+    give_way(Intervention::held, felt);
+  else if (lasts(disagree, disagreed_since_))
+    give_way(Intervention::disagreement, felt);
+  return wanted;
+}
+
+// Looks once per window. A window in which it hardly moved says nothing.
+bool Supervisor::jammed(const Felt& felt) noexcept {
+  window_advance_ -= limits_.period * velocity_[0];
+  if (felt.time - window_time_ < limits_.jam_window) return false;
+  const double force = felt.wrench[0], grown = force - window_force_, commanded = window_advance_;
+  const bool encoder_tells = felt.depth > 0 && window_depth_ > 0;
+  const double moved = encoder_tells ? felt.depth - window_depth_ : commanded;
+  begin_window(felt);
+  return commanded > kSlow * fastest_ * limits_.jam_window && force > limits_.jam_force &&
+         grown > 0 && moved - grown / limits_.stiffness < 0.5 * commanded;
+}
+
+void Supervisor::begin_window(const Felt& felt) noexcept {
+  window_time_ = felt.time;
+  window_depth_ = felt.depth;
+  window_force_ = felt.wrench[0];
+  window_advance_ = 0;
+}
+
+void Supervisor::give_way(Intervention why, const Felt& felt) noexcept {
+  if (why != Intervention::disagreement) ++supervision_[why];
+  if (tries_ == limits_.tries) {
+    stop(why);
+    return;
+  }
+  ++tries_;
+  ++supervision_[Intervention::retreat];
+  held_since_ = disagreed_since_ = -1;
+  aside_.setZero();
+  if (why == Intervention::disagreement) {
+    slower_ *= 0.5;
+  } else {
+    const Eigen::Vector2d push = felt.wrench.segment<2>(1);
+    Eigen::Vector2d move = limits_.offset * push.normalized();
+    if (push.norm() < kAside * limits_.force) {
+      // Sunflower spiral around where it began to search.
+      const double n = ++searches_;
+      const Eigen::Vector2d there =
+          limits_.offset * std::sqrt(n) *
+          Eigen::Vector2d(std::cos(n * kGoldenAngle), std::sin(n * kGoldenAngle));
+      move = there - searched_;
+      searched_ = there;
+    }
+    aside_.segment<2>(1) = move;
+  }
+  phase_ = Phase::retreat;
+  to_go_ = kPerRetreat;
+  phase_end_ = felt.time + limits_.patience + 3 * (limits_.retreat + aside_.norm()) / fastest_;
+}
+
+void Supervisor::stop(Intervention why) noexcept {
+  phase_ = Phase::stop;
+  reason_ = why;
+}
+
+void Supervisor::remember_way() noexcept {
+  const auto last = [&]() -> HandPose& { return way_[(way_end_ + kWay - 1) % kWay]; };
+  if (way_length_ > 0 && (pose_ - last()).norm() < limits_.retreat / kPerRetreat) return;
+  way_[way_end_] = pose_;
+  way_end_ = (way_end_ + 1) % kWay;
+  way_length_ = std::min(way_length_ + 1, kWay);
+}
+
+// Velocity along the way back, then sideways; to following when there or when time is up.
+HandTwist Supervisor::go_back(const Felt& felt) noexcept {
+  const double spacing = limits_.retreat / kPerRetreat;
+  if (phase_ == Phase::retreat) {
+    while (to_go_ > 0 && way_length_ > 0) {
+      const HandPose& point = way_[(way_end_ + kWay - 1) % kWay];
+      if ((point - pose_).norm() > spacing) break;
+      way_end_ = (way_end_ + kWay - 1) % kWay;
+      --way_length_;
+      --to_go_;
+    }
+    if (to_go_ == 0 || way_length_ == 0) {
+      phase_ = Phase::shift;
+      goal_ = pose_ + aside_;
+      goal_[0] += to_go_ * spacing;  // nothing is known of the way before: straight back
+    }
+  }
+  const bool retreating = phase_ == Phase::retreat;
+  const HandPose goal = retreating ? way_[(way_end_ + kWay - 1) % kWay] : goal_;
+  const HandPose path = goal - pose_;
+  const double left = path.norm();
+  if (felt.time >= phase_end_ || (!retreating && left < 1e-3 * spacing)) {
+    phase_ = Phase::follow;
+    begin_window(felt);
+  }
+  const double speed = speed_within(left + (retreating ? (to_go_ - 1) * spacing : 0));
+  return path * (std::min({fastest_, speed, left / limits_.period}) / std::max(left, 1e-300));
+}
+
+// The velocity closest to `wanted` that keeps the limits after the last one.
+HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d& force) noexcept {
+  const double change = limits_.acceleration * limits_.period, felt = force.norm();
+  const double braked = braked_speed(felt);
+  const bool following = phase_ == Phase::follow;
+
+  HandTwist goal = cut(wanted, fastest_);
+  const HandTwist straining = straining_part(goal, force);
+  const bool brakes = straining.norm() > braked;
+  goal += cut(straining, braked) - straining;
+  HandTwist v = velocity_ + cut(goal - velocity_, change);
+  // On the way from one direction to another it may not brake as fast as it could: brake straight.
+  if (straining_part(v, force).norm() > braked) {
+    const HandTwist now = straining_part(velocity_, force);
+    v = velocity_ - cut(now, change);
+  }
+  note(Intervention::force, following && brakes);
+  note(Intervention::acceleration, following && (goal - velocity_).norm() > change * (1 + 1e-9));
+
+  const HandTwist rest = straining_part(v, force);
+  const bool stops =
+      felt + limits_.stiffness * rest.norm() * limits_.period > limits_.force && rest.norm() > 0;
+  note(Intervention::force_stop, stops);
+  return stops ? HandTwist(v - rest) : v;
+}
+
+// The speed from which it stops within `distance` [m], the period in which it notices included.
+double Supervisor::speed_within(double distance) const noexcept {
+  const double half = 0.5 * limits_.period, a = limits_.acceleration;
+  return a * (std::sqrt(half * half + 2 * std::max(0.0, distance) / a) - half);
+}
+
+double Supervisor::braked_speed(double force) const noexcept {
+  return speed_within(((1 - limits_.margin) * limits_.force - force) / limits_.stiffness);
+}
+
+void Supervisor::note(Intervention kind, bool now) noexcept {
+  bool& before = going_on_[static_cast<std::size_t>(kind)];
+  supervision_[kind] += now && !before;
+  before = now;
+}
+
+MakeController supervised(const MakeController& make, const SupervisorLimits& limits) {
+  return [make, limits](std::uint64_t trial) {
+    return std::make_unique<Supervisor>(make(trial), limits);
+  };
+}
+
+}  // namespace ferrule

@@ -1,0 +1,119 @@
+// A supervisor around any controller: it passes the controller's velocities on as long as they keep
+// the limits, and does what a careful operator does where they lead nowhere.
+//
+// Limits, in the hand's world, for every period T and every wrapped controller:
+//   speed         |u| <= speed, u = (v, lever omega) the velocity with tilts counted at a lever
+//   [m/s] acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start force         the
+//   speed falls with what is left to the force it brakes for,
+//                 F_b = (1 - margin) force:  s^2 / (2 acceleration) + s T / 2 <= (F_b - |f|) / k,
+//                 k the largest stiffness that is felt: a hand that brakes with the acceleration
+//                 stops before F_b if the force rises by no more than k per metre.
+//                 The part of v along the felt force relieves it, and is not braked.
+// Force wins over acceleration: where |f| + k s T > force, the next period could exceed the limit
+// itself; all but the relieving part is then stopped at once, however fast it was. A jerk can be
+// mended, a broken fibre cannot. Nothing else exceeds the acceleration: stopping, retreating and
+// giving up brake by it.
+//
+// Within contact laws that only resist (convex potentials) the force rises by at most k s T in a
+// period, so the measured force exceeds no limit. A surface that snaps the fibre in can raise it
+// without any motion of the hand; nobody can brake for that.
+//
+// What leads nowhere:
+//   held          the force held it below a tenth of the speed for `patience`
+//   jam           over `jam_window` the force against motion along -x grew, is above `jam_force`,
+//   and
+//                 the tip advanced by less than half of what was commanded: the advance is that of
+//                 the encoder where it tells (inside the bore), less what the holder was compressed
+//   disagreement  the controller's models disagreed by more than `disagreement` for `patience`;
+//                 while they do, it goes slower by their ratio
+// Then it goes back along the way it came by `retreat`, and tries again: after `held` and `jam`
+// moved sideways by `offset` towards where the force pushed (where it pushed nowhere, in turn to
+// directions 137.5 degrees apart), after `disagreement` at half the speed. After `tries` of these
+// it stops and gives up. A velocity that is not finite makes it stop and give up at once.
+#pragma once
+
+#include <array>
+
+#include "controller/controller.hpp"
+#include "sim/scene.hpp"
+
+namespace ferrule {
+
+// Hand's world.
+struct SupervisorLimits {
+  double speed = 0;         // [m/s], > 0
+  double force = 0;         // felt, relative to that at rest [N], > 0
+  double acceleration = 0;  // [m/s^2], > 0
+  double stiffness = 0;     // k: the largest that is felt [N/m], > 0
+  double lever = 0;         // at which a tilt counts as a motion [m], > 0
+  double margin = 0.2;      // of the force, kept free by braking [-], 0 to 1
+  double disagreement = 0;  // [m/s], > 0
+  double jam_force = 0;     // [N], > 0
+  double jam_window = 0.2;  // [s], > 0
+  double patience = 0.5;    // [s], > 0
+  double retreat = 0;       // [m], > 0
+  double offset = 0;        // [m], > 0
+  int tries = 8;            // retreats before it gives up, >= 0
+  double period = 1e-3;     // T [s], > 0
+};
+
+// Of a scene: its speed and force limits and its holder's stiffness; acceleration to full speed in
+// 0.1 s; a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the tip
+// a retreat of 20 um and offsets of 10 um.
+SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling);
+
+class Supervisor : public Controller {
+ public:
+  Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits);
+
+  HandTwist command(const Felt& felt) noexcept override;
+  double disagreement() const noexcept override { return inner_->disagreement(); }
+  const Supervision* supervision() const noexcept override { return &supervision_; }
+
+ private:
+  enum class Phase { follow, retreat, shift, stop };
+  static constexpr std::size_t kWay = 256;  // points of the way that it remembers
+  static constexpr int kPerRetreat = 32;    // points of a retreat
+
+  HandTwist follow(const Felt& felt, HandTwist wanted) noexcept;
+  bool jammed(const Felt& felt) noexcept;
+  void begin_window(const Felt& felt) noexcept;
+  void give_way(Intervention why, const Felt& felt) noexcept;
+  void stop(Intervention why) noexcept;
+  void remember_way() noexcept;
+  HandTwist go_back(const Felt& felt) noexcept;
+  HandTwist keep_limits(const HandTwist& wanted, const Eigen::Vector3d& force) noexcept;
+  double speed_within(double distance) const noexcept;
+  double braked_speed(double force) const noexcept;
+  void note(Intervention kind, bool now) noexcept;
+
+  std::unique_ptr<Controller> inner_;
+  SupervisorLimits limits_;
+  double fastest_;  // `speed`, or what can be braked for where nothing is felt, if less [m/s]
+  Supervision supervision_;
+  std::array<bool, kInterventions> going_on_{};
+
+  Phase phase_ = Phase::follow;
+  Intervention reason_{};  // to stop
+  // Tilts times the lever in these.
+  HandTwist velocity_ = HandTwist::Zero();  // over the last period
+  HandPose pose_ = HandPose::Zero();        // relative to the start
+  std::array<HandPose, kWay> way_;          // ring of where it came along
+  std::size_t way_end_ = 0, way_length_ = 0;
+  HandPose aside_ = HandPose::Zero();  // the shift after a retreat
+  HandPose goal_ = HandPose::Zero();   // and where that leads
+
+  int tries_ = 0, searches_ = 0;
+  int to_go_ = 0;                                  // points of the way that a retreat still takes
+  double phase_end_ = 0;                           // a retreat that is stuck ends here [s]
+  double slower_ = 1;                              // factor on the speed after disagreement
+  double held_since_ = -1, disagreed_since_ = -1;  // [s]; < 0: not now
+  Eigen::Vector2d searched_ = Eigen::Vector2d::Zero();  // sideways, where nothing pushed [m]
+  // At the beginning of the window in which a jam is looked for.
+  double window_time_ = 0, window_depth_ = 0, window_force_ = 0, window_advance_ = 0;
+};
+
+// A supervisor with its own copy of the controller for every trial.
+MakeController supervised(const MakeController& make, const SupervisorLimits& limits);
+
+}  // namespace ferrule
