@@ -54,7 +54,7 @@ struct Arguments {
 int record_verb(const Arguments& a) {
   const Scene scene = a.scene.load();
   const bool simulated = a.operator_ == "simulated";
-  std::optional<InsertionLaw> law;
+  std::optional<Law> law;
   if (!simulated) law = read_controller(a.operator_).law();
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)

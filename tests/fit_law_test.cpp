@@ -69,6 +69,18 @@ TEST(FitLaw, ReturnsTheGainsOfALinearAdmittance) {
     EXPECT_CLOSE(report.controller.gains[i].value, linear[i], 1e-6) << kGainTable[i].name;
 }
 
+TEST(FitLaw, ChoosesTheLawWhereItIsNotGiven) {
+  std::array<double, kGains> linear = {3e-3, 1e-4, 0.03, 1e-3, 0, 5e-4, 1e-3, 1.2e-3};
+  for (const auto& [gains, kind] :
+       {std::pair{linear, LawKind::linear}, {kLaw, LawKind::insertion}}) {
+    const ControllerFile c = fit_law(synthetic(gains, 6, 1e-4), 1, std::nullopt).controller;
+    EXPECT_EQ(c.kind, kind);
+    EXPECT_EQ(c.cross_validation.size(), kLaws.size());
+    EXPECT_EQ(c.gains.size(), gain_table(kind).size());
+  }
+  EXPECT_TRUE(fit_law(synthetic(linear, 4, 0), 1).controller.cross_validation.empty());
+}
+
 TEST(FitLaw, IdentifiesTheReactionTime) {
   EXPECT_CLOSE(fit_law(synthetic(kLaw, 5, 0, 1, 180), 1).controller.reaction_time, 0.18, 1e-9);
 }

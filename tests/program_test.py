@@ -648,6 +648,29 @@ class Learning(Case):
             self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
                                    msg=name)
 
+    def test_a_law_is_chosen_drawn_and_run(self):
+        out, controller, plot = self.path("out"), self.path("c.json"), self.path("law.svg")
+        self.record(out, episodes=6)
+        run = self.done("fit", out, "--law", "auto", "--out", controller, "--plot", plot, "--json")
+        fitted = json.loads(run.stdout)
+        table = fitted["metrics"]["cross_validation"]
+        self.assertEqual(set(table), {"linear", "insertion", "phased", "saturated"})
+        best = min(table.values(), key=lambda law: law["error_m_s"])
+        for law in table.values():  # none with fewer gains is as good
+            if law["gains"] < table[fitted["law"]]["gains"]:
+                self.assertGreater(law["error_m_s"],
+                                   best["error_m_s"] + best["standard_error_m_s"])
+        self.assertEqual(len(fitted["gains"]), table[fitted["law"]]["gains"])
+        text = open(plot).read()
+        self.assertIn("</svg>", text)
+        self.assertIn("felt F_y [N]", text)
+        for law in ("linear", "saturated"):
+            run = self.done("fit", out, "--law", law, "--out", controller)
+            self.assertIn("law: " + law, run.stdout)
+            self.assertEqual(json.load(open(controller))["law"], law)
+            self.done("evaluate", controller, "--scene", "paper", *QUICK, "--trials", 3)
+        self.refused(2, "fit", out, "--law", "cubic", "--out", controller, says=["cubic"])
+
     def test_refusals(self):
         out = self.path("out")
         self.record(out, episodes=2)
