@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
   add_recover(app, run);
   add_replay(app, run);
   add_fit(app, run);
+  add_identify(app, run);
   add_evaluate(app, run);
   add_bench(app, run);
   const auto is_verb = [&](const std::string& word) {

@@ -671,6 +671,24 @@ class Learning(Case):
             self.done("evaluate", controller, "--scene", "paper", *QUICK, "--trials", 3)
         self.refused(2, "fit", out, "--law", "cubic", "--out", controller, says=["cubic"])
 
+    def test_parameters_of_the_scene_are_identified(self):
+        out, key = self.path("out"), "laws.friction.burgers_nm"
+        self.record(out)
+        arguments = ["identify", out, "--parameters", key + ",ferrule.length_mm"]
+        run = self.done(*arguments, "--set", key + "=0.8", "--json")
+        found = json.loads(run.stdout)
+        self.assertAlmostEqual(found["parameters"][key]["value"], 0.48, delta=1e-4)
+        self.assertEqual(found["parameters"][key]["start"], 0.8)
+        self.assertEqual(found["parameters"][key]["told"], "fitted")
+        self.assertEqual(found["parameters"]["ferrule.length_mm"]["told"], "open")
+        self.assertIsNone(found["parameters"]["ferrule.length_mm"]["value"])
+        self.assertEqual(len(found["episodes"]), 3)
+        self.assertIn("tell nothing about it", self.done(*arguments, "--scene", "paper").stdout)
+        self.refused(2, "identify", out, "--parameters", "laws.friction.b", says=["laws.friction.b"])
+        self.refused(2, "identify", out, says=["--parameters"])
+        os.remove(out + "/episode_0001.h5")
+        self.refused(2, *arguments, says=["too few episodes"])
+
     def test_refusals(self):
         out = self.path("out")
         self.record(out, episodes=2)
