@@ -10,7 +10,7 @@ namespace ferrule {
 namespace {
 
 constexpr const char* kRecorded = "recorded";
-constexpr std::size_t kEpisodes = 8;
+constexpr std::size_t kEpisodes = 4;
 constexpr double kNoted = 0.9;  // correlation that is noted
 
 struct Arguments {

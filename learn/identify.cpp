@@ -25,7 +25,7 @@ constexpr double kJump = 0.5 * kHuber;        // of the second difference: no de
 constexpr double kRange = 2.302585092994046;  // log(10): bound of the coordinate
 constexpr double kNothing = 1e-6;             // change of force, of the force limit
 constexpr double kReplaceable = 0.99;         // correlation of two that stand for each other
-constexpr std::size_t kRandomPoints = 12;     // per parameter
+constexpr std::size_t kRandomPoints = 6;      // per parameter
 constexpr std::size_t kStarts = 3;
 
 Json::json_pointer pointer(const std::string& key) {
@@ -265,9 +265,9 @@ Solution solve(const Replays& replays, const VectorXd& start, const std::vector<
   }
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
-  options.max_num_iterations = coarse ? 20 : 50;
-  options.function_tolerance = 1e-7;
-  options.parameter_tolerance = 1e-6;
+  options.max_num_iterations = coarse ? 10 : 15;
+  options.function_tolerance = coarse ? 1e-3 : 1e-5;
+  options.parameter_tolerance = 1e-5;
   options.gradient_tolerance = 1e-14;
   options.logging_type = ceres::SILENT;
   ceres::Solver::Summary summary;

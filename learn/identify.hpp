@@ -11,7 +11,7 @@
 // * Huber's loss: the few rows between two jumps cannot outweigh all others;
 // * central differences with a step of 2 % (in the coordinate below), wide enough to average over
 //   jumps, in place of derivatives; rows that jump within the step are left out of the intervals;
-// * several starts: the scene's values, and the best two of 12 random points per parameter, first
+// * several starts: the scene's values, and the best two of 6 random points per parameter, first
 //   replayed in steps of 10 ms (fast, forces some nN off), then the best of them as recorded.
 //
 // Each parameter is moved on a logarithmic scale of its distance from what the scene does not
