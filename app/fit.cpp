@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/law_plot.hpp"
 #include "app/verb.hpp"
 #include "learn/fit_law.hpp"
 
@@ -9,16 +10,39 @@ namespace ferrule {
 namespace {
 
 struct Arguments {
-  std::string folder, method = "ceres", out;
+  std::string folder, method = "ceres", law = name(LawKind::insertion), out, plot;
   std::uint64_t seed = 1;
   bool json = false;
 };
+
+constexpr const char* kAuto = "auto";
+
+std::vector<std::string> law_choices() {
+  std::vector<std::string> choices = {kAuto};
+  for (const LawKind kind : kLaws) choices.push_back(name(kind));
+  return choices;
+}
+
+// Empty: to be chosen.
+std::optional<LawKind> law_kind(const std::string& law) {
+  for (const LawKind kind : kLaws)
+    if (law == name(kind)) return kind;
+  return std::nullopt;
+}
+
+void print_cross_validation(const ControllerFile& c) {
+  fmt::print("{:<14} {:>5} {:>22} {:>16}\n", "law", "gains", "error, unseen [mm/s]",
+             "standard error");
+  for (const CrossValidated& law : c.cross_validation)
+    fmt::print("{:<14} {:>5} {:>22.5g} {:>16.2g}{}\n", name(law.kind), gain_table(law.kind).size(),
+               1e3 * law.error, 1e3 * law.standard_error, law.kind == c.kind ? "  chosen" : "");
+}
 
 int fit_verb(const Arguments& a) {
   const DemonstrationSet set = load_demonstrations(a.folder);
   FitReport report;
   try {
-    report = fit_law(set, a.seed);
+    report = fit_law(set, a.seed, law_kind(a.law));
   } catch (const BadInput& error) {
     throw BadInput(a.folder + ": " + error.what());
   }
@@ -27,18 +51,25 @@ int fit_verb(const Arguments& a) {
                fmt::join(set.scenes, ", "));
   write_controller(a.out, report.controller);
   const ControllerFile& c = report.controller;
+  if (!a.plot.empty()) {
+    write_svg(a.plot, law_plot(set, c));
+    fmt::print(stderr, "wrote {}\n", a.plot);
+  }
   if (a.json) {
     print_json(parse_json(read_text(a.out), a.out));
     return kDone;
   }
+  if (!c.cross_validation.empty()) print_cross_validation(c);
+  fmt::print("law: {}\n", name(c.kind));
   fmt::print("{:<14} {:>14} {:>14} {:>14}  {}\n", "gain", "value", "95 % low", "95 % high", "unit");
-  for (std::size_t i = 0; i < kGains; ++i) {
+  const auto table = gain_table(c.kind);
+  for (std::size_t i = 0; i < table.size(); ++i) {
     const FittedGain& g = c.gains[i];
     const auto shown = [](double x) {
       return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
     };
-    fmt::print("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", kGainTable[i].name, g.value, shown(g.low),
-               shown(g.high), kGainTable[i].unit);
+    fmt::print("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", table[i].name, g.value, shown(g.low),
+               shown(g.high), table[i].unit);
   }
   fmt::print("reaction time {:.2f} s (identified, not imitated)\n", c.reaction_time);
   fmt::print("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
@@ -58,6 +89,10 @@ void add_fit(CLI::App& app, Run& run) {
   verb->add_option("--method", a->method, "How")
       ->capture_default_str()
       ->check(CLI::IsMember({"ceres"}));
+  verb->add_option("--law", a->law, "Which; auto: chosen by cross-validation over episodes")
+      ->capture_default_str()
+      ->check(CLI::IsMember(law_choices()));
+  verb->add_option("--plot", a->plot, "The law over the data")->type_name("FILE.svg");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
   verb->add_flag("--json", a->json, "The controller file on stdout as well");

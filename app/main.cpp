@@ -22,6 +22,7 @@ int main(int argc, char** argv) {
   add_replay(app, run);
   add_score(app, run);
   add_fit(app, run);
+  add_identify(app, run);
   add_evaluate(app, run);
   add_compare(app, run);
   add_bench(app, run);

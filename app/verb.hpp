@@ -33,6 +33,7 @@ void add_bench(CLI::App& app, Run& run);
 void add_recover(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
+void add_identify(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);

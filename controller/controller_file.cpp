@@ -21,37 +21,86 @@ double optional_number(JsonFields& fields, const std::string& key) {
                          : std::numeric_limits<double>::quiet_NaN();
 }
 
+std::vector<std::string> law_names() {
+  std::vector<std::string> names;
+  for (const LawKind kind : kLaws) names.push_back(name(kind));
+  return names;
+}
+
+Rule range_of(const Gain& gain) {
+  return gain.range == Gain::positive       ? rule::positive()
+         : gain.range == Gain::not_negative ? rule::not_negative()
+                                            : rule::any();
+}
+
+FittedGain read_gain(JsonFields fields, const Gain& gain) {
+  FittedGain g;
+  g.value = fields.number("value", range_of(gain));
+  fields.choice("unit", {gain.unit});
+  g.low = optional_number(fields, "low");
+  g.high = optional_number(fields, "high");
+  fields.finish();
+  return g;
+}
+
+Json to_json(const std::vector<CrossValidated>& laws) {
+  Json json = Json::object();
+  for (const CrossValidated& law : laws)
+    json[name(law.kind)] = {{"gains", gain_table(law.kind).size()},
+                            {"error_m_s", number_or_null(law.error)},
+                            {"standard_error_m_s", number_or_null(law.standard_error)}};
+  return json;
+}
+
+std::vector<CrossValidated> read_cross_validation(JsonFields fields) {
+  std::vector<CrossValidated> laws;
+  for (const LawKind kind : kLaws)
+    if (fields.present(name(kind))) {
+      JsonFields law = fields.object(name(kind));
+      const auto gains = static_cast<std::int64_t>(gain_table(kind).size());
+      law.integer("gains", gains, gains);
+      laws.push_back(
+          {kind, optional_number(law, "error_m_s"), optional_number(law, "standard_error_m_s")});
+      law.finish();
+    }
+  fields.finish();
+  return laws;
+}
+
 }  // namespace
 
-InsertionLaw ControllerFile::law() const {
-  std::array<double, kGains> values;
-  for (std::size_t i = 0; i < kGains; ++i) values[i] = gains[i].value;
-  return InsertionLaw(values);
+Law ControllerFile::law() const {
+  std::vector<double> values;
+  for (const FittedGain& gain : gains) values.push_back(gain.value);
+  return {kind, values};
 }
 
 void write_controller(const std::string& file, const ControllerFile& c) {
+  const auto table = gain_table(c.kind);
   Json gains = Json::object();
-  for (std::size_t i = 0; i < kGains; ++i)
-    gains[kGainTable[i].name] = {{"value", c.gains[i].value},
-                                 {"unit", kGainTable[i].unit},
-                                 {"low", number_or_null(c.gains[i].low)},
-                                 {"high", number_or_null(c.gains[i].high)}};
-  const Json json = {{"format", kFormat},
-                     {"format_version", 1},
-                     {"method", "ceres"},
-                     {"world", "hand"},
-                     {"law", "insertion"},
-                     {"gains", gains},
-                     {"reaction_time_s", c.reaction_time},
-                     {"trained_on",
-                      {{"scenes", c.scenes},
-                       {"episodes", c.episodes},
-                       {"held_out", c.held_out},
-                       {"rows", c.rows},
-                       {"seed", c.seed}}},
-                     {"metrics",
-                      {{"residual_m_s", c.residual},
-                       {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
+  for (std::size_t i = 0; i < table.size(); ++i)
+    gains[table[i].name] = {{"value", c.gains[i].value},
+                            {"unit", table[i].unit},
+                            {"low", number_or_null(c.gains[i].low)},
+                            {"high", number_or_null(c.gains[i].high)}};
+  Json json = {{"format", kFormat},
+               {"format_version", 1},
+               {"method", "ceres"},
+               {"world", "hand"},
+               {"law", name(c.kind)},
+               {"gains", gains},
+               {"reaction_time_s", c.reaction_time},
+               {"trained_on",
+                {{"scenes", c.scenes},
+                 {"episodes", c.episodes},
+                 {"held_out", c.held_out},
+                 {"rows", c.rows},
+                 {"seed", c.seed}}},
+               {"metrics",
+                {{"residual_m_s", c.residual},
+                 {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
+  if (!c.cross_validation.empty())
+    json["metrics"]["cross_validation"] = to_json(c.cross_validation);
   write_text(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
@@ -63,17 +112,11 @@ ControllerFile read_controller(const std::string& file) {
   fields.integer("format_version", 1, 1);
   fields.choice("method", {"ceres"});
   fields.choice("world", {"hand"});
-  fields.choice("law", {"insertion"});
+  c.kind = kLaws[fields.choice("law", law_names())];
   JsonFields gains = fields.object("gains");
-  for (std::size_t i = 0; i < kGains; ++i) {
-    const bool positive = i == 1 || i == 3;  // times and lengths that are divided by
-    JsonFields gain = gains.object(kGainTable[i].name);
-    c.gains[i].value = gain.number("value", positive ? rule::positive() : rule::any());
-    gain.choice("unit", {kGainTable[i].unit});
-    c.gains[i].low = optional_number(gain, "low");
-    c.gains[i].high = optional_number(gain, "high");
-    gain.finish();
-  }
+  c.gains.clear();
+  for (const Gain& gain : gain_table(c.kind))
+    c.gains.push_back(read_gain(gains.object(gain.name), gain));
   gains.finish();
   c.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   JsonFields trained = fields.object("trained_on");
@@ -86,6 +129,8 @@ ControllerFile read_controller(const std::string& file) {
   JsonFields metrics = fields.object("metrics");
   c.residual = metrics.number("residual_m_s", rule::not_negative());
   c.held_out_residual = optional_number(metrics, "held_out_residual_m_s");
+  if (metrics.has("cross_validation"))
+    c.cross_validation = read_cross_validation(metrics.object("cross_validation"));
   metrics.finish();
   fields.finish();
   return c;

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/insertion_law.hpp"
+#include "controller/law.hpp"
 #include "sim/json_fields.hpp"
 
 namespace ferrule {
@@ -18,18 +18,26 @@ struct FittedGain {
   double high = std::numeric_limits<double>::quiet_NaN();
 };
 
+// Error of one law in predicting the velocities of episodes that it was not fitted to.
+struct CrossValidated {
+  LawKind kind;
+  double error, standard_error;  // mean over the episodes, and its standard error [m/s]
+};
+
 struct ControllerFile {
-  std::array<FittedGain, kGains> gains;
+  LawKind kind = LawKind::insertion;
+  std::vector<FittedGain> gains = std::vector<FittedGain>(kGains);  // as gain_table(kind)
   double reaction_time = 0;  // delay of the demonstrator, identified and not imitated [s]
   // Provenance.
   std::vector<std::string> scenes;    // names of the scenes it was learned in
   std::vector<std::string> episodes;  // files it was fitted to
   std::vector<std::string> held_out;
-  double residual = 0, held_out_residual = 0;  // root mean square of the velocity error [m/s]
+  double residual = 0, held_out_residual = 0;    // root mean square of the velocity error [m/s]
+  std::vector<CrossValidated> cross_validation;  // of the laws that were compared, if any
   std::size_t rows = 0;
   std::uint64_t seed = 0;
 
-  InsertionLaw law() const;
+  Law law() const;
 };
 
 // Throws FileTrouble.

@@ -16,21 +16,16 @@
 #include <cmath>
 
 #include "controller/controller.hpp"
+#include "controller/gain.hpp"
 
 namespace ferrule {
-
-struct Gain {
-  const char* name;
-  const char* symbol;
-  const char* unit;
-};
 
 inline constexpr int kGains = 12;
 inline constexpr std::array<Gain, kGains> kGainTable = {{
     {"cruise_speed", "v_c", "m/s"},
-    {"ramp_time", "t_r", "s"},
+    {"ramp_time", "t_r", "s", Gain::positive},
     {"end_depth", "d_e", "m"},
-    {"end_length", "L", "m"},
+    {"end_length", "L", "m", Gain::positive},
     {"slowing", "k", "1/N^2"},
     {"yield_x", "A_x", "m/(s N)"},
     {"yield_y", "A_y", "m/(s N)"},

@@ -1,16 +1,12 @@
-// Fits the insertion law (controller/insertion_law.hpp) to demonstrations with Ceres.
+// Fits a parametric law (controller/law.hpp) to demonstrations.
 //
-// Minimised: the sum over all training rows, taken every 10 ms, of Huber's loss of
-//   (commanded velocity - law's velocity) / (speed scale),
-// gains scaled to order one and bounded, from several starts; the best is kept. The law sees the
-// force as it was one reaction time before: that delay is identified first, from the lateral
-// velocities, and not imitated (a machine need not wait).
-//
-// Split by episode: about a fifth is held out and only used for the held-out residual.
-// Intervals: 95 %, from the sandwich covariance clustered by episode (rows of one episode are not
-// independent) and Student's t with (training episodes - 1) degrees of freedom.
+// Split by episode: about a fifth is held out and only used for the held-out residual. The law sees
+// the force as it was one reaction time before: that delay is identified first, from the lateral
+// velocities of all training episodes, and not imitated (a machine need not wait). Where the law is
+// not given it is chosen by cross-validation over the training episodes (learn/choose_law.hpp).
 #pragma once
 
+#include <optional>
 #include <string>
 
 #include "controller/controller_file.hpp"
@@ -25,9 +21,10 @@ struct FitReport {
   double explained = 0;  // share of the velocities' variance that the law explains, training
 };
 
-// `seed` draws the split. Throws BadInput where the demonstrations are too few (fewer than 3
-// successful ones, or fewer than 300 rows in 10 ms steps) or tell nothing about the answer to
-// force.
-FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed);
+// `seed` draws the split; `kind` empty: chosen. Throws BadInput where the demonstrations are too
+// few (fewer than 3 successful ones, or fewer than 300 rows in 10 ms steps) or tell nothing about
+// the answer to force.
+FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed,
+                  std::optional<LawKind> kind = LawKind::insertion);
 
 }  // namespace ferrule

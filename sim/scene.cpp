@@ -252,29 +252,6 @@ std::string scene_file(const std::string& name_or_file) {
   throw FileTrouble(message);
 }
 
-void apply_setting(Json& document, const std::string& setting) {
-  const auto equals = setting.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw BadInput("--set " + setting + ": must be dotted.key=value");
-  const std::string key = setting.substr(0, equals), text = setting.substr(equals + 1);
-  Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded()) value = text;
-  Json* place = &document;
-  for (std::size_t from = 0;;) {
-    const auto dot = key.find('.', from);
-    const std::string part = key.substr(from, dot == std::string::npos ? dot : dot - from);
-    if (part.empty()) throw BadInput("--set " + setting + ": empty name in the dotted key");
-    if (place->is_null()) *place = Json::object();
-    if (!place->is_object())
-      throw BadInput("--set " + setting + ": \"" + key.substr(0, from ? from - 1 : 0) +
-                     "\" is not an object");
-    place = &(*place)[part];
-    if (dot == std::string::npos) break;
-    from = dot + 1;
-  }
-  *place = value;
-}
-
 }  // namespace
 
 Scene parse_scene(const Json& document, const std::string& file) {
@@ -333,6 +310,29 @@ Scene parse_scene(const Json& document, const std::string& file) {
   if (!to_plan) return scene;
   const Plan plan = make_plan(scene, tolerance);
   return parse_scene(plan.document, file);
+}
+
+void apply_setting(Json& document, const std::string& setting) {
+  const auto equals = setting.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw BadInput("--set " + setting + ": must be dotted.key=value");
+  const std::string key = setting.substr(0, equals), text = setting.substr(equals + 1);
+  Json value = Json::parse(text, nullptr, false);
+  if (value.is_discarded()) value = text;
+  Json* place = &document;
+  for (std::size_t from = 0;;) {
+    const auto dot = key.find('.', from);
+    const std::string part = key.substr(from, dot == std::string::npos ? dot : dot - from);
+    if (part.empty()) throw BadInput("--set " + setting + ": empty name in the dotted key");
+    if (place->is_null()) *place = Json::object();
+    if (!place->is_object())
+      throw BadInput("--set " + setting + ": \"" + key.substr(0, from ? from - 1 : 0) +
+                     "\" is not an object");
+    place = &(*place)[part];
+    if (dot == std::string::npos) break;
+    from = dot + 1;
+  }
+  *place = value;
 }
 
 Json load_document(const std::string& name_or_file, const std::vector<std::string>& settings) {

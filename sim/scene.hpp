@@ -69,6 +69,9 @@ Scene load_scene(const std::string& name_or_file, const std::vector<std::string>
 // The same, not parsed yet.
 Json load_document(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 
+// One of those settings. Throws BadInput.
+void apply_setting(Json& document, const std::string& setting);
+
 // Names of the scenes that ship with the program, sorted.
 std::vector<std::string> shipped_scenes();
 

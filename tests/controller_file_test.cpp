@@ -32,6 +32,25 @@ TEST(ControllerFile, IsReadBackExactly) {
   EXPECT_EQ(back.reaction_time, 0.17);
 }
 
+TEST(ControllerFile, KeepsWhichLawItIsAndTheLawsItWasChosenFrom) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "controller.json";
+  for (const LawKind kind : kLaws) {
+    ControllerFile c = example();
+    c.kind = kind;
+    c.gains.assign(gain_table(kind).size(), {0.25, 0.1, NAN});
+    c.cross_validation = {{LawKind::linear, 2e-3, 1e-4}, {kind, 1e-3, 2e-4}};
+    write_controller(file, c);
+    const ControllerFile back = read_controller(file);
+    EXPECT_EQ(back.kind, kind);
+    EXPECT_EQ(back.law().gains(), c.law().gains());
+    ASSERT_EQ(back.cross_validation.size(), kind == LawKind::linear ? 1u : 2u);
+    EXPECT_EQ(back.cross_validation.back().kind, kind);
+    EXPECT_EQ(back.cross_validation.back().error, 1e-3);
+    EXPECT_EQ(back.cross_validation.back().standard_error, 2e-4);
+  }
+}
+
 TEST(ControllerFile, BrokenOnesAreRefusedWithTheirKey) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "controller.json";

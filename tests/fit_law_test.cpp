@@ -69,6 +69,17 @@ TEST(FitLaw, ReturnsTheGainsOfALinearAdmittance) {
     EXPECT_CLOSE(report.controller.gains[i].value, linear[i], 1e-6) << kGainTable[i].name;
 }
 
+TEST(FitLaw, ChoosesTheLawWhereItIsNotGiven) {
+  const DemonstrationSet set = synthetic(kLaw, 4, 1e-4);
+  const ControllerFile chosen = fit_law(set, 1, std::nullopt).controller;
+  EXPECT_EQ(chosen.kind, LawKind::insertion);
+  EXPECT_EQ(chosen.cross_validation.size(), kLaws.size());
+  // It is the law that is fitted where it is given.
+  const ControllerFile given = fit_law(set, 1).controller;
+  EXPECT_EQ(given.law().gains(), chosen.law().gains());
+  EXPECT_TRUE(given.cross_validation.empty());
+}
+
 TEST(FitLaw, IdentifiesTheReactionTime) {
   EXPECT_CLOSE(fit_law(synthetic(kLaw, 5, 0, 1, 180), 1).controller.reaction_time, 0.18, 1e-9);
 }

@@ -838,6 +838,47 @@ class Learning(Case):
         self.assertIn("retreat", self.done(*arguments, "--supervise").stdout)
         self.refused(2, "record", "--supervise", "--out", self.path("out"), says=["--supervise"])
 
+    def test_a_law_is_chosen_drawn_and_run(self):
+        out, controller, plot = self.path("out"), self.path("c.json"), self.path("law.svg")
+        self.record(out, episodes=6)
+        run = self.done("fit", out, "--law", "auto", "--out", controller, "--plot", plot, "--json")
+        fitted = json.loads(run.stdout)
+        table = fitted["metrics"]["cross_validation"]
+        self.assertEqual(set(table), {"linear", "insertion", "phased", "saturated"})
+        best = min(table.values(), key=lambda law: law["error_m_s"])
+        for law in table.values():  # none with fewer gains is as good
+            if law["gains"] < table[fitted["law"]]["gains"]:
+                self.assertGreater(law["error_m_s"],
+                                   best["error_m_s"] + best["standard_error_m_s"])
+        self.assertEqual(len(fitted["gains"]), table[fitted["law"]]["gains"])
+        text = open(plot).read()
+        self.assertIn("</svg>", text)
+        self.assertIn("felt F_y [N]", text)
+        for law in ("linear", "saturated"):
+            run = self.done("fit", out, "--law", law, "--out", controller)
+            self.assertIn("law: " + law, run.stdout)
+            self.assertEqual(json.load(open(controller))["law"], law)
+            self.done("evaluate", controller, "--scene", "paper", *QUICK, "--trials", 3)
+        self.refused(2, "fit", out, "--law", "cubic", "--out", controller, says=["cubic"])
+
+    def test_parameters_of_the_scene_are_identified(self):
+        out, key = self.path("out"), "laws.friction.burgers_nm"
+        self.record(out)
+        arguments = ["identify", out, "--parameters", key + ",ferrule.length_mm"]
+        run = self.done(*arguments, "--set", key + "=0.8", "--json")
+        found = json.loads(run.stdout)
+        self.assertAlmostEqual(found["parameters"][key]["value"], 0.48, delta=1e-4)
+        self.assertEqual(found["parameters"][key]["start"], 0.8)
+        self.assertEqual(found["parameters"][key]["told"], "fitted")
+        self.assertEqual(found["parameters"]["ferrule.length_mm"]["told"], "open")
+        self.assertIsNone(found["parameters"]["ferrule.length_mm"]["value"])
+        self.assertEqual(len(found["episodes"]), 3)
+        self.assertIn("tell nothing about it", self.done(*arguments, "--scene", "paper").stdout)
+        self.refused(2, "identify", out, "--parameters", "laws.friction.b", says=["laws.friction.b"])
+        self.refused(2, "identify", out, says=["--parameters"])
+        os.remove(out + "/episode_0001.h5")
+        self.refused(2, *arguments, says=["too few episodes"])
+
     def test_refusals(self):
         out = self.path("out")
         self.record(out, episodes=2)

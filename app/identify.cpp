@@ -1,0 +1,140 @@
+// ferrule identify: physical parameters of the scene from recorded forces.
+#include "learn/identify.hpp"
+
+#include <fmt/format.h>
+
+#include "app/verb.hpp"
+#include "learn/shuffle.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr const char* kRecorded = "recorded";
+constexpr std::size_t kEpisodes = 4;
+constexpr double kNoted = 0.9;  // correlation that is noted
+
+struct Arguments {
+  SceneArguments scene;
+  std::string folder;
+  std::vector<std::string> parameters;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+
+struct Chosen {
+  std::vector<Recording> recordings;
+  Scene scene;
+};
+
+// Up to kEpisodes episodes of the folder, and the scene to start from.
+Chosen choose(const Arguments& a) {
+  Chosen chosen;
+  Json recorded;
+  const std::vector<std::string> files = episode_files(a.folder);
+  for (const std::size_t drawn : shuffled(files.size(), a.seed)) {
+    if (chosen.recordings.size() == kEpisodes) break;
+    const std::string& file = files[drawn];
+    const Episode episode = read_episode(file);
+    if (episode.rows.rows() < 2) continue;
+    const Json document = parse_json(episode.info.scene, file);
+    if (!recorded.is_null() && document != recorded && a.scene.scene == kRecorded)
+      throw BadInput(file +
+                     ": was recorded in another scene than the others; choose the one to "
+                     "start from with --scene");
+    recorded = document;
+    chosen.recordings.push_back(recording(episode, file));
+  }
+  if (a.scene.scene != kRecorded) {
+    chosen.scene = a.scene.load();
+  } else if (!recorded.is_null()) {
+    for (const std::string& setting : a.scene.settings) apply_setting(recorded, setting);
+    chosen.scene = parse_scene(recorded, a.folder + ": the recorded scene");
+  }
+  return chosen;
+}
+
+Json to_json(const Arguments& a, const Chosen& chosen, const Identification& found) {
+  Json parameters = Json::object(), correlations = Json::array(), episodes = Json::array();
+  for (const IdentifiedParameter& p : found.parameters)
+    parameters[p.key] = {{"told", name(p.told)},
+                         {"value", number_or_null(p.value)},
+                         {"low", number_or_null(p.low)},
+                         {"high", number_or_null(p.high)},
+                         {"start", p.start},
+                         {"lowest", p.lowest},
+                         {"highest", p.highest}};
+  for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      correlations.push_back({{"a", found.parameters[static_cast<std::size_t>(j)].key},
+                              {"b", found.parameters[static_cast<std::size_t>(i)].key},
+                              {"correlation", found.correlation(i, j)}});
+  for (const Recording& r : chosen.recordings) episodes.push_back(r.file);
+  return {{"scene", chosen.scene.name},
+          {"episodes", episodes},
+          {"rows", found.rows},
+          {"seed", a.seed},
+          {"parameters", parameters},
+          {"correlations", correlations},
+          {"residual_start_uN", 1e6 * found.residual_start},
+          {"residual_uN", 1e6 * found.residual}};
+}
+
+void print(const Chosen& chosen, const Identification& found) {
+  fmt::print("{:<40} {:>12} {:>12} {:>12} {:>12}\n", "parameter", "start", "value", "95 % low",
+             "95 % high");
+  const auto shown = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
+  };
+  for (const IdentifiedParameter& p : found.parameters)
+    fmt::print("{:<40} {:>12.6g} {:>12} {:>12} {:>12}{}\n", p.key, p.start, shown(p.value),
+               shown(p.low), shown(p.high),
+               p.told == Told::at_bound
+                   ? fmt::format("  at its bound ({:.4g} to {:.4g}): start elsewhere with --set",
+                                 p.lowest, p.highest)
+               : p.told == Told::open ? "  the recordings tell nothing about it"
+                                      : "");
+  for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
+    for (Eigen::Index j = 0; j < i; ++j)
+      if (std::abs(found.correlation(i, j)) > kNoted)
+        fmt::print(
+            "note: {} and {} can hardly be told apart (correlation {:.3f}); hold one fixed\n",
+            found.parameters[static_cast<std::size_t>(j)].key,
+            found.parameters[static_cast<std::size_t>(i)].key, found.correlation(i, j));
+  fmt::print("{} episodes, {} rows; force difference {:.4g} uN at the start, {:.4g} uN fitted\n",
+             chosen.recordings.size(), found.rows, 1e6 * found.residual_start,
+             1e6 * found.residual);
+}
+
+int identify_verb(const Arguments& a) {
+  const Chosen chosen = choose(a);
+  Identification found;
+  try {
+    found = identify(chosen.recordings, chosen.scene, a.parameters, a.seed);
+  } catch (const BadInput& error) {
+    throw BadInput(a.folder + ": " + error.what());
+  }
+  if (a.json)
+    print_json(to_json(a, chosen, found));
+  else
+    print(chosen, found);
+  return kDone;
+}
+
+}  // namespace
+
+void add_identify(CLI::App& app, Run& run) {
+  auto* verb =
+      app.add_subcommand("identify", "Fit physical parameters of the scene to recorded forces");
+  auto a = std::make_shared<Arguments>();
+  verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
+  verb->add_option("--parameters", a->parameters, "Which: dotted keys of the scene, with commas")
+      ->required()
+      ->delimiter(',')
+      ->type_name("KEY,KEY,...");
+  a->scene.add_to(*verb, kRecorded);
+  add_seed(*verb, a->seed, "Seed of the episodes that are taken and of the random starts");
+  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  verb->callback([a, &run] { run = [a] { return identify_verb(*a); }; });
+}
+
+}  // namespace ferrule

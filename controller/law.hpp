@@ -1,0 +1,68 @@
+// The parametric laws by name, and any of them as a controller.
+#pragma once
+
+#include <cassert>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "controller/admittance_law.hpp"
+#include "controller/insertion_law.hpp"
+
+namespace ferrule {
+
+// In the order of their numbers of gains: linear is contained in all others, phased in saturated.
+enum class LawKind { linear, insertion, phased, saturated };
+inline constexpr std::array kLaws = {LawKind::linear, LawKind::insertion, LawKind::phased,
+                                     LawKind::saturated};
+
+constexpr const char* name(LawKind kind) noexcept {
+  constexpr std::array names = {"linear", "insertion", "phased", "saturated"};
+  return names[static_cast<std::size_t>(kind)];
+}
+
+constexpr std::span<const Gain> gain_table(LawKind kind) noexcept {
+  constexpr std::span<const Gain> admittance(kAdmittanceGains);
+  switch (kind) {
+    case LawKind::linear:
+      return admittance.first(kLinearGains);
+    case LawKind::phased:
+      return admittance.first(kPhasedGains);
+    case LawKind::saturated:
+      return admittance;
+    case LawKind::insertion:
+      break;
+  }
+  return kGainTable;
+}
+
+// Velocity [m/s] from gains in the order of the table, at a felt force relative to that at rest
+// [N], a depth of the hand [m] and a time since the start [s]. T is double, or a dual number.
+template <class T>
+Eigen::Matrix<T, 3, 1> law_velocity(LawKind kind, const T* gains, const Eigen::Vector3d& force,
+                                    double depth, double time) {
+  if (kind == LawKind::insertion) return insertion_velocity(gains, force, depth, time);
+  return admittance_velocity(gains, static_cast<int>(gain_table(kind).size()), force, depth);
+}
+
+class Law : public Controller {
+ public:
+  // One number per gain of the table.
+  Law(LawKind kind, std::vector<double> gains) : kind_(kind), gains_(std::move(gains)) {
+    assert(gains_.size() == gain_table(kind).size());
+  }
+  HandTwist command(const Felt& felt) noexcept override {
+    HandTwist v = HandTwist::Zero();
+    v.head<3>() = law_velocity(kind_, gains_.data(), Eigen::Vector3d(felt.wrench.head<3>()),
+                               felt.depth, felt.time);
+    return v;
+  }
+  LawKind kind() const noexcept { return kind_; }
+  const std::vector<double>& gains() const noexcept { return gains_; }
+
+ private:
+  LawKind kind_;
+  std::vector<double> gains_;
+};
+
+}  // namespace ferrule

@@ -1,0 +1,72 @@
+// Physical parameters of a scene from recorded forces, with the simulator in the loop.
+//
+// Each episode's recorded hand is replayed through `step` in the scene with other parameters, and
+// the wrench at the holder compared with the recorded one every 10 ms. Minimised over the
+// parameters: the sum over these rows of Huber's loss (threshold 0.005) of
+//   (F_sim - F_rec) / F_lim,  (M_sim - M_rec) / (F_lim l)        5 numbers [-]
+// with F_lim the scene's force limit and l the holder's tilt length.
+//
+// Where the fibre snaps or sticks, forces jump, at a time that depends on the parameters: the cost
+// is not smooth. Hence
+// * Huber's loss: the few rows between two jumps cannot outweigh all others;
+// * central differences with a step of 2 % (in the coordinate below), wide enough to average over
+//   jumps, in place of derivatives; rows that jump within the step are left out of the intervals;
+// * several starts: the scene's values, and the best two of 6 random points per parameter, first
+//   replayed in steps of 10 ms (fast, forces some nN off), then the best of them as recorded.
+//
+// Each parameter is moved on a logarithmic scale of its distance from what the scene does not
+// allow (from zero for a work of adhesion, from the fibre's diameter for a bore's; with limits on
+// both sides, of the ratio of both distances; linearly without any) and is bounded to a factor of
+// 10 of that distance (or ratio) on either side of its start. Intervals: 95 %, learn/intervals.hpp,
+// on that scale; an end beyond a bound is NaN. A parameter is open, and has no value, where the
+// data tell nothing about it: no force changes by more than 1e-6 F_lim between its bounds, or the
+// interval reaches beyond both bounds, or another parameter can stand for it (correlation of the
+// errors above 0.99: hold one of the two fixed).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/episode.hpp"
+
+namespace ferrule {
+
+// What identification needs of an episode.
+struct Recording {
+  std::string file;
+  double period;                                                     // between rows [s]
+  Eigen::Matrix<double, Eigen::Dynamic, 5, Eigen::RowMajor> hand;    // at the tip's scale [m, rad]
+  Eigen::Matrix<double, Eigen::Dynamic, 5, Eigen::RowMajor> wrench;  // at the holder [N, N m]
+};
+
+// Throws BadInput (scene not valid).
+Recording recording(const Episode& episode, const std::string& file);
+
+enum class Told { fitted, at_bound, open };
+const char* name(Told told) noexcept;  // "fitted", "at_bound", "open"
+
+// In the scene document's units.
+struct IdentifiedParameter {
+  std::string key;  // dotted
+  Told told;
+  double start, lowest, highest;  // where it started, and its bounds
+  double value;                   // NaN if open
+  double low, high;               // 95 % interval; NaN where it is not bounded
+};
+
+struct Identification {
+  std::vector<IdentifiedParameter> parameters;
+  // Of the errors of the estimates: near 1 or -1 where one parameter can replace the other. 0 where
+  // one is not fitted.
+  Eigen::MatrixXd correlation;
+  double residual_start, residual;  // root mean square of the force difference [N]
+  std::size_t rows;                 // compared
+};
+
+// `keys`: dotted names of numbers in scene.document. `seed` draws the random starts. Throws
+// BadInput: fewer than 3 recordings, a key that is no number of the scene, is there twice, or
+// cannot be varied.
+Identification identify(const std::vector<Recording>& recordings, const Scene& scene,
+                        const std::vector<std::string>& keys, std::uint64_t seed);
+
+}  // namespace ferrule

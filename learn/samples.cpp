@@ -1,0 +1,104 @@
+#include "learn/samples.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+
+namespace ferrule {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kStep = 0.01;            // between rows used [s]
+constexpr double kLongestReaction = 0.4;  // [s]
+constexpr std::size_t kFewestRows = 300;
+constexpr double kLeastForce = 0.001;  // standard deviation of felt force that tells anything [N]
+
+// Share of the lateral velocities that is left after regression on what the law has for them: the
+// force of `reaction` before, the depth and a constant.
+double lateral_residual(const std::vector<const Demonstration*>& set, double reaction) {
+  double variance = 0, residual = 0;
+  for (const int axis : {1, 2}) {
+    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+    Vector3d product = Vector3d::Zero();
+    double squares = 0, sum = 0, n = 0;
+    for (const Demonstration* d : set)
+      for (const Sample& s : samples(*d, reaction)) {
+        const Vector3d x(s.force[axis], 1, 50 * s.depth);  // all of order one
+        const double v = s.velocity[axis];
+        normal += x * x.transpose();
+        product += v * x;
+        squares += v * v;
+        sum += v;
+        n += 1;
+      }
+    variance += squares - sum * sum / n;
+    residual += squares - product.dot(normal.completeOrthogonalDecomposition().solve(product));
+  }
+  return variance > 0 ? residual / variance : 0;
+}
+
+}  // namespace
+
+Samples samples(const Demonstration& d, double reaction) {
+  const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d.period));
+  const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d.period));
+  Samples all;
+  for (Eigen::Index n = 0; n < d.time.size(); n += stride)
+    if (std::abs(d.velocity.row(n).norm() - d.speed_limit) > 1e-9 * d.speed_limit)
+      all.push_back({d.force.row(std::max<Eigen::Index>(0, n - delay)).transpose(),
+                     d.velocity.row(n).transpose(), d.depth[n], d.time[n]});
+  return all;
+}
+
+Samples thinned(const Samples& samples, std::size_t stride) {
+  Samples some;
+  for (std::size_t n = 0; n < samples.size(); n += stride) some.push_back(samples[n]);
+  return some;
+}
+
+double reaction_time(const std::vector<const Demonstration*>& demonstrations) {
+  double best = 0, least = lateral_residual(demonstrations, 0);
+  for (int step = 1; step * kStep <= kLongestReaction + 1e-9; ++step) {
+    const double residual = lateral_residual(demonstrations, step * kStep);
+    if (residual < least) {
+      least = residual;
+      best = step * kStep;
+    }
+  }
+  return best;
+}
+
+void refuse_uninformative(const std::vector<Samples>& episodes) {
+  std::size_t rows = 0;
+  Vector3d sum = Vector3d::Zero(), squares = Vector3d::Zero();
+  for (const Samples& episode : episodes)
+    for (const Sample& s : episode) {
+      ++rows;
+      sum += s.force;
+      squares += s.force.cwiseAbs2();
+    }
+  if (rows < kFewestRows)
+    throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed", rows,
+                               kFewestRows));
+  const double n = static_cast<double>(rows);
+  const Vector3d sd = (squares / n - (sum / n).cwiseAbs2()).cwiseMax(0.0).cwiseSqrt();
+  for (const int axis : {1, 2})
+    if (sd[axis] < kLeastForce)
+      throw BadInput(fmt::format(
+          "the demonstrations tell nothing about the answer to force: the felt F_{} varies by "
+          "{:.2g} N (standard deviation), {} N is needed; record misaligned starts",
+          "xyz"[axis], sd[axis], kLeastForce));
+  double depth = 0, speed = 0;
+  for (const Samples& episode : episodes)
+    for (const Sample& s : episode) {
+      depth = std::max(depth, s.depth);
+      speed = std::max(speed, s.velocity.norm());
+    }
+  if (!(depth > 0) || !(speed > 0))
+    throw BadInput("the demonstrations tell nothing about insertion: the hand never went in");
+}
+
+}  // namespace ferrule

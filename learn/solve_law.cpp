@@ -1,0 +1,245 @@
+#include "learn/solve_law.hpp"
+
+#include <ceres/ceres.h>
+
+#include <algorithm>
+
+#include "learn/intervals.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kHuber = 0.2;  // of the speed scale
+
+// Unit that a gain of order one is multiplied by, and bounds of the scaled gain. Slowing and
+// yielding are not negative: a law that goes faster where it is pushed back is not passive.
+struct Scaled {
+  double unit, low, high;
+};
+
+std::vector<Scaled> scaled_gains(LawKind kind, const LawScales& scales) {
+  const double speed = scales.speed, depth = scales.depth;
+  const Scaled drift{speed, -4, 4}, yield{speed, 0, 20};
+  if (kind == LawKind::insertion) {
+    const Scaled lean{speed / depth, -4, 4};
+    return {{speed, 0, 4},
+            {1, 1e-4, 30},
+            {depth, 0.2, 10},
+            {depth, 1e-2, 10},
+            {1, 0, 1e3},
+            yield,
+            yield,
+            yield,
+            drift,
+            drift,
+            lean,
+            lean};
+  }
+  std::vector<Scaled> all = {drift,     drift, drift, yield, yield, yield, {depth, 1e-2, 10},
+                             drift,     drift, drift, yield, yield, yield, {1, 0, 10},
+                             {1, 0, 20}};
+  all.resize(gain_table(kind).size());
+  return all;
+}
+
+struct Start {
+  std::vector<double> scaled;
+  bool solved;  // of the law within this one: may be the solution already
+};
+
+std::vector<Start> starts(LawKind kind, const std::vector<Samples>& episodes,
+                          const LawScales& scales, Effort effort) {
+  std::vector<Start> all;
+  switch (kind) {
+    case LawKind::insertion:
+      for (const double ramp : {0.2, 2.0})
+        for (const double length : {0.05, 0.5})
+          all.push_back({{1, ramp, 1.1, length, 0.1, 0.01, 0.5, 0.5, 0, 0, 0, 0}, false});
+      break;
+    case LawKind::linear:
+      all.push_back({{-0.5, 0, 0, 0.01, 0.5, 0.5}, false});
+      break;
+    case LawKind::phased: {
+      const std::vector<double> linear =
+          solve_law(LawKind::linear, episodes, scales, effort).scaled;
+      for (const double length : {0.03, 0.3, 3.0}) {
+        all.push_back({linear, true});
+        all.back().scaled.push_back(length);
+        all.back().scaled.insert(all.back().scaled.end(), linear.begin(), linear.end());
+      }
+      break;
+    }
+    case LawKind::saturated: {
+      const std::vector<double> phased =
+          solve_law(LawKind::phased, episodes, scales, effort).scaled;
+      for (const auto& [dead_band, saturation] :
+           {std::pair{0.0, 0.0}, {0.02, 0.1}, {0.02, 1.0}, {0.3, 0.1}}) {
+        all.push_back({phased, true});
+        all.back().scaled.push_back(dead_band);
+        all.back().scaled.push_back(saturation);
+      }
+      break;
+    }
+  }
+  return all;
+}
+
+template <LawKind kind>
+struct RowError {
+  static constexpr int kCount = static_cast<int>(gain_table(kind).size());
+  const Sample& sample;
+  const std::vector<Scaled>& gains;
+  double speed;
+
+  template <class T>
+  bool operator()(const T* scaled, T* residual) const {
+    T gain[kCount];
+    for (std::size_t i = 0; i < kCount; ++i) {
+      gain[i] = scaled[i] * gains[i].unit;
+      if (gain_table(kind)[i].range == Gain::positive && !(gain[i] > 0.0)) return false;
+    }
+    const Eigen::Matrix<T, 3, 1> v =
+        law_velocity(kind, gain, sample.force, sample.depth, sample.time);
+    for (int axis = 0; axis < 3; ++axis) residual[axis] = (v[axis] - sample.velocity[axis]) / speed;
+    return true;
+  }
+};
+
+// Keeps references to `sample` and `gains`.
+template <LawKind kind>
+ceres::CostFunction* cost_of(const Sample& sample, const std::vector<Scaled>& gains, double speed) {
+  using Error = RowError<kind>;
+  return new ceres::AutoDiffCostFunction<Error, 3, Error::kCount>(new Error{sample, gains, speed});
+}
+
+ceres::CostFunction* row_cost(LawKind kind, const Sample& sample, const std::vector<Scaled>& gains,
+                              double speed) {
+  switch (kind) {
+    case LawKind::linear:
+      return cost_of<LawKind::linear>(sample, gains, speed);
+    case LawKind::phased:
+      return cost_of<LawKind::phased>(sample, gains, speed);
+    case LawKind::saturated:
+      return cost_of<LawKind::saturated>(sample, gains, speed);
+    case LawKind::insertion:
+      break;
+  }
+  return cost_of<LawKind::insertion>(sample, gains, speed);
+}
+
+LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
+                       const std::vector<Scaled>& gains, double speed, const Start& start,
+                       bool bounded, Effort effort) {
+  LawSolution s{{}, start.scaled, INFINITY, {}, 0};
+  ceres::Problem problem;
+  auto* loss = new ceres::HuberLoss(kHuber);
+  for (const Samples& episode : episodes)
+    for (const Sample& sample : episode)
+      problem.AddResidualBlock(row_cost(kind, sample, gains, speed), loss, s.scaled.data());
+  for (std::size_t i = 0; bounded && i < gains.size(); ++i) {
+    problem.SetParameterLowerBound(s.scaled.data(), static_cast<int>(i), gains[i].low);
+    problem.SetParameterUpperBound(s.scaled.data(), static_cast<int>(i), gains[i].high);
+  }
+  ceres::Solver::Options options;
+  options.linear_solver_type = ceres::DENSE_QR;
+  options.max_num_iterations = 300;
+  options.function_tolerance = effort == Effort::exact ? 1e-15 : 1e-6;
+  options.gradient_tolerance = 1e-14;
+  options.parameter_tolerance = 1e-12;
+  options.logging_type = ceres::SILENT;
+  ceres::Solver::Summary summary;
+  ceres::Solve(options, &problem, &summary);
+  s.iterations = static_cast<int>(summary.num_successful_steps);
+  s.summary = summary.BriefReport();
+  // A fit that took no step has not been tried; keep it only as a failure.
+  if (summary.IsSolutionUsable() && (s.iterations > 0 || start.solved)) s.cost = summary.final_cost;
+  return s;
+}
+
+bool within_bounds(const std::vector<double>& scaled, const std::vector<Scaled>& gains) {
+  for (std::size_t i = 0; i < gains.size(); ++i)
+    if (scaled[i] < gains[i].low - 1e-6 || scaled[i] > gains[i].high + 1e-6) return false;
+  return true;
+}
+
+bool at_bound(double scaled, const Scaled& gain) {
+  return scaled - gain.low <= 1e-3 * std::abs(gain.low) + 1e-9 ||
+         gain.high - scaled <= 1e-2 * gain.high;
+}
+
+// Sums of one episode at a solution.
+EpisodeSums sums(LawKind kind, const Samples& episode, const std::vector<Scaled>& gains,
+                 double speed, const std::vector<double>& scaled) {
+  const auto n = static_cast<Eigen::Index>(scaled.size());
+  EpisodeSums all(n);
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacobian(3, n);
+  Eigen::Vector3d residual;
+  for (const Sample& sample : episode) {
+    const std::unique_ptr<ceres::CostFunction> cost(row_cost(kind, sample, gains, speed));
+    const double* parameters[] = {scaled.data()};
+    double* jacobians[] = {jacobian.data()};
+    cost->Evaluate(parameters, residual.data(), jacobians);
+    const double weight = huber_weight(residual.norm(), kHuber);
+    all.information += weight * jacobian.transpose() * jacobian;
+    all.score += weight * jacobian.transpose() * residual;
+  }
+  return all;
+}
+
+}  // namespace
+
+LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const LawScales& scales,
+                      Effort effort) {
+  const std::vector<Scaled> gains = scaled_gains(kind, scales);
+  LawSolution best{{}, {}, INFINITY, "no start", 0};
+  for (const Start& start : starts(kind, episodes, scales, effort)) {
+    if (start.scaled.size() != gains.size()) continue;  // the law within has no solution
+    LawSolution s = solve_from(kind, episodes, gains, scales.speed, start, true, effort);
+    if (s.cost < best.cost || best.scaled.empty()) best = std::move(s);
+  }
+  if (!std::isfinite(best.cost)) return best;
+
+  // Bounds slow the last digits down where the data hold a gain close to one; without them the
+  // solution may be reached, and is kept if it respects them.
+  if (effort == Effort::exact) {
+    const LawSolution free =
+        solve_from(kind, episodes, gains, scales.speed, {best.scaled, false}, false, effort);
+    if (free.cost < best.cost && within_bounds(free.scaled, gains)) best = free;
+  }
+  for (std::size_t i = 0; i < gains.size(); ++i)
+    best.gains.push_back(best.scaled[i] * gains[i].unit);
+  return best;
+}
+
+std::vector<FittedGain> law_gains(LawKind kind, const std::vector<Samples>& episodes,
+                                  const LawScales& scales, const LawSolution& solution) {
+  const std::vector<Scaled> gains = scaled_gains(kind, scales);
+  std::vector<bool> fixed;
+  for (std::size_t i = 0; i < gains.size(); ++i)
+    fixed.push_back(at_bound(solution.scaled[i], gains[i]));
+  std::vector<EpisodeSums> each;
+  for (const Samples& episode : episodes)
+    each.push_back(sums(kind, episode, gains, scales.speed, solution.scaled));
+  const Eigen::VectorXd half = precision(each, fixed).half_width;
+  std::vector<FittedGain> fitted;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    const Scaled& g = gains[i];
+    const double x = solution.scaled[i], h = half[static_cast<Eigen::Index>(i)];
+    fitted.push_back({solution.gains[i], NAN, NAN});
+    if (std::isfinite(h)) {
+      fitted.back().low = std::max(x - h, g.low) * g.unit;
+      fitted.back().high = std::min(x + h, g.high) * g.unit;
+    }
+  }
+  return fitted;
+}
+
+double mean_square_error(const Law& law, const Samples& episode) {
+  double sum = 0;
+  for (const Sample& s : episode)
+    sum += (law_velocity(law.kind(), law.gains().data(), s.force, s.depth, s.time) - s.velocity)
+               .squaredNorm();
+  return sum / static_cast<double>(episode.size());
+}
+
+}  // namespace ferrule
