@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/fit_torch.hpp"
 #include "app/verb.hpp"
 #include "learn/fit_law.hpp"
 
@@ -11,11 +12,13 @@ namespace {
 struct Arguments {
   std::string folder, method = "ceres", out;
   std::uint64_t seed = 1;
+  FitTorch torch;
   bool json = false;
 };
 
 int fit_verb(const Arguments& a) {
   const DemonstrationSet set = load_demonstrations(a.folder);
+  if (a.method == "torch") return fit_torch(set, a.folder, a.out, a.seed, a.torch, a.json);
   FitReport report;
   try {
     report = fit_law(set, a.seed);
@@ -57,11 +60,15 @@ void add_fit(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_option("--method", a->method, "How")
       ->capture_default_str()
-      ->check(CLI::IsMember({"ceres"}));
+      ->check(CLI::IsMember({"ceres", "torch"}));
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
+  add_fit_torch(*verb, a->torch);
   verb->add_flag("--json", a->json, "The controller file on stdout as well");
-  verb->callback([a, &run] { run = [a] { return fit_verb(*a); }; });
+  verb->callback([a, verb, &run] {
+    if (a->method != "torch") refuse_fit_torch(*verb);
+    run = [a] { return fit_verb(*a); };
+  });
 }
 
 }  // namespace ferrule

@@ -21,6 +21,7 @@ int main(int argc, char** argv) {
   add_replay(app, run);
   add_fit(app, run);
   add_evaluate(app, run);
+  add_export(app, run);
   add_bench(app, run);
   const auto is_verb = [&](const std::string& word) {
     for (const CLI::App* verb : app.get_subcommands({}))

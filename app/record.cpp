@@ -7,7 +7,7 @@
 #include "app/recording.hpp"
 #include "app/verb.hpp"
 #include "capture/simulated_operator.hpp"
-#include "controller/controller_file.hpp"
+#include "controller/load_controller.hpp"
 #include "controller/trial.hpp"
 
 namespace ferrule {
@@ -54,8 +54,8 @@ struct Arguments {
 int record_verb(const Arguments& a) {
   const Scene scene = a.scene.load();
   const bool simulated = a.operator_ == "simulated";
-  std::optional<InsertionLaw> law;
-  if (!simulated) law = read_controller(a.operator_).law();
+  MakeController law;
+  if (!simulated) law = load_controller(a.operator_);
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
@@ -75,13 +75,16 @@ int record_verb(const Arguments& a) {
     next = number + 1;
     const auto trial = static_cast<std::uint64_t>(number);
     const State start = draw_start(scene, a.seed, trial);
+    std::unique_ptr<Controller> controller;
     std::unique_ptr<Device> device;
-    if (simulated)
+    if (simulated) {
       device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
-    else
-      device = std::make_unique<ControllerHand>(*law, scaling.motion_to_hand(start.hand),
+    } else {
+      controller = law(trial);
+      device = std::make_unique<ControllerHand>(*controller, scaling.motion_to_hand(start.hand),
                                                 scaling.motion * scene.limits.speed,
                                                 1.1 * scaling.motion * scene.success.depth);
+    }
     const Recorded r = record_one(scene, start, *device, name, a.out, number, a.seed, trial);
     inserted += r.outcome == Outcome::inserted;
     list.push_back({{"file", r.file},

@@ -26,6 +26,7 @@ void add_recover(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value.
@@ -57,7 +58,7 @@ class Progress {
  public:
   Progress(std::string what, std::size_t total);
   ~Progress();
-  void operator()(std::size_t done);  // from any thread
+  void operator()(std::size_t done, const std::string& note = "");  // from any thread
 
  private:
   struct State;
