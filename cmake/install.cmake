@@ -14,6 +14,7 @@ if(Torch_FOUND)
 endif()
 install(TARGETS ferrule_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
+install(FILES data/controller.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
 
 set(FERRULE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ferrule)
 install(EXPORT ferrule_targets NAMESPACE ferrule:: FILE ferrule-targets.cmake

@@ -16,6 +16,7 @@ namespace fs = std::filesystem;
 constexpr const char* kFormat = "ferrule controller";
 constexpr std::int64_t kMostMembers = 100, kMostLayers = 8, kMostUnits = 1024;
 constexpr std::int64_t kMostSamples = 100, kMostSpacing = 10000;
+constexpr double kPeriod = 1e-3;                // of trials and recordings [s]
 constexpr std::uintmax_t kMostBytes = 1 << 28;  // of the weights' file
 
 std::string weight_name(std::size_t member, std::size_t layer, const char* what) {
@@ -192,7 +193,7 @@ PolicyFile read_policy(const std::string& file) {
   fields.choice("method", {"torch"});
   fields.choice("world", {"hand"});
   fields.choice("activation", {"tanh"});
-  policy.period = fields.number("period_s", rule::positive());
+  policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
   JsonFields history = fields.object("history");
   policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
   policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));

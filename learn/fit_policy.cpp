@@ -18,6 +18,10 @@ constexpr Eigen::Index kFewestRows = 300;
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
 
+// Slower than this share of the speed limit the hand rests: before it starts, after it has arrived,
+// or to think. A policy that learned to rest would do so for ever.
+constexpr double kResting = 0.1;
+
 // Scales below which a channel counts as constant: force [N], moment [N m], depth [m].
 constexpr std::array<double, kInputs> kLeastScale = {1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6};
 constexpr double kLeastVelocity = 1e-9;  // the same [m/s]
@@ -38,7 +42,8 @@ RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy
     const auto spacing =
         static_cast<Eigen::Index>(std::lround(policy.spacing * policy.period / d->period));
     for (Eigen::Index n = 0; n < d->time.size(); n += stride) {
-      if (cut_to_limit(*d, n)) continue;
+      const bool rests = d->velocity.row(n).norm() < kResting * d->speed_limit;
+      if (rests || cut_to_limit(*d, n)) continue;
       for (int k = 0; k < policy.samples; ++k) {
         const Eigen::Index felt = std::max<Eigen::Index>(0, n - delay - k * spacing);
         rows.input.col(count).segment<3>(k * kFelt) = d->force.row(felt);

@@ -159,7 +159,7 @@ std::string script(const Policy& policy) {
   code << "    stacked = torch.stack(means)\n"
        << "    mean = stacked.mean(0)\n"
        << "    velocity = self.velocity_mean + self.velocity_scale * mean\n"
-       << "    speed = velocity.norm(dim=1, keepdim=True)\n"
+       << "    speed = (velocity * velocity).sum([1], True).sqrt()\n"
        << "    limit = " << policy.speed_limit << "\n"
        << "    velocity = velocity * torch.where(speed > limit, limit / speed, "
           "torch.ones_like(speed))\n"

@@ -23,7 +23,7 @@ struct TrainingSettings {
   int epochs = 60;                     // at most
   int patience = 12;                   // epochs without a better held-out loss, then it stops
   int batch = 256;                     // rows of a step
-  double learning_rate = 3e-3;         // falls to 0 along half a cosine
+  double learning_rate = 1e-3;         // falls to 0 along half a cosine
   double weight_decay = 1e-4;          // decoupled, of AdamW (Loshchilov and Hutter 2019)
   double input_noise = 0.05;           // standard deviation added to scaled inputs, each batch anew
 };

@@ -34,7 +34,7 @@ Eigen::Vector3d law(const Eigen::Vector3d& force, double depth) {
 DemonstrationSet demonstrations(int episodes, int delay, std::uint64_t seed = 1) {
   DemonstrationSet set;
   set.scenes = {"synthetic"};
-  set.speed_scale = 0.1;
+  set.speed_scale = 0.01;
   for (int e = 0; e < episodes; ++e) {
     RandomStream random(seed, static_cast<std::uint64_t>(e), Draw::operator_hand);
     const int rows = 12000;
@@ -72,40 +72,40 @@ PolicySettings quick() {
   return s;
 }
 
-// States no episode held: the answer must be the law's, within 3 % of the velocities' spread.
-TEST(FitPolicy, ReproducesALinearLawOnStatesItHasNotSeen) {
+// Root mean square of the error against the law on episodes that were not trained on, per channel,
+// of the velocities' standard deviation.
+double error_against_law(const Policy& policy) {
+  const DemonstrationSet others = demonstrations(4, 0, 99);
+  double sum = 0, n = 0;
+  for (const Demonstration& d : others.demonstrations) {
+    PolicyController controller(policy);
+    for (Eigen::Index i = 0; i < d.time.size(); ++i) {
+      Felt felt{HandWrench::Zero(), d.depth[i], d.time[i]};
+      felt.wrench.head<3>() = d.force.row(i);
+      const Eigen::Vector3d v = controller.command(felt).head<3>();
+      if (i < 100) continue;  // until it has a past
+      sum +=
+          (v - law(d.force.row(i), d.depth[i])).cwiseQuotient(policy.velocity_scale).squaredNorm();
+      n += 3;
+    }
+  }
+  return std::sqrt(sum / n);
+}
+
+TEST(FitPolicy, ReproducesALinearLawOnStatesItHasNotSeenWithin3Percent) {
   NEEDS_LIBTORCH;
   PolicySettings settings;
   settings.training.epochs = 40;
   settings.samples = 1;
-  const PolicyFit fit = fit_policy(demonstrations(8, 0), settings, {});
-  const DemonstrationSet others = demonstrations(4, 0, 99);
-  double error = 0, n = 0;
-  for (const Demonstration& d : others.demonstrations) {
-    PolicyController controller(fit.file.policy);
-    for (Eigen::Index i = 0; i < d.time.size(); i += 10) {
-      Felt felt{HandWrench::Zero(), d.depth[i], d.time[i]};
-      felt.wrench.head<3>() = d.force.row(i);
-      const Eigen::Vector3d v = controller.command(felt).head<3>();
-      error += ((v - law(d.force.row(i), d.depth[i])).cwiseQuotient(fit.file.policy.velocity_scale))
-                   .squaredNorm();
-      n += 3;
-    }
-  }
-  EXPECT_LT(std::sqrt(error / n), 0.03);
-  EXPECT_GT(error, 0);
+  EXPECT_LT(error_against_law(fit_policy(demonstrations(8, 0), settings, {}).file.policy), 0.03);
 }
 
+// Demonstrated 180 ms late, answered at once. Answered as late it would be off by half and more.
 TEST(FitPolicy, UndoesTheReactionTime) {
   NEEDS_LIBTORCH;
-  const PolicyFit fit = fit_policy(demonstrations(5, 180), quick(), {});
+  const PolicyFit fit = fit_policy(demonstrations(8, 180), quick(), {});
   EXPECT_CLOSE(fit.file.reaction_time, 0.18, 1e-9);
-  PolicyController controller(fit.file.policy);
-  Felt felt{HandWrench::Zero(), 0.015, 0};
-  felt.wrench[1] = 1;
-  HandTwist v;
-  for (int n = 0; n < 200; ++n) v = controller.command(felt);
-  EXPECT_NEAR(v[1], law({0, 1, 0}, 0.015)[1], 0.15 * fit.file.policy.velocity_scale[1]);
+  EXPECT_LT(error_against_law(fit.file.policy), 0.1);
 }
 
 TEST(FitPolicy, TheSameSeedGivesTheSameBytes) {
@@ -149,7 +149,7 @@ TEST(TorchScript, IsThePolicyTo1e6) {
   NEEDS_LIBTORCH;
   for (const std::size_t members : {1u, 4u}) {
     Policy p = testing::random_policy(members, {64, 64}, 2, 1, members);
-    p.speed_limit = 2e-3;  // cuts some of them
+    p.speed_limit = p.velocity_mean.norm();  // cuts some of them
     Eigen::MatrixXd inputs(p.inputs(), 200);
     std::vector<HandTwist> ours;
     std::vector<PolicyAnswer> answers;

@@ -95,6 +95,7 @@ TEST(PolicyFile, BrokenOnesAreRefusedWithTheirKey) {
   says("/weights", ".", "in the same folder");
   says("/weights_sha1", "0", "weights_sha1");
   says("/world", "tip", "world");
+  says("/period_s", 0.002, "period_s = 0.002: must be 0.001");
   says("/trained_on/episodes/0/surprise", 1, "unknown key");
   says("/surprise", 1, "surprise = 1: unknown key");
 }
