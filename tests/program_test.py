@@ -757,10 +757,10 @@ class Policies(Case):
 
     def test_a_fitted_policy_inserts_far_more_often_than_constant_velocity(self):
         self.needs_torch()
-        result = json.loads(self.done("evaluate", self.file, "--scene", "demo", "--trials", 40,
+        result = json.loads(self.done("evaluate", self.file, "--scene", "demo", "--trials", 25,
                                       "--baseline", "constant-velocity", "--json").stdout)
-        self.assertGreater(result["baseline"]["difference_low"], 0.2)
-        self.assertLess(result["baseline"]["mcnemar_p"], 1e-3)
+        self.assertGreater(result["baseline"]["difference_low"], 0.1)
+        self.assertLess(result["baseline"]["mcnemar_p"], 1e-2)
 
     def test_files_are_of_the_schema_and_say_what_they_were_trained_on(self):
         schema = json.load(open(SOURCE + "/data/controller.schema.json"))
