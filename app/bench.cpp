@@ -7,6 +7,7 @@
 #include "app/plot.hpp"
 #include "app/verb.hpp"
 #include "bench/capture.hpp"
+#include "bench/controllers.hpp"
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
 #include "bench/stepping.hpp"
@@ -46,6 +47,7 @@ std::string series_of(const LawRow& r) {
 int speed_and_error(const Arguments& a) {
   const std::vector<LawRow> laws = bench_laws();
   const std::vector<SteppingRow> stepping = bench_stepping();
+  const std::vector<ControllerRow> controllers = bench_controllers();
   if (!a.plot.empty()) {
     std::error_code error;
     std::filesystem::create_directories(a.plot, error);
@@ -64,7 +66,7 @@ int speed_and_error(const Arguments& a) {
     fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", a.plot);
   }
   if (a.json) {
-    Json l = Json::array(), s = Json::array();
+    Json l = Json::array(), s = Json::array(), c = Json::array();
     for (const LawRow& r : laws)
       l.push_back({{"name", r.name},
                    {"fidelity", r.fidelity},
@@ -81,7 +83,12 @@ int speed_and_error(const Arguments& a) {
                    {"newton_iterations", r.newton_iterations},
                    {"not_converged", r.not_converged},
                    {"halvings", r.halvings}});
-    print_json({{"laws", l}, {"stepping", s}});
+    for (const ControllerRow& r : controllers)
+      c.push_back({{"name", r.name},
+                   {"shape", r.shape},
+                   {"ns", r.ns},
+                   {"relative_error", r.relative_error}});
+    print_json({{"laws", l}, {"stepping", s}, {"controllers", c}});
     return kDone;
   }
   fmt::print("{:<15} {:<42} {:>9} {:>15}\n", "law", "fidelity", "ns", "relative error");
@@ -96,6 +103,9 @@ int speed_and_error(const Arguments& a) {
                std::isfinite(r.tip_error_nm) ? fmt::format("{:.3g}", r.tip_error_nm) : "diverged",
                std::isfinite(r.tip_error_nm) ? fmt::format("{:.2g}", r.force_error_relative) : "-",
                r.newton_iterations, r.not_converged, r.halvings);
+  fmt::print("\n{:<15} {:<42} {:>9} {:>15}\n", "controller", "shape", "ns", "relative error");
+  for (const ControllerRow& r : controllers)
+    fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", r.name, r.shape, r.ns, r.relative_error);
   return kDone;
 }
 
@@ -157,11 +167,12 @@ int capture(const Arguments& a) {
 }  // namespace
 
 void add_bench(CLI::App& app, Run& run) {
-  auto* verb = app.add_subcommand("bench", "Speed against error of laws and stepping; capture");
+  auto* verb =
+      app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<Arguments>();
-  verb->add_option(
-          "what", a->what,
-          "Nothing: laws and stepping; hard: the hard cases; capture: clearance means clearance")
+  verb->add_option("what", a->what,
+                   "Nothing: laws, stepping and controllers; hard: the hard cases; capture: "
+                   "clearance means clearance")
       ->check(CLI::IsMember({"hard", "capture"}));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   verb->add_flag("--json", a->json, "One JSON document on stdout");

@@ -9,6 +9,7 @@
 #include "app/verb.hpp"
 #include "bench/contest.hpp"
 #include "capture/episode.hpp"
+#include "controller/supervisor.hpp"
 
 namespace ferrule {
 namespace {
@@ -16,13 +17,13 @@ namespace {
 struct Arguments {
   SceneArguments scene;
   std::string folder, plot;
-  std::vector<std::string> transfer;
+  std::vector<std::string> transfer, learners;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
   double skill = 0.8;
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
-  bool json = false;
+  bool supervise = false, json = false;
 };
 
 constexpr const char* kTeacher = "simulated operator";
@@ -132,9 +133,34 @@ void print_table(const std::vector<Entry>& entries) {
                success_text(e.summary), e.summary.time.median, 1e6 * e.summary.peak_force.median,
                e.summary.loss_dB.median);
   }
+  if (entries.front().summary.interventions) {
+    fmt::print("\nsupervised: trials with interventions, retreats, gave up\n");
+    for (const Entry& e : entries) {
+      const InterventionSummary& i = *e.summary.interventions;
+      fmt::print("{:<26}{:>6}{:>8}{:>6}\n", e.contestant.name, i.trials,
+                 i.kinds[static_cast<std::size_t>(Intervention::retreat)].count,
+                 e.summary.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
+    }
+  }
   fmt::print(
       "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
       "time and loss: medians of the inserted, peak force: median of all\n");
+}
+
+std::vector<Learner> chosen_learners(const Arguments& a) {
+  const std::vector<Learner> all = learners(a.fit_seed);
+  if (a.learners.empty()) return all;
+  std::vector<Learner> chosen;
+  for (const Learner& learner : all)
+    if (std::find(a.learners.begin(), a.learners.end(), learner.key) != a.learners.end())
+      chosen.push_back(learner);
+  return chosen;
+}
+
+std::vector<std::string> learner_keys() {
+  std::vector<std::string> keys;
+  for (const Learner& learner : learners(0)) keys.push_back(learner.key);
+  return keys;
 }
 
 int compare_verb(const Arguments& a) {
@@ -159,15 +185,25 @@ int compare_verb(const Arguments& a) {
 
   const auto campaign = [&](const Scene& where, const MakeController& make,
                             const std::string& what) {
-    return run_campaign(where, scaling, make, a.seed, a.trials, a.threads,
-                        Progress(what, a.trials));
+    return run_campaign(where, scaling,
+                        a.supervise ? supervised(make, supervisor_limits(where, scaling)) : make,
+                        a.seed, a.trials, a.threads, Progress(what, a.trials));
   };
   std::vector<Contestant> contestants = unlearned(scene, set, a.skill, a.seed);
-  const std::vector<Learner> ways = learners(a.fit_seed);
-  for (const Learner& learner : ways) {
-    fmt::print(stderr, "fitting: {}\n", learner.name);
-    contestants.push_back(learner.fit(set));
-    contestants.back().name = learner.name;
+  std::vector<Learner> ways = chosen_learners(a);
+  for (auto learner = ways.begin(); learner != ways.end();) {
+    fmt::print(stderr, "fitting: {}\n", learner->name);
+    try {
+      contestants.push_back(learner->fit(set));
+    } catch (const BadInput& error) {
+      if (!a.learners.empty())
+        throw BadInput(a.folder + ": " + learner->name + ": " + error.what());
+      fmt::print(stderr, "note: left out: {}\n", error.what());
+      learner = ways.erase(learner);
+      continue;
+    }
+    contestants.back().name = learner->name;
+    ++learner;
   }
   std::vector<Entry> entries;
   const Entry* teacher = nullptr;
@@ -305,6 +341,10 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("--transfer", a->transfer, "Try all in these scenes too, without fitting again")
       ->delimiter(',')
       ->type_name("SCENE,...");
+  verb->add_option("--learners", a->learners, "Only these; all unless given")
+      ->delimiter(',')
+      ->check(CLI::IsMember(learner_keys()));
+  verb->add_flag("--supervise", a->supervise, "All under the supervisor");
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
       ->check(number_between(0, 1));

@@ -4,7 +4,7 @@
 #include "app/campaign_table.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
-#include "controller/controller_file.hpp"
+#include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
 
 namespace ferrule {
@@ -29,7 +29,7 @@ int evaluate_verb(const Arguments& a) {
   const Scene scene = a.scene.load();
   const Scaling scaling = scene_scaling(scene);
   MakeController law;
-  if (!a.controller.empty()) law = controller_maker(read_controller(a.controller).law());
+  if (!a.controller.empty()) law = load_controller(a.controller);
   const MakeController constant =
       controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
 

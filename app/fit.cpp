@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "app/fit_torch.hpp"
 #include "app/law_plot.hpp"
 #include "app/verb.hpp"
 #include "learn/fit_law.hpp"
@@ -12,6 +13,7 @@ namespace {
 struct Arguments {
   std::string folder, method = "ceres", law = name(LawKind::insertion), out, plot;
   std::uint64_t seed = 1;
+  FitTorch torch;
   bool json = false;
 };
 
@@ -40,6 +42,7 @@ void print_cross_validation(const ControllerFile& c) {
 
 int fit_verb(const Arguments& a) {
   const DemonstrationSet set = load_demonstrations(a.folder);
+  if (a.method == "torch") return fit_torch(set, a.folder, a.out, a.plot, a.seed, a.torch, a.json);
   FitReport report;
   try {
     report = fit_law(set, a.seed, law_kind(a.law));
@@ -88,15 +91,22 @@ void add_fit(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_option("--method", a->method, "How")
       ->capture_default_str()
-      ->check(CLI::IsMember({"ceres"}));
+      ->check(CLI::IsMember({"ceres", "torch"}));
   verb->add_option("--law", a->law, "Which; auto: chosen by cross-validation over episodes")
       ->capture_default_str()
       ->check(CLI::IsMember(law_choices()));
-  verb->add_option("--plot", a->plot, "The law over the data")->type_name("FILE.svg");
+  verb->add_option("--plot", a->plot, "The law over the data; with torch: the training curve")
+      ->type_name("FILE.svg");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
+  add_fit_torch(*verb, a->torch);
   verb->add_flag("--json", a->json, "The controller file on stdout as well");
-  verb->callback([a, &run] { run = [a] { return fit_verb(*a); }; });
+  verb->callback([a, verb, &run] {
+    if (a->method != "torch") refuse_fit_torch(*verb);
+    if (a->method == "torch" && verb->count("--law") > 0)
+      throw CLI::ValidationError("--law", "needs --method ceres");
+    run = [a] { return fit_verb(*a); };
+  });
 }
 
 }  // namespace ferrule

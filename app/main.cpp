@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
   add_identify(app, run);
   add_evaluate(app, run);
   add_compare(app, run);
+  add_export(app, run);
   add_bench(app, run);
   add_devices(app, run);
   const auto is_verb = [&](const std::string& word) {

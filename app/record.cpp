@@ -10,7 +10,7 @@
 #include "app/verb.hpp"
 #include "capture/hand_device.hpp"
 #include "capture/simulated_operator.hpp"
-#include "controller/controller_file.hpp"
+#include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
 
@@ -117,7 +117,7 @@ int record_verb(const Arguments& a) {
   if ((at || simulated) && a.supervise)
     throw BadInput("--supervise: needs a controller as --operator");
   MakeController make;
-  if (!at && !simulated) make = controller_maker(read_controller(a.operator_).law());
+  if (!at && !simulated) make = load_controller(a.operator_);
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +

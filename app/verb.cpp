@@ -118,7 +118,7 @@ Progress::~Progress() {
   if (state_.use_count() == 1 && state_->shown) fmt::print(stderr, "\r\033[K");
 }
 
-void Progress::operator()(std::size_t done) {
+void Progress::operator()(std::size_t done, const std::string& note) {
   State& s = *state_;
   if (!s.shown) return;
   const std::lock_guard lock(s.mutex);
@@ -128,9 +128,9 @@ void Progress::operator()(std::size_t done) {
   const double seconds = std::chrono::duration<double>(now - s.begin).count();
   const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
   const auto filled = 30 * done / std::max<std::size_t>(1, s.total);
-  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {:.3g}/s  {:.0f} s left", s.what,
+  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {:.3g}/s  {:.0f} s left{}", s.what,
              std::string(filled, '#'), std::string(30 - filled, ' '), done, s.total, rate,
-             static_cast<double>(s.total - done) / rate);
+             static_cast<double>(s.total - done) / rate, note);
 }
 
 std::vector<double> parse_range(const std::string& text, const std::string& option) {

@@ -36,6 +36,7 @@ void add_fit(CLI::App& app, Run& run);
 void add_identify(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
+void add_export(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 
@@ -69,7 +70,7 @@ class Progress {
  public:
   Progress(std::string what, std::size_t total);
   ~Progress();
-  void operator()(std::size_t done);  // from any thread
+  void operator()(std::size_t done, const std::string& note = "");  // from any thread
 
  private:
   struct State;

@@ -6,6 +6,7 @@
 #include "capture/simulated_operator.hpp"
 #include "controller/device_controller.hpp"
 #include "learn/fit_law.hpp"
+#include "learn/fit_policy.hpp"
 
 namespace ferrule {
 namespace {
@@ -81,16 +82,43 @@ std::vector<Contestant> unlearned(const Scene& scene, const DemonstrationSet& se
 }
 
 std::vector<Learner> learners(std::uint64_t fit_seed) {
-  const auto ceres = [fit_seed](const DemonstrationSet& set) {
-    Contestant c;
-    FitReport report;
-    c.fit_seconds = seconds_of([&] { report = fit_law(set, fit_seed); });
-    c.make = controller_maker(report.controller.law());
-    c.parameters = kGains;
-    c.held_out = report.controller.held_out_residual;
-    return c;
+  std::vector<Learner> all;
+  for (const LawKind kind : kLaws)
+    all.push_back(
+        {name(kind), std::string("ceres, ") + name(kind), [=](const DemonstrationSet& set) {
+           Contestant c;
+           FitReport report;
+           c.fit_seconds = seconds_of([&] { report = fit_law(set, fit_seed, kind); });
+           c.make = controller_maker(report.controller.law());
+           c.parameters = gain_table(kind).size();
+           c.held_out = report.controller.held_out_residual;
+           return c;
+         }});
+  const auto torch = [&](const char* key, const char* name, std::size_t members,
+                         std::size_t rounds) {
+    all.push_back({key, name, [=](const DemonstrationSet& set) {
+                     PolicySettings settings;
+                     settings.members = members;
+                     settings.dagger_rounds = rounds;
+                     settings.seed = fit_seed;
+                     Contestant c;
+                     PolicyFit fit;
+                     c.fit_seconds = seconds_of([&] {
+                       fit = fit_policy(set, settings, [](std::size_t, const Epoch&) {});
+                     });
+                     c.make = controller_maker(PolicyController(fit.file.policy));
+                     for (const Network& network : fit.file.policy.members)
+                       for (const Layer& layer : network)
+                         c.parameters +=
+                             static_cast<std::size_t>(layer.weight.size() + layer.bias.size());
+                     c.held_out = fit.file.held_out_residual;
+                     return c;
+                   }});
   };
-  return {{"ceres insertion law", ceres}};
+  torch("torch", "torch", 1, 0);
+  torch("ensemble", "torch, ensemble of 5", 5, 0);
+  torch("dagger", "torch, DAgger 3 rounds", 1, 3);
+  return all;
 }
 
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count) {

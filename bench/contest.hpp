@@ -22,11 +22,13 @@ struct Contestant {
 std::vector<Contestant> unlearned(const Scene& scene, const DemonstrationSet& set, double skill,
                                   std::uint64_t seed);
 
-// A way to learn from demonstrations, by its name in the table.
+// A way to learn from demonstrations: its name on the command line, and in the table.
 struct Learner {
-  std::string name;
+  std::string key, name;
   std::function<Contestant(const DemonstrationSet&)> fit;
 };
+// The parametric laws, a network, five of them, and one with three rounds of DAgger. Those that
+// need libtorch throw BadInput where it is missing.
 std::vector<Learner> learners(std::uint64_t fit_seed);
 
 // The first `count` demonstrations of a set.

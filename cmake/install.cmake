@@ -9,8 +9,12 @@ foreach(library IN LISTS FERRULE_LIBRARIES)
   install(DIRECTORY ${library}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ferrule/${library}
     FILES_MATCHING PATTERN "*.hpp")
 endforeach()
+if(Torch_FOUND)
+  install(TARGETS ferrule_torch LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule)
+endif()
 install(TARGETS ferrule_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
+install(FILES data/controller.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
 
 set(FERRULE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ferrule)
 install(EXPORT ferrule_targets NAMESPACE ferrule:: FILE ferrule-targets.cmake

@@ -39,7 +39,7 @@ HandSample ForceStick::read(double t) {
   if (origin_) pose += mapping_.gain * (mapping_.deflection(axes_.counts()) - *origin_);
   const bool pressed = axes_.buttons() & ~held_;
   held_ &= axes_.buttons();
-  return {pose, pressed || lost_, lost_, axes_.counts()};
+  return {pose, pressed || lost_, nullptr, lost_, axes_.counts()};
 }
 
 void ForceStick::render(const HandWrench& wrench) {

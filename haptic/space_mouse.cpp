@@ -96,7 +96,7 @@ HandSample SpaceMouse::read(double t) {
   rate_ = mapping_.gain * mapping_.deflection(axes_.counts());
   const bool pressed = axes_.buttons() & ~held_;
   held_ &= axes_.buttons();
-  return {pose_, pressed || lost_, lost_, axes_.counts()};
+  return {pose_, pressed || lost_, nullptr, lost_, axes_.counts()};
 }
 
 }  // namespace ferrule

@@ -13,6 +13,19 @@ constexpr double kPressFrom = 0.7;       // phase at which it begins to press: w
 constexpr double kHesitationFade = 0.1;  // time constant of g [s]
 constexpr double kTau = 2 * std::numbers::pi;
 
+// Part of the way made at phase p, and the phase at which it is made.
+double travelled(double p) noexcept {
+  return p * p * p * (10 + p * (-15 + 6 * p));
+}
+double phase_at(double part) noexcept {
+  double low = 0, high = 1;
+  for (int i = 0; i < 50; ++i) {
+    const double middle = (low + high) / 2;
+    (travelled(middle) < part ? low : high) = middle;
+  }
+  return high;
+}
+
 }  // namespace
 
 TraineeTraits trainee_traits(double skill) noexcept {
@@ -59,6 +72,14 @@ void Trainee::render(const HandWrench& wrench) {
   velocity_.head<3>() += tremor_velocity(time_);
 }
 
+HandTwist Trainee::answer(double t, const HandPose& pose, const HandWrench& wrench) {
+  time_ = t;
+  pose_ = pose;
+  phase_ = phase_at((task_.start[0] - pose[0]) / task_.distance);
+  render(wrench);
+  return velocity_;
+}
+
 void Trainee::advance_intention(double force) noexcept {
   if (uniform_() < traits_.hesitation_rate * task_.period && time_ > pause_until_)
     pause_until_ = time_ + 0.2 + 0.6 * uniform_();
@@ -70,7 +91,6 @@ void Trainee::advance_intention(double force) noexcept {
   const double slowed = force / traits_.slowing_force;
   const double rate = drive_ / (duration * (1 + slowed * slowed));
   const double p = std::min(1.0, phase_ + rate * task_.period);
-  const auto travelled = [](double q) { return q * q * q * (10 + q * (-15 + 6 * q)); };
   speed_ = task_.distance * (travelled(p) - travelled(phase_)) / task_.period;
   phase_ = p;
   if (phase_ >= 1 && finished_at_ < 0) finished_at_ = time_;

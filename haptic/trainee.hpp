@@ -50,6 +50,11 @@ class Trainee : public Device {
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;
 
+  // What it would do at time t if its hand had been led to `pose` and felt `wrench`: its velocity
+  // until the next tick, with the phase of its intention set by how far along -x the hand is
+  // [m/s, rad/s]. Instead of read and render, once per period.
+  HandTwist answer(double t, const HandPose& pose, const HandWrench& wrench);
+
  private:
   struct Sinusoid {
     double frequency, phase;  // [Hz], [rad]

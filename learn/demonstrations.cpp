@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "controller/content_hash.hpp"
+
 namespace ferrule {
 
 Demonstration demonstration(const Episode& episode, const Scene& scene, const std::string& file) {
@@ -11,8 +13,11 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   d.outcome = episode.info.outcome;
   d.period = episode.info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
-  d.force = felt_wrench(episode, scene).leftCols<3>();
+  const auto felt = felt_wrench(episode, scene);
+  d.force = felt.leftCols<3>();
   if (rows.rows() > 0) d.force.rowwise() -= Eigen::RowVector3d(d.force.row(0));
+  d.moment = felt.rightCols<2>();
+  if (rows.rows() > 0) d.moment.rowwise() -= Eigen::RowVector2d(d.moment.row(0));
   d.velocity = rows.middleCols<3>(kCommand.begin);
   d.depth = (-rows.col(kHandPose.begin)).cwiseMax(0.0);
   d.time = rows.col(kTime.begin);
@@ -23,7 +28,6 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
   DemonstrationSet set;
   Scaling first{};
   std::string first_file;
-  std::vector<Json> documents;  // of the scenes that differ
   for (const std::string& file : episode_files(folder)) {
     const Episode episode = read_episode(file);
     const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
@@ -32,18 +36,22 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
       first_file = file;
       first = scaling;
     }
-    if (std::find(documents.begin(), documents.end(), scene.document) == documents.end()) {
-      documents.push_back(scene.document);
-      set.scenes.push_back(scene.name);
+    if (std::find(set.documents.begin(), set.documents.end(), scene.document) ==
+        set.documents.end()) {
+      set.documents.push_back(scene.document);
+      if (std::find(set.scenes.begin(), set.scenes.end(), scene.name) == set.scenes.end())
+        set.scenes.push_back(scene.name);
     }
     set.speed_scale = std::max(set.speed_scale, scaling.motion * scene.limits.speed);
     if (scaling.motion != first.motion || scaling.force != first.force)
       throw BadInput(file + ": was recorded with another scaling than " + first_file +
                      "; a law is learned in one hand's world");
-    if (episode.info.outcome == Outcome::inserted)
+    if (episode.info.outcome == Outcome::inserted) {
       set.demonstrations.push_back(demonstration(episode, scene, file));
-    else
+      set.demonstrations.back().sha1 = sha1(read_text(file));
+    } else {
       ++set.unsuccessful;
+    }
   }
   std::sort(set.scenes.begin(), set.scenes.end());
   return set;

@@ -10,11 +10,12 @@ namespace ferrule {
 
 // One demonstration, all rows of it.
 struct Demonstration {
-  std::string file;
+  std::string file, sha1;  // and the hash of its bytes
   Outcome outcome;
   double period;                                      // between rows [s]
   double speed_limit;                                 // of controllers, in the hand's world [m/s]
   Eigen::Matrix<double, Eigen::Dynamic, 3> force;     // felt, relative to that at rest [N]
+  Eigen::Matrix<double, Eigen::Dynamic, 2> moment;    // the same [N m]
   Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers it [m/s]
   Eigen::VectorXd depth;                              // of the hand past the entrance [m]
   Eigen::VectorXd time;                               // [s]
@@ -24,6 +25,7 @@ struct DemonstrationSet {
   std::vector<Demonstration> demonstrations;  // the successful ones
   std::size_t unsuccessful = 0;               // left out
   std::vector<std::string> scenes;            // names, sorted; more than one where they differ
+  std::vector<Json> documents;                // of the scenes that differ
   double speed_scale = 0;  // of the hand: the scene's speed limit, scaled up, largest [m/s]
 };
 

@@ -5,26 +5,11 @@
 #include <algorithm>
 
 #include "learn/choose_law.hpp"
-#include "learn/shuffle.hpp"
 
 namespace ferrule {
 namespace {
 
 constexpr std::size_t kFewestEpisodes = 3;
-
-struct Split {
-  std::vector<const Demonstration*> training, testing;
-};
-
-// Every fifth of a shuffled list is held out.
-Split split(const std::vector<Demonstration>& all, std::uint64_t seed) {
-  const std::vector<std::size_t> order = shuffled(all.size(), seed);
-  const std::size_t held = std::max<std::size_t>(1, all.size() / 5);
-  Split s;
-  for (std::size_t i = 0; i < order.size(); ++i)
-    (i < held ? s.testing : s.training).push_back(&all[order[i]]);
-  return s;
-}
 
 std::vector<std::string> sorted_files(const std::vector<const Demonstration*>& demonstrations) {
   std::vector<std::string> files;

@@ -6,12 +6,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "learn/shuffle.hpp"
+
 namespace ferrule {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kStep = 0.01;            // between rows used [s]
 constexpr double kLongestReaction = 0.4;  // [s]
 constexpr std::size_t kFewestRows = 300;
 constexpr double kLeastForce = 0.001;  // standard deviation of felt force that tells anything [N]
@@ -42,12 +43,16 @@ double lateral_residual(const std::vector<const Demonstration*>& set, double rea
 
 }  // namespace
 
+bool cut_to_limit(const Demonstration& d, Eigen::Index n) noexcept {
+  return !(std::abs(d.velocity.row(n).norm() - d.speed_limit) > 1e-9 * d.speed_limit);
+}
+
 Samples samples(const Demonstration& d, double reaction) {
   const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d.period));
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d.period));
   Samples all;
   for (Eigen::Index n = 0; n < d.time.size(); n += stride)
-    if (std::abs(d.velocity.row(n).norm() - d.speed_limit) > 1e-9 * d.speed_limit)
+    if (!cut_to_limit(d, n))
       all.push_back({d.force.row(std::max<Eigen::Index>(0, n - delay)).transpose(),
                      d.velocity.row(n).transpose(), d.depth[n], d.time[n]});
   return all;
@@ -57,6 +62,15 @@ Samples thinned(const Samples& samples, std::size_t stride) {
   Samples some;
   for (std::size_t n = 0; n < samples.size(); n += stride) some.push_back(samples[n]);
   return some;
+}
+
+Split split(const std::vector<Demonstration>& all, std::uint64_t seed) {
+  const std::vector<std::size_t> order = shuffled(all.size(), seed);
+  const std::size_t held = std::max<std::size_t>(1, all.size() / 5);
+  Split s;
+  for (std::size_t i = 0; i < order.size(); ++i)
+    (i < held ? s.testing : s.training).push_back(&all[order[i]]);
+  return s;
 }
 
 double reaction_time(const std::vector<const Demonstration*>& demonstrations) {

@@ -1,11 +1,14 @@
 // The rows of demonstrations as a fit sees them.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "learn/demonstrations.hpp"
 
 namespace ferrule {
+
+inline constexpr double kStep = 0.01;  // between rows used [s]
 
 struct Sample {
   Eigen::Vector3d force, velocity;  // felt, relative to that at rest [N]; that answers it [m/s]
@@ -13,12 +16,22 @@ struct Sample {
 };
 using Samples = std::vector<Sample>;  // of one episode
 
-// Rows of a demonstration every 10 ms, with the force of `reaction` [s] before. Rows at exactly the
-// speed limit were cut to it (a recorded controller's are) and say nothing of the law.
+// Was the velocity of row n cut to the speed limit? A recorded controller's is; it says nothing of
+// what was meant.
+bool cut_to_limit(const Demonstration& demonstration, Eigen::Index n) noexcept;
+
+// Rows of a demonstration every 10 ms, but for those cut to the speed limit, with the force of
+// `reaction` [s] before.
 Samples samples(const Demonstration& demonstration, double reaction);
 
 // Every `stride`-th of them.
 Samples thinned(const Samples& samples, std::size_t stride);
+
+// About a fifth, one at least, is held out for testing, drawn by `seed`.
+struct Split {
+  std::vector<const Demonstration*> training, testing;
+};
+Split split(const std::vector<Demonstration>& all, std::uint64_t seed);
 
 // The delay [s] between force and lateral velocity, up to 0.4 s in steps of 10 ms, that leaves the
 // least unexplained.

@@ -14,7 +14,7 @@
 namespace ferrule {
 namespace {
 
-constexpr int kMostLevels = 100;  // of nesting in a file
+constexpr int kDeepest = 32;  // levels of a JSON document; what prints one needs stack for each
 
 // The text of a value in a message: one line, cut where it is long.
 std::string shown(const Json& value) {
@@ -43,21 +43,17 @@ Rule between(double low, double high, std::string text) {
 Json parse_json(const std::string& text, const std::string& file) {
   std::vector<std::set<std::string>> open;  // keys of the objects that are being read
   std::string twice;
-  bool deep = false;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-    deep = deep || depth > kMostLevels;
-    if (deep) return false;
+    if (depth > kDeepest) throw BadInput(file + ": nested deeper than any document read here");
     if (event == Json::parse_event_t::object_start) open.emplace_back();
     if (event == Json::parse_event_t::object_end) open.pop_back();
-    if (event == Json::parse_event_t::key && !open.back().insert(value).second) twice = value;
+    if (event == Json::parse_event_t::key && !open.back().insert(value).second)
+      twice = shown(value);
     return true;
   };
   try {
     Json json = Json::parse(text, watch);
-    if (deep)
-      throw BadInput(file + ": not JSON that is meant: nested deeper than " +
-                     std::to_string(kMostLevels) + " levels");
-    if (!twice.empty()) throw BadInput(file + ": the key \"" + twice + "\" is there twice");
+    if (!twice.empty()) throw BadInput(file + ": the key " + twice + " is there twice");
     return json;
   } catch (const Json::exception& error) {
     std::string reason =

@@ -1,0 +1,62 @@
+// ferrule export: a controller in a form that others run.
+#include <fmt/format.h>
+
+#include "app/verb.hpp"
+#include "controller/c_header.hpp"
+#include "controller/controller_file.hpp"
+#include "controller/load_controller.hpp"
+#include "controller/policy_file.hpp"
+#include "learn/torch_policy.hpp"
+
+namespace ferrule {
+namespace {
+
+struct Arguments {
+  std::string controller, torchscript, header;
+  bool json = false;
+};
+
+int export_verb(const Arguments& a) {
+  if (a.torchscript.empty() && a.header.empty())
+    throw BadInput("export: give --torchscript FILE.pt, or --header FILE.h, or both");
+  std::string script, header;
+  if (controller_method(a.controller) == Method::torch) {
+    const Policy policy = read_policy(a.controller).policy;
+    if (!a.torchscript.empty()) script = torchscript_bytes(policy);
+    header = c_header(policy, a.controller);
+  } else {
+    if (!a.torchscript.empty())
+      throw BadInput(a.controller +
+                     ": is no network: --torchscript needs a controller of method torch");
+    header = c_header(read_controller(a.controller).law(), a.controller);
+  }
+  Json written = Json::array();
+  const auto write = [&](const std::string& file, const std::string& text) {
+    if (file.empty()) return;
+    write_text(file, text);
+    written.push_back(file);
+    if (!a.json) fmt::print("wrote {}\n", file);
+  };
+  write(a.torchscript, script);
+  write(a.header, header);
+  if (a.json) print_json({{"controller", a.controller}, {"written", written}});
+  return kDone;
+}
+
+}  // namespace
+
+void add_export(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand("export", "A controller as TorchScript or as a C header");
+  auto a = std::make_shared<Arguments>();
+  verb->add_option("controller", a->controller, "Controller file")
+      ->required()
+      ->type_name("FILE.json");
+  verb->add_option("--torchscript", a->torchscript, "For torch.jit.load; networks only")
+      ->type_name("FILE.pt");
+  verb->add_option("--header", a->header, "C99, for a machine's own controller")
+      ->type_name("FILE.h");
+  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  verb->callback([a, &run] { run = [a] { return export_verb(*a); }; });
+}
+
+}  // namespace ferrule

@@ -1,0 +1,100 @@
+#include "bench/controllers.hpp"
+
+#include <fmt/format.h>
+
+#include "bench/measure.hpp"
+#include "controller/insertion_law.hpp"
+#include "controller/policy.hpp"
+#include "sim/random.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr std::size_t kStates = 1000;
+
+Policy drawn(std::size_t members, int units) {
+  RandomStream random(1, static_cast<std::uint64_t>(units), Draw::plan);
+  Policy p;
+  p.samples = 3;
+  p.spacing = 40;
+  p.speed_limit = 1e3;  // beyond all answers
+  p.scale.fill(1);
+  p.velocity_scale.setOnes();
+  for (std::size_t m = 0; m < members; ++m) {
+    Network network;
+    int inputs = p.inputs();
+    for (const int outputs : {units, units, 2 * kVelocity}) {
+      network.push_back({Eigen::MatrixXf(outputs, inputs), Eigen::VectorXf(outputs)});
+      for (int r = 0; r < outputs; ++r) {
+        network.back().bias[r] = static_cast<float>(0.1 * random.normal());
+        for (int c = 0; c < inputs; ++c)
+          network.back().weight(r, c) = static_cast<float>(random.normal() / std::sqrt(inputs));
+      }
+      inputs = outputs;
+    }
+    p.members.push_back(network);
+  }
+  return p;
+}
+
+Eigen::Vector3d in_double(const Policy& p, const Eigen::VectorXd& input) {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  for (const Network& network : p.members) {
+    Eigen::VectorXd h = input;
+    for (std::size_t i = 0; i < network.size(); ++i) {
+      h = (network[i].weight.cast<double>() * h + network[i].bias.cast<double>()).eval();
+      if (i + 1 < network.size()) h = h.unaryExpr([](double x) { return std::tanh(x); }).eval();
+    }
+    mean += h.head<kVelocity>() / static_cast<double>(p.members.size());
+  }
+  return mean;
+}
+
+ControllerRow measured(const std::string& name, const std::string& shape, Controller& controller,
+                       const std::vector<Felt>& felt) {
+  const double ns = nanoseconds_per_call(
+      [&](long i) { keep(controller.command(felt[static_cast<std::size_t>(i) % felt.size()])); });
+  return {name, shape, ns, 0};
+}
+
+}  // namespace
+
+std::vector<ControllerRow> bench_controllers() {
+  RandomStream random(2, 0, Draw::plan);
+  std::vector<Felt> felt(kStates, Felt{HandWrench::Zero(), 0, 0});
+  for (Felt& f : felt) {
+    for (int i = 0; i < kFelt; ++i) f.wrench[i] = random.normal();
+    f.depth = random.uniform();
+    f.time = random.uniform();
+  }
+  std::vector<ControllerRow> rows;
+  InsertionLaw law({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
+  rows.push_back(measured("insertion law", "12 gains, double", law, felt));
+  for (const auto& [members, units] :
+       {std::pair(1u, 32), std::pair(1u, 64), std::pair(1u, 128), std::pair(5u, 64)}) {
+    const Policy p = drawn(members, units);
+    PolicyController timed(p), exact(p);
+    ControllerRow row =
+        measured("policy", fmt::format("{} of {}x{}, float", members, units, units), timed, felt);
+    double error = 0, largest = 0;
+    Eigen::VectorXd input(p.inputs());
+    const Eigen::Index back = p.spacing;
+    for (std::size_t n = 0; n < felt.size(); ++n) {
+      const Eigen::Vector3d v = exact.command(felt[n]).head<3>();
+      for (int k = 0; k < p.samples; ++k) {
+        const auto at = static_cast<Eigen::Index>(n) - k * back;
+        input.segment<kFelt>(k * kFelt) =
+            at < 0 ? HandWrench(HandWrench::Zero()) : felt[static_cast<std::size_t>(at)].wrench;
+      }
+      input[p.inputs() - 1] = felt[n].depth;
+      const Eigen::Vector3d reference = in_double(p, input);
+      error = std::max(error, (v - reference).norm());
+      largest = std::max(largest, reference.norm());
+    }
+    row.relative_error = error / largest;
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,22 @@
+// A controller as one C header, for a machine's own controller: C99, no dependencies but math.h, no
+// allocation. It has the same functions for every kind of controller:
+//
+//   void ferrule_start(ferrule_state* s);           before the start
+//   void ferrule_command(ferrule_state* s, const double wrench[5], double depth, double time,
+//                        double velocity[5]);       once per period
+//
+// with the arguments of Controller::command, in the hand's world and SI units.
+#pragma once
+
+#include <string>
+
+#include "controller/law.hpp"
+#include "controller/policy.hpp"
+
+namespace ferrule {
+
+// `origin` is told in the header's first comment.
+std::string c_header(const Law& law, const std::string& origin);
+std::string c_header(const Policy& policy, const std::string& origin);
+
+}  // namespace ferrule

@@ -1,0 +1,72 @@
+#include "controller/policy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ferrule {
+
+PolicyController::PolicyController(const Policy& policy)
+    : policy_(policy),
+      past_(kFelt, (policy.samples - 1) * policy.spacing + 1),
+      input_(policy.inputs()),
+      outputs_(policy.members.size(), Output::Zero()) {
+  // Before the start the hand was at rest: it felt nothing.
+  for (int i = 0; i < kFelt; ++i) {
+    const auto c = static_cast<std::size_t>(i);
+    past_.row(i).setConstant(static_cast<float>(-policy.mean[c] / policy.scale[c]));
+  }
+  const Network& network = policy_.members.front();
+  for (std::size_t i = 0; i + 1 < network.size(); ++i)
+    hidden_.emplace_back(Eigen::VectorXf::Zero(network[i].bias.size()));
+}
+
+HandTwist PolicyController::command(const Felt& felt) noexcept {
+  const auto scaled = [&](double x, std::size_t channel) {
+    return static_cast<float>((x - policy_.mean[channel]) / policy_.scale[channel]);
+  };
+  now_ = now_ + 1 < past_.cols() ? now_ + 1 : 0;
+  for (int i = 0; i < kFelt; ++i)
+    past_(i, now_) = scaled(felt.wrench[i], static_cast<std::size_t>(i));
+  for (int k = 0; k < policy_.samples; ++k) {
+    const Eigen::Index column = now_ - k * policy_.spacing;
+    input_.segment<kFelt>(k * kFelt) = past_.col(column >= 0 ? column : column + past_.cols());
+  }
+  input_[input_.size() - 1] = scaled(felt.depth, kFelt);
+
+  Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+  for (std::size_t m = 0; m < policy_.members.size(); ++m) {
+    const Network& network = policy_.members[m];
+    const Eigen::VectorXf* below = &input_;
+    for (std::size_t i = 0; i < hidden_.size(); ++i) {
+      hidden_[i] = network[i].bias;
+      hidden_[i].noalias() += network[i].weight * *below;
+      hidden_[i] = hidden_[i].array().tanh();
+      below = &hidden_[i];
+    }
+    outputs_[m] = network.back().bias;
+    outputs_[m].noalias() += network.back().weight * *below;
+    sum += outputs_[m].head<kVelocity>().cast<double>();
+  }
+  HandTwist velocity = HandTwist::Zero();
+  velocity.head<kVelocity>() =
+      policy_.velocity_mean +
+      policy_.velocity_scale.cwiseProduct(sum / static_cast<double>(outputs_.size()));
+  return limit_speed(velocity, policy_.speed_limit);
+}
+
+PolicyAnswer PolicyController::answer() const noexcept {
+  const double n = static_cast<double>(outputs_.size());
+  Eigen::Array3d mean = Eigen::Array3d::Zero(), variance = mean, among = mean;
+  for (const Output& output : outputs_) {
+    mean += output.head<kVelocity>().cast<double>().array() / n;
+    const Eigen::Array3d log_sd = output.tail<kVelocity>().cast<double>().array();
+    variance += (2 * log_sd.max(kLowestLogSd).min(kHighestLogSd)).exp() / n;
+  }
+  for (const Output& output : outputs_)
+    among += (output.head<kVelocity>().cast<double>().array() - mean).square() / n;
+  const Eigen::Array3d scale = policy_.velocity_scale.array();
+  return {policy_.velocity_mean + (scale * mean).matrix(), scale * variance.sqrt(),
+          scale * among.sqrt()};
+}
+
+}  // namespace ferrule

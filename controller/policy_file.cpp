@@ -1,0 +1,281 @@
+#include "controller/policy_file.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "controller/content_hash.hpp"
+#include "controller/safetensors.hpp"
+#include "sim/json_fields.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kFormat = "ferrule controller";
+constexpr std::int64_t kMostMembers = 100, kMostLayers = 8, kMostUnits = 1024;
+constexpr std::int64_t kMostSamples = 100, kMostSpacing = 10000;
+constexpr double kPeriod = 1e-3;                // of trials and recordings [s]
+constexpr std::uintmax_t kMostBytes = 1 << 28;  // of the weights' file
+
+std::string weight_name(std::size_t member, std::size_t layer, const char* what) {
+  return fmt::format("members.{}.layers.{}.{}", member, layer, what);
+}
+
+Tensors to_tensors(const std::vector<Network>& members) {
+  Tensors tensors;
+  for (std::size_t m = 0; m < members.size(); ++m)
+    for (std::size_t i = 0; i < members[m].size(); ++i) {
+      const Layer& layer = members[m][i];
+      const auto rows = static_cast<std::size_t>(layer.weight.rows());
+      const auto columns = static_cast<std::size_t>(layer.weight.cols());
+      Tensor weight{{rows, columns}, {}}, bias{{rows}, {}};
+      for (Eigen::Index r = 0; r < layer.weight.rows(); ++r) {
+        bias.values.push_back(layer.bias[r]);
+        for (Eigen::Index c = 0; c < layer.weight.cols(); ++c)
+          weight.values.push_back(layer.weight(r, c));
+      }
+      tensors[weight_name(m, i, "weight")] = weight;
+      tensors[weight_name(m, i, "bias")] = bias;
+    }
+  return tensors;
+}
+
+// Takes an array of `shape` out of `tensors`.
+std::vector<float> take(Tensors& tensors, const std::string& name,
+                        const std::vector<std::size_t>& shape, const std::string& file) {
+  const auto found = tensors.find(name);
+  if (found == tensors.end()) throw BadInput(file + ": " + name + " is missing");
+  if (found->second.shape != shape)
+    throw BadInput(fmt::format("{}: {}.shape: must be {} by the controller's layers", file, name,
+                               Json(shape).dump()));
+  std::vector<float> values = std::move(found->second.values);
+  tensors.erase(found);
+  return values;
+}
+
+std::vector<Network> from_tensors(Tensors tensors, std::size_t members,
+                                  const std::vector<std::size_t>& widths, const std::string& file) {
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  std::vector<Network> all(members);
+  for (std::size_t m = 0; m < members; ++m)
+    for (std::size_t i = 0; i + 1 < widths.size(); ++i) {
+      const std::size_t in = widths[i], out = widths[i + 1];
+      const auto weight = take(tensors, weight_name(m, i, "weight"), {out, in}, file);
+      const auto bias = take(tensors, weight_name(m, i, "bias"), {out}, file);
+      const auto rows = static_cast<Eigen::Index>(out), columns = static_cast<Eigen::Index>(in);
+      all[m].push_back({Eigen::Map<const RowMajor>(weight.data(), rows, columns),
+                        Eigen::Map<const Eigen::VectorXf>(bias.data(), rows)});
+    }
+  if (!tensors.empty())
+    throw BadInput(file + ": " + tensors.begin()->first + ": no such array in the controller");
+  return all;
+}
+
+Json scaled_channel(const Channel& channel, double mean, double scale) {
+  return {{"name", channel.name}, {"unit", channel.unit}, {"mean", mean}, {"scale", scale}};
+}
+
+Json episode_list(const std::vector<TrainedEpisode>& episodes) {
+  Json list = Json::array();
+  for (const TrainedEpisode& e : episodes) list.push_back({{"file", e.file}, {"sha1", e.sha1}});
+  return list;
+}
+
+// Calls `read(fields of entry, index)` for each object of the list at `key`.
+template <class Read>
+void for_each(JsonFields& fields, const std::string& key, const std::string& file,
+              std::size_t least, std::size_t most, Read read) {
+  const Json& list = fields.raw(key);
+  if (!list.is_array() || list.size() < least || list.size() > most)
+    fields.refuse(key, least == most ? fmt::format("must be a list of {} objects", least)
+                                     : std::string("must be a list of objects"));
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    JsonFields entry(list[i], file, fmt::format("{}[{}]", key, i));
+    read(entry, i);
+    entry.finish();
+  }
+}
+
+std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string& key,
+                                          const std::string& file) {
+  std::vector<TrainedEpisode> episodes;
+  for_each(fields, key, file, 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
+    episodes.push_back({entry.text("file"), entry.text("sha1")});
+  });
+  return episodes;
+}
+
+std::size_t count(JsonFields& fields, const std::string& key) {
+  return static_cast<std::size_t>(fields.integer(key, 0, INT64_MAX));
+}
+
+std::string read_weights(const std::string& file) {
+  std::error_code error;
+  if (fs::is_regular_file(file, error) && fs::file_size(file, error) > kMostBytes)
+    throw BadInput(file + ": larger than any policy: more than 256 MiB");
+  return read_text(file);
+}
+
+}  // namespace
+
+void write_policy(const std::string& file, const PolicyFile& p) {
+  const Policy& policy = p.policy;
+  const fs::path weights = fs::path(file).replace_extension(".safetensors");
+  if (weights == fs::path(file))
+    throw BadInput(file + ": a controller file must not end in .safetensors, its weights do");
+  const std::string bytes =
+      safetensors_bytes(to_tensors(policy.members), {{"format", kFormat}, {"method", "torch"}});
+
+  Json hidden = Json::array(), inputs = Json::array(), outputs = Json::array();
+  Json training = Json::array(), rounds = Json::array();
+  for (std::size_t i = 0; i + 1 < policy.members.front().size(); ++i)
+    hidden.push_back(policy.members.front()[i].bias.size());
+  for (std::size_t i = 0; i < kInputs; ++i)
+    inputs.push_back(scaled_channel(kInputTable[i], policy.mean[i], policy.scale[i]));
+  for (int i = 0; i < kVelocity; ++i)
+    outputs.push_back(scaled_channel(kOutputTable[static_cast<std::size_t>(i)],
+                                     policy.velocity_mean[i], policy.velocity_scale[i]));
+  for (const MemberTraining& m : p.members)
+    training.push_back({{"epochs", m.epochs},
+                        {"best_epoch", m.best_epoch},
+                        {"training_loss", m.training_loss},
+                        {"held_out_loss", m.held_out_loss}});
+  for (const DaggerRound& r : p.dagger)
+    rounds.push_back({{"trials", r.trials},
+                      {"inserted", r.inserted},
+                      {"rows", r.rows},
+                      {"held_out_loss", r.held_out_loss}});
+  const Json json = {
+      {"format", kFormat},
+      {"format_version", 1},
+      {"method", "torch"},
+      {"world", "hand"},
+      {"weights", weights.filename().string()},
+      {"weights_sha1", sha1(bytes)},
+      {"ensemble", policy.members.size()},
+      {"hidden", hidden},
+      {"activation", "tanh"},
+      {"period_s", policy.period},
+      {"history", {{"samples", policy.samples}, {"spacing_periods", policy.spacing}}},
+      {"inputs", inputs},
+      {"outputs", outputs},
+      {"limits",
+       {{"speed_m_s", policy.speed_limit},
+        {"lowest_log_sd", kLowestLogSd},
+        {"highest_log_sd", kHighestLogSd}}},
+      {"reaction_time_s", p.reaction_time},
+      {"training", {{"input_noise", p.input_noise}, {"weight_decay", p.weight_decay}}},
+      {"trained_on",
+       {{"scenes", p.scenes},
+        {"episodes", episode_list(p.episodes)},
+        {"held_out", episode_list(p.held_out)},
+        {"rows", p.rows},
+        {"seed", p.seed}}},
+      {"metrics",
+       {{"members", training},
+        {"residual_m_s", p.residual},
+        {"held_out_residual_m_s", p.held_out_residual},
+        {"dagger", rounds}}}};
+  // The weights first: a controller file never names weights that are not there yet.
+  write_text(weights.string(), bytes);
+  write_text(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+PolicyFile read_policy(const std::string& file) {
+  const Json json = parse_json(read_text(file), file);
+  JsonFields fields(json, file);
+  PolicyFile p;
+  Policy& policy = p.policy;
+  fields.choice("format", {kFormat});
+  fields.integer("format_version", 1, 1);
+  fields.choice("method", {"torch"});
+  fields.choice("world", {"hand"});
+  fields.choice("activation", {"tanh"});
+  policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
+  JsonFields history = fields.object("history");
+  policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
+  policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));
+  history.finish();
+  for_each(fields, "inputs", file, kInputs, kInputs, [&](JsonFields& entry, std::size_t i) {
+    entry.choice("name", {kInputTable[i].name});
+    entry.choice("unit", {kInputTable[i].unit});
+    policy.mean[i] = entry.number("mean", rule::any());
+    policy.scale[i] = entry.number("scale", rule::positive());
+  });
+  for_each(fields, "outputs", file, kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
+    entry.choice("name", {kOutputTable[i].name});
+    entry.choice("unit", {kOutputTable[i].unit});
+    policy.velocity_mean[static_cast<Eigen::Index>(i)] = entry.number("mean", rule::any());
+    policy.velocity_scale[static_cast<Eigen::Index>(i)] =
+        entry.number("scale", rule::not_negative());
+  });
+  JsonFields limits = fields.object("limits");
+  policy.speed_limit = limits.number("speed_m_s", rule::positive());
+  for (const auto& [key, value] :
+       {std::pair("lowest_log_sd", kLowestLogSd), std::pair("highest_log_sd", kHighestLogSd)})
+    limits.number(key, rule::between(value, value, fmt::format("must be {}", value)));
+  limits.finish();
+
+  p.reaction_time = fields.number("reaction_time_s", rule::not_negative());
+  JsonFields training = fields.object("training");
+  p.input_noise = training.number("input_noise", rule::not_negative());
+  p.weight_decay = training.number("weight_decay", rule::not_negative());
+  training.finish();
+  JsonFields trained = fields.object("trained_on");
+  const Json& scenes = trained.raw("scenes");
+  if (!scenes.is_array()) trained.refuse("scenes", "must be a list of texts");
+  for (const Json& each : scenes) {
+    if (!each.is_string()) trained.refuse("scenes", "must be a list of texts");
+    p.scenes.push_back(each);
+  }
+  p.episodes = read_episodes(trained, "episodes", file);
+  p.held_out = read_episodes(trained, "held_out", file);
+  p.rows = count(trained, "rows");
+  p.seed = count(trained, "seed");
+  trained.finish();
+  JsonFields metrics = fields.object("metrics");
+  for_each(metrics, "members", file, 0, kMostMembers, [&](JsonFields& entry, std::size_t) {
+    p.members.push_back({static_cast<int>(entry.integer("epochs", 0, INT32_MAX)),
+                         static_cast<int>(entry.integer("best_epoch", 0, INT32_MAX)),
+                         entry.number("training_loss", rule::any()),
+                         entry.number("held_out_loss", rule::any())});
+  });
+  p.residual = metrics.number("residual_m_s", rule::not_negative());
+  p.held_out_residual = metrics.number("held_out_residual_m_s", rule::not_negative());
+  for_each(metrics, "dagger", file, 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
+    p.dagger.push_back({count(entry, "trials"), count(entry, "inserted"), count(entry, "rows"),
+                        entry.number("held_out_loss", rule::any())});
+  });
+  metrics.finish();
+
+  const auto members = static_cast<std::size_t>(fields.integer("ensemble", 1, kMostMembers));
+  std::vector<std::size_t> widths = {static_cast<std::size_t>(policy.inputs())};
+  const std::string expected =
+      fmt::format("must be a list of 1 to {} whole numbers from 1 to {}", kMostLayers, kMostUnits);
+  const Json& hidden = fields.raw("hidden");
+  if (!hidden.is_array() || hidden.empty() || hidden.size() > kMostLayers)
+    fields.refuse("hidden", expected);
+  for (const Json& each : hidden) {
+    if (!each.is_number_unsigned() || each.get<std::uint64_t>() < 1 ||
+        each.get<std::uint64_t>() > kMostUnits)
+      fields.refuse("hidden", expected);
+    widths.push_back(each);
+  }
+  widths.push_back(2 * kVelocity);
+  const std::string name = fields.text("weights"), hash = fields.text("weights_sha1");
+  if (name.empty() || name == "." || name == ".." || name.find('/') != name.npos ||
+      name.find('\0') != name.npos)
+    fields.refuse("weights", "must be the name of a file in the same folder");
+  fields.finish();
+
+  const std::string weights = (fs::path(file).parent_path() / name).string();
+  const std::string bytes = read_weights(weights);
+  policy.members = from_tensors(parse_safetensors(bytes, weights), members, widths, weights);
+  if (sha1(bytes) != hash)
+    throw BadInput(weights + ": is not the file that " + file + " was written with (weights_sha1)");
+  return p;
+}
+
+}  // namespace ferrule

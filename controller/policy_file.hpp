@@ -1,0 +1,56 @@
+// controller.json of method "torch": a learned policy (controller/policy.hpp) with all that is
+// needed to run it and to know where it came from. Its weights are in a safetensors file beside it.
+// controller/README.md describes the keys, data/controller.schema.json states them.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "controller/policy.hpp"
+
+namespace ferrule {
+
+// An episode it was trained on or held against.
+struct TrainedEpisode {
+  std::string file, sha1;
+};
+
+// How one member's training went.
+struct MemberTraining {
+  int epochs = 0;            // until it stopped
+  int best_epoch = 0;        // whose weights were kept
+  double training_loss = 0;  // negative log likelihood per row at the best epoch, scaled velocities
+  double held_out_loss = 0;
+};
+
+// One round of running the policy, asking the simulated operator and training again.
+struct DaggerRound {
+  std::size_t trials = 0, inserted = 0;
+  std::size_t rows = 0;      // added to the training rows
+  double held_out_loss = 0;  // after training again, mean over the members
+};
+
+struct PolicyFile {
+  Policy policy;
+  double reaction_time = 0;  // delay of the demonstrator, undone in training [s]
+  // How it was trained.
+  double input_noise = 0;   // standard deviation added to scaled inputs
+  double weight_decay = 0;  // of AdamW
+  // Provenance.
+  std::vector<std::string> scenes;  // names of the scenes it was learned in
+  std::vector<TrainedEpisode> episodes, held_out;
+  std::size_t rows = 0;
+  std::uint64_t seed = 0;
+  std::vector<MemberTraining> members;
+  double residual = 0, held_out_residual = 0;  // root mean square of the velocity error [m/s]
+  std::vector<DaggerRound> dagger;
+};
+
+// Writes the weights beside `file` (its stem with .safetensors), then `file`, which names them and
+// their hash. Throws FileTrouble.
+void write_policy(const std::string& file, const PolicyFile& policy);
+// Throws FileTrouble, BadInput.
+PolicyFile read_policy(const std::string& file);
+
+}  // namespace ferrule

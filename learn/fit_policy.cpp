@@ -1,0 +1,211 @@
+#include "learn/fit_policy.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "learn/relabel.hpp"
+#include "learn/samples.hpp"
+
+namespace ferrule {
+namespace {
+
+using Demonstrations = std::vector<const Demonstration*>;
+
+constexpr std::size_t kFewestEpisodes = 3;
+constexpr Eigen::Index kFewestRows = 300;
+constexpr std::size_t kTrialsPerRound = 10;
+constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
+
+// Slower than this share of the speed limit the hand rests: before it starts, after it has arrived,
+// or to think. A policy that learned to rest would do so for ever.
+constexpr double kResting = 0.1;
+
+// Scales below which a channel counts as constant: force [N], moment [N m], depth [m].
+constexpr std::array<double, kInputs> kLeastScale = {1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6};
+constexpr double kLeastVelocity = 1e-9;  // the same [m/s]
+
+// Unscaled.
+struct RawRows {
+  Eigen::MatrixXd input, velocity;  // (inputs, rows), (3, rows)
+};
+
+RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy) {
+  std::size_t most = 0;
+  for (const Demonstration* d : set) most += static_cast<std::size_t>(d->time.size());
+  RawRows rows{Eigen::MatrixXd(policy.inputs(), most), Eigen::MatrixXd(kVelocity, most)};
+  Eigen::Index count = 0;
+  for (const Demonstration* d : set) {
+    const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d->period));
+    const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d->period));
+    const auto spacing =
+        static_cast<Eigen::Index>(std::lround(policy.spacing * policy.period / d->period));
+    for (Eigen::Index n = 0; n < d->time.size(); n += stride) {
+      const bool rests = d->velocity.row(n).norm() < kResting * d->speed_limit;
+      if (rests || cut_to_limit(*d, n)) continue;
+      for (int k = 0; k < policy.samples; ++k) {
+        const Eigen::Index felt = std::max<Eigen::Index>(0, n - delay - k * spacing);
+        rows.input.col(count).segment<3>(k * kFelt) = d->force.row(felt);
+        rows.input.col(count).segment<2>(k * kFelt + 3) = d->moment.row(felt);
+      }
+      rows.input(policy.inputs() - 1, count) = d->depth[n];
+      rows.velocity.col(count) = d->velocity.row(n);
+      ++count;
+    }
+  }
+  rows.input.conservativeResize(Eigen::NoChange, count);
+  rows.velocity.conservativeResize(Eigen::NoChange, count);
+  return rows;
+}
+
+struct MeanAndSd {
+  double mean, sd;
+};
+MeanAndSd spread(const Eigen::RowVectorXd& values) {
+  const double mean = values.mean();
+  return {mean, std::sqrt((values.array() - mean).square().mean())};
+}
+
+void set_scales(Policy& policy, const RawRows& rows) {
+  for (int i = 0; i < kInputs; ++i) {
+    const auto channel = static_cast<std::size_t>(i);
+    const MeanAndSd s = spread(rows.input.row(i < kFelt ? i : policy.inputs() - 1));
+    policy.mean[channel] = s.mean;
+    policy.scale[channel] = s.sd > kLeastScale[channel] ? s.sd : 1;
+  }
+  for (int i = 0; i < kVelocity; ++i) {
+    const MeanAndSd s = spread(rows.velocity.row(i));
+    policy.velocity_mean[i] = s.mean;
+    policy.velocity_scale[i] = s.sd > kLeastVelocity ? s.sd : 0;
+  }
+}
+
+Eigen::MatrixXf scaled_inputs(const Policy& policy, const Eigen::MatrixXd& inputs) {
+  Eigen::MatrixXf z(inputs.rows(), inputs.cols());
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
+    const auto channel = static_cast<std::size_t>(i + 1 < inputs.rows() ? i % kFelt : kFelt);
+    z.row(i) =
+        ((inputs.row(i).array() - policy.mean[channel]) / policy.scale[channel]).cast<float>();
+  }
+  return z;
+}
+
+TrainingRows scaled(const Policy& policy, const RawRows& rows) {
+  TrainingRows s{scaled_inputs(policy, rows.input),
+                 Eigen::MatrixXf::Zero(kVelocity, rows.velocity.cols())};
+  for (int i = 0; i < kVelocity; ++i)
+    if (policy.velocity_scale[i] > 0)
+      s.velocity.row(i) =
+          ((rows.velocity.row(i).array() - policy.velocity_mean[i]) / policy.velocity_scale[i])
+              .cast<float>();
+  return s;
+}
+
+double root_mean_square(const Policy& policy, const RawRows& rows) {
+  const Eigen::MatrixXd error = policy_velocities(policy, rows.input) - rows.velocity;
+  return std::sqrt(error.squaredNorm() / static_cast<double>(error.cols()));
+}
+
+std::vector<TrainedEpisode> named(const Demonstrations& set) {
+  std::vector<TrainedEpisode> episodes;
+  for (const Demonstration* d : set) episodes.push_back({d->file, d->sha1});
+  std::sort(episodes.begin(), episodes.end(),
+            [](const auto& a, const auto& b) { return a.file < b.file; });
+  return episodes;
+}
+
+}  // namespace
+
+Eigen::MatrixXd policy_velocities(const Policy& policy, const Eigen::MatrixXd& inputs) {
+  const Eigen::MatrixXf z = scaled_inputs(policy, inputs);
+  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(kVelocity, inputs.cols());
+  for (const Network& network : policy.members) {
+    Eigen::MatrixXf h = z;
+    for (std::size_t i = 0; i < network.size(); ++i) {
+      h = (network[i].weight * h).colwise() + network[i].bias;
+      if (i + 1 < network.size()) h = h.array().tanh();
+    }
+    mean += h.topRows<kVelocity>().cast<double>() / static_cast<double>(policy.members.size());
+  }
+  return (policy.velocity_scale.asDiagonal() * mean).colwise() + policy.velocity_mean;
+}
+
+PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings,
+                     const PolicyProgress& progress) {
+  if (set.demonstrations.size() < kFewestEpisodes)
+    throw BadInput(fmt::format(
+        "too few demonstrations: {} successful ({} unsuccessful left out); {} are needed",
+        set.demonstrations.size(), set.unsuccessful, kFewestEpisodes));
+  auto [training, held_out] = split(set.demonstrations, settings.seed);
+
+  PolicyFit fit;
+  PolicyFile& f = fit.file;
+  f.policy.samples = settings.samples;
+  f.policy.spacing = std::max(1, static_cast<int>(std::lround(settings.spacing / f.policy.period)));
+  f.policy.speed_limit = set.speed_scale;
+  f.reaction_time = reaction_time(training);
+  f.input_noise = settings.training.input_noise;
+  f.weight_decay = settings.training.weight_decay;
+  f.scenes = set.scenes;
+  f.episodes = named(training);
+  f.held_out = named(held_out);
+  f.seed = settings.seed;
+
+  const auto epochs = static_cast<std::size_t>(settings.training.epochs);
+  const RawRows test = rows_of(held_out, f.reaction_time, f.policy);
+  std::vector<Demonstration> met;  // by the policy, relabelled
+  met.reserve(settings.dagger_rounds * kTrialsPerRound);
+  RawRows train;
+  for (std::size_t round = 0;; ++round) {
+    train = rows_of(training, f.reaction_time, f.policy);
+    if (train.input.cols() < kFewestRows || test.input.cols() == 0)
+      throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed",
+                                 train.input.cols(), kFewestRows));
+    if (round > 0) f.dagger.back().rows = static_cast<std::size_t>(train.input.cols()) - f.rows;
+    f.rows = static_cast<std::size_t>(train.input.cols());
+    set_scales(f.policy, train);
+    const TrainingRows train_scaled = scaled(f.policy, train), test_scaled = scaled(f.policy, test);
+    f.policy.members.clear();
+    f.members.clear();
+    fit.curves.clear();
+    for (std::size_t m = 0; m < settings.members; ++m) {
+      const std::size_t before = (round * settings.members + m) * epochs;
+      const TrainedNetwork trained =
+          train_network(train_scaled, test_scaled, settings.training, settings.seed + m,
+                        [&](std::size_t epoch, const Epoch& e) {
+                          if (progress) progress(before + epoch, e);
+                        });
+      if (trained.network.empty())
+        throw BadInput("the training diverged: its loss was never a finite number");
+      f.policy.members.push_back(trained.network);
+      f.members.push_back(
+          {static_cast<int>(trained.curve.size()), static_cast<int>(trained.best + 1),
+           trained.curve[trained.best].training_loss, trained.curve[trained.best].held_out_loss});
+      fit.curves.push_back(trained.curve);
+    }
+    if (round > 0) {
+      double& loss = f.dagger.back().held_out_loss;
+      for (const MemberTraining& m : f.members)
+        loss += m.held_out_loss / static_cast<double>(settings.members);
+    }
+    if (round == settings.dagger_rounds) break;
+
+    DaggerRound now;
+    for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
+      const Scene scene =
+          parse_scene(set.documents[k % set.documents.size()], "a scene of the episodes");
+      met.push_back(relabelled_trial(scene, f.policy, f.reaction_time, settings.seed,
+                                     kFirstTrial + round * kTrialsPerRound + k));
+      training.push_back(&met.back());
+      ++now.trials;
+      now.inserted += met.back().outcome == Outcome::inserted;
+    }
+    f.dagger.push_back(now);
+  }
+  f.residual = root_mean_square(f.policy, train);
+  f.held_out_residual = root_mean_square(f.policy, test);
+  return fit;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,48 @@
+// Behaviour cloning: trains a policy (controller/policy.hpp) on demonstrations with libtorch.
+//
+// Rows every 10 ms, but for those cut to the speed limit and those in which the hand rests (slower
+// than a tenth of the limit: a policy that learned to rest would do so for ever); the felt wrench
+// of a row is that of one reaction time before (identified as in fit_law), at H samples of the
+// past; the depth is that of the row. Inputs and velocities are scaled by their mean and standard
+// deviation over the training rows; a velocity that does not vary is answered exactly. About a
+// fifth of the demonstrations is held out, whole, and decides which epoch's weights are kept.
+//
+// DAgger (Ross et al. 2011), for simulated operators: each round lets the policy insert in new
+// starts, asks the simulated operator what it would have done in every state met
+// (learn/relabel.hpp) and trains again on all of it.
+#pragma once
+
+#include "controller/policy_file.hpp"
+#include "learn/demonstrations.hpp"
+#include "learn/torch_policy.hpp"
+
+namespace ferrule {
+
+struct PolicySettings {
+  TrainingSettings training;
+  std::size_t members = 1;  // of the ensemble, each from its own start
+  int samples = 3;          // of the past
+  double spacing = 0.04;    // between them [s]
+  std::size_t dagger_rounds = 0;
+  std::uint64_t seed = 1;  // of the split, of the members and of the trials of DAgger
+};
+
+struct PolicyFit {
+  PolicyFile file;
+  std::vector<std::vector<Epoch>> curves;  // of the members, in the last round
+};
+
+// `progress` gets the epochs done, of (dagger_rounds + 1) members epochs at most, and the last
+// one's losses.
+using PolicyProgress = std::function<void(std::size_t done, const Epoch&)>;
+
+// Throws BadInput where the demonstrations are too few (fewer than 3 successful ones, or fewer than
+// 300 rows in 10 ms steps) and as train_network.
+PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings,
+                     const PolicyProgress& progress);
+
+// The mean answer of a policy to unscaled inputs (inputs, rows), without the speed limit
+// [m/s], (3, rows).
+Eigen::MatrixXd policy_velocities(const Policy& policy, const Eigen::MatrixXd& inputs);
+
+}  // namespace ferrule

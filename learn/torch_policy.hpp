@@ -1,0 +1,68 @@
+// What libtorch is used for: training a network, and writing a policy as TorchScript. Only
+// torch_policy.cpp knows libtorch; it is a library of its own, loaded when first needed, so that
+// nothing else waits for libtorch to start.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "controller/policy.hpp"
+
+namespace ferrule {
+
+// Scaled rows: what was felt, and the velocity that answers it.
+struct TrainingRows {
+  Eigen::MatrixXf input;     // (inputs, rows)
+  Eigen::MatrixXf velocity;  // (3, rows)
+};
+
+struct TrainingSettings {
+  std::vector<int> hidden = {64, 64};  // units of each hidden layer
+  int epochs = 60;                     // at most
+  int patience = 12;                   // epochs without a better held-out loss, then it stops
+  int batch = 256;                     // rows of a step
+  double learning_rate = 1e-3;         // falls to 0 along half a cosine
+  double weight_decay = 1e-4;          // decoupled, of AdamW (Loshchilov and Hutter 2019)
+  double input_noise = 0.05;           // standard deviation added to scaled inputs, each batch anew
+};
+
+// Losses are negative log likelihoods per row, without the constant:
+//   sum over the channels of (v - m)^2 / (2 exp(2 l)) + l
+struct Epoch {
+  double training_loss, held_out_loss;
+};
+
+struct TrainedNetwork {
+  Network network;           // of the best epoch by held-out loss
+  std::vector<Epoch> curve;  // one per epoch
+  std::size_t best = 0;      // index into it
+};
+
+// `progress` is called after each epoch with its number, from 1.
+using TrainingProgress = std::function<void(std::size_t epoch, const Epoch&)>;
+
+// Trains one network: Gaussian likelihood, AdamW, early stopping. One thread; the same arguments
+// give the same bits on one machine. Throws BadInput if the program was built without libtorch,
+// FileTrouble if libtorch cannot be loaded.
+TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& held_out,
+                             const TrainingSettings& settings, std::uint64_t seed,
+                             const TrainingProgress& progress);
+
+// A TorchScript module whose forward takes unscaled inputs (rows, inputs), float64, and returns
+// (velocity, deviation, disagreement), each (rows, 3) float64: the velocity as the controller
+// commands it, the others as in PolicyAnswer. Throws as train_network.
+std::string torchscript_bytes(const Policy& policy);
+
+// What libtorch answers when it runs these bytes, (9, rows). For tests. Throws as train_network.
+Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs);
+
+// The same functions in the library of their own.
+struct TorchFunctions {
+  decltype(&train_network) train;
+  decltype(&torchscript_bytes) script;
+  decltype(&run_torchscript) run;
+};
+
+}  // namespace ferrule

@@ -1,0 +1,206 @@
+#include "learn/fit_policy.hpp"
+
+#include "controller/campaign.hpp"
+#include "learn/relabel.hpp"
+#include "tests/compare.hpp"
+#include "tests/episodes.hpp"
+#include "tests/policies.hpp"
+#include "tests/scenes.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+bool without_libtorch() {
+  try {
+    torchscript_bytes(testing::random_policy(1, {2}, 1, 1));
+    return false;
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("libtorch-dev"), std::string::npos);
+    return true;
+  }
+}
+#define NEEDS_LIBTORCH \
+  if (without_libtorch()) GTEST_SKIP() << "built without libtorch"
+
+// A linear law: v = A f + c d + v_0, and what it says of one state.
+const Eigen::Matrix3d kYield = Eigen::Vector3d(2e-4, 1e-3, 0.7e-3).asDiagonal();
+const Eigen::Vector3d kLean(0.02, -0.03, 0.01), kOwn(-3e-3, 1e-4, -2e-4);
+Eigen::Vector3d law(const Eigen::Vector3d& force, double depth) {
+  return kYield * force + kLean * depth + kOwn;
+}
+
+// Demonstrations of it that answer `delay` ms late.
+DemonstrationSet demonstrations(int episodes, int delay, std::uint64_t seed = 1) {
+  DemonstrationSet set;
+  set.scenes = {"synthetic"};
+  set.speed_scale = 0.01;
+  for (int e = 0; e < episodes; ++e) {
+    RandomStream random(seed, static_cast<std::uint64_t>(e), Draw::operator_hand);
+    const int rows = 12000;
+    Demonstration d;
+    d.file = "episode " + std::to_string(e);
+    d.outcome = Outcome::inserted;
+    d.period = 1e-3;
+    d.speed_limit = set.speed_scale;
+    d.force.resize(rows, 3);
+    d.moment = Eigen::MatrixXd::Zero(rows, 2);
+    d.velocity.resize(rows, 3);
+    d.depth.resize(rows);
+    d.time.resize(rows);
+    Eigen::Vector3d phase, frequency;
+    for (int i = 0; i < 3; ++i) {
+      phase[i] = 6.28 * random.uniform();
+      frequency[i] = 0.5 + 3 * random.uniform();
+    }
+    for (int n = 0; n < rows; ++n) {
+      const double t = n * 1e-3;
+      for (int i = 0; i < 3; ++i) d.force(n, i) = 1.5 * std::sin(frequency[i] * t + phase[i]);
+      d.depth[n] = 0.03 * t / 12;
+      d.time[n] = t;
+      d.velocity.row(n) = law(d.force.row(std::max(0, n - delay)), d.depth[n]).transpose();
+    }
+    set.demonstrations.push_back(d);
+  }
+  return set;
+}
+
+PolicySettings quick() {
+  PolicySettings s;
+  s.training.epochs = 15;
+  s.training.hidden = {32, 32};
+  return s;
+}
+
+// Root mean square of the error against the law on episodes that were not trained on, per channel,
+// of the velocities' standard deviation.
+double error_against_law(const Policy& policy) {
+  const DemonstrationSet others = demonstrations(4, 0, 99);
+  double sum = 0, n = 0;
+  for (const Demonstration& d : others.demonstrations) {
+    PolicyController controller(policy);
+    for (Eigen::Index i = 0; i < d.time.size(); ++i) {
+      Felt felt{HandWrench::Zero(), d.depth[i], d.time[i]};
+      felt.wrench.head<3>() = d.force.row(i);
+      const Eigen::Vector3d v = controller.command(felt).head<3>();
+      if (i < 100) continue;  // until it has a past
+      sum +=
+          (v - law(d.force.row(i), d.depth[i])).cwiseQuotient(policy.velocity_scale).squaredNorm();
+      n += 3;
+    }
+  }
+  return std::sqrt(sum / n);
+}
+
+TEST(FitPolicy, ReproducesALinearLawOnStatesItHasNotSeenWithin3Percent) {
+  NEEDS_LIBTORCH;
+  PolicySettings settings;
+  settings.training.epochs = 40;
+  settings.samples = 1;
+  EXPECT_LT(error_against_law(fit_policy(demonstrations(8, 0), settings, {}).file.policy), 0.03);
+}
+
+// Demonstrated 180 ms late, answered at once. Answered as late it would be off by half and more.
+TEST(FitPolicy, UndoesTheReactionTime) {
+  NEEDS_LIBTORCH;
+  const PolicyFit fit = fit_policy(demonstrations(8, 180), quick(), {});
+  EXPECT_CLOSE(fit.file.reaction_time, 0.18, 1e-9);
+  EXPECT_LT(error_against_law(fit.file.policy), 0.1);
+}
+
+TEST(FitPolicy, TheSameSeedGivesTheSameBytes) {
+  NEEDS_LIBTORCH;
+  const testing::TemporaryFolder folder;
+  PolicySettings settings = quick();
+  settings.training.epochs = 2;
+  settings.members = 2;
+  const DemonstrationSet set = demonstrations(4, 0);
+  const auto write = [&](const char* name) {
+    write_policy(folder / (std::string(name) + ".json"), fit_policy(set, settings, {}).file);
+    return read_text(folder / (std::string(name) + ".safetensors"));
+  };
+  const std::string first = write("a"), again = write("b");
+  EXPECT_EQ(first, again);
+  settings.seed = 2;
+  EXPECT_NE(write("c"), first);
+  const Policy p = read_policy(folder / "a.json").policy;
+  EXPECT_NE(p.members[0][0].weight, p.members[1][0].weight) << "members start differently";
+}
+
+TEST(FitPolicy, AVelocityThatDoesNotVaryIsAnsweredExactly) {
+  NEEDS_LIBTORCH;
+  DemonstrationSet set = demonstrations(4, 0);
+  for (auto& d : set.demonstrations) d.velocity.col(2).setConstant(1.5e-3);
+  PolicyController controller(fit_policy(set, quick(), {}).file.policy);
+  EXPECT_CLOSE(controller.command({HandWrench::Ones(), 0.01, 0})[2], 1.5e-3, 1e-12);
+}
+
+TEST(FitPolicy, RefusesTooLittle) {
+  for (const int episodes : {0, 2}) try {
+      fit_policy(demonstrations(episodes, 0), quick(), {});
+      FAIL();
+    } catch (const BadInput& error) {
+      EXPECT_NE(std::string(error.what()).find("too few demonstrations"), std::string::npos);
+    }
+}
+
+// What libtorch answers from the TorchScript is what the controller answers.
+TEST(TorchScript, IsThePolicyTo1e6) {
+  NEEDS_LIBTORCH;
+  for (const std::size_t members : {1u, 4u}) {
+    Policy p = testing::random_policy(members, {64, 64}, 2, 1, members);
+    p.speed_limit = p.velocity_mean.norm();  // cuts some of them
+    Eigen::MatrixXd inputs(p.inputs(), 200);
+    std::vector<HandTwist> ours;
+    std::vector<PolicyAnswer> answers;
+    RandomStream random(2, members, Draw::plan);
+    PolicyController controller(p);
+    Felt before{HandWrench::Zero(), 0, 0};
+    std::size_t cut = 0;
+    for (int n = 0; n < 200; ++n) {
+      const Felt felt = testing::random_felt(random);
+      inputs.col(n) << felt.wrench, before.wrench, felt.depth;
+      ours.push_back(controller.command(felt));
+      answers.push_back(controller.answer());
+      cut += answers.back().velocity.norm() > p.speed_limit;
+      before = felt;
+    }
+    EXPECT_GT(cut, 10u);
+    EXPECT_LT(cut, 190u);
+    const Eigen::MatrixXd theirs = run_torchscript(torchscript_bytes(p), inputs);
+    for (int n = 0; n < 200; ++n)
+      for (int i = 0; i < kVelocity; ++i) {
+        const auto at = static_cast<std::size_t>(n);
+        const double scale = p.velocity_scale[i];
+        EXPECT_NEAR(theirs(i, n), ours[at][i], 1e-6 * scale);
+        EXPECT_NEAR(theirs(3 + i, n), answers[at].deviation[i], 2e-6 * answers[at].deviation[i]);
+        EXPECT_NEAR(theirs(6 + i, n), answers[at].disagreement[i], 1e-6 * scale);
+      }
+  }
+}
+
+// The operator who is asked answers what was felt one reaction time before, and slows down towards
+// the end of the way, wherever the policy has led the hand.
+TEST(Relabel, IsWhatTheOperatorWouldDo) {
+  const Scene scene = load_scene("demo");
+  Policy p = testing::random_policy(1, {4}, 1, 1);
+  p.velocity_scale.setZero();
+  p.velocity_mean = {-4e-3, 0, 0};
+  const double reaction = 0.15;
+  const Demonstration d = relabelled_trial(scene, p, reaction, 1, 3);
+  const double yield = trainee_traits(0.8).yield;
+  const auto delay = static_cast<Eigen::Index>(std::lround(1e3 * reaction));
+  Eigen::Index compared = 0;
+  for (Eigen::Index n = 1000; n < d.time.size(); ++n) {
+    // To one tick of the ring that delays it.
+    const double late = yield * d.force(n - delay, 2), later = yield * d.force(n - delay - 1, 2);
+    EXPECT_LE(std::min(std::abs(d.velocity(n, 2) - late), std::abs(d.velocity(n, 2) - later)),
+              1e-9 * yield);
+    EXPECT_LE(d.velocity(n, 0), 0);
+    compared += std::abs(late) > 1e-5;
+  }
+  EXPECT_GT(compared, 100);
+}
+
+}  // namespace
+}  // namespace ferrule

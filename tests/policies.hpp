@@ -1,0 +1,63 @@
+// Policies with weights that are drawn, for tests.
+#pragma once
+
+#include "controller/policy_file.hpp"
+#include "sim/random.hpp"
+
+namespace ferrule::testing {
+
+inline Policy random_policy(std::size_t members, std::vector<int> hidden, int samples, int spacing,
+                            std::uint64_t seed = 1) {
+  RandomStream random(seed, 0, Draw::plan);
+  Policy p;
+  p.samples = samples;
+  p.spacing = spacing;
+  p.speed_limit = 0.01;
+  for (std::size_t i = 0; i < kInputs; ++i) {
+    p.mean[i] = random.normal();
+    p.scale[i] = 0.2 + random.uniform();
+  }
+  for (int i = 0; i < kVelocity; ++i) {
+    p.velocity_mean[i] = 1e-3 * random.normal();
+    p.velocity_scale[i] = 1e-3 * (1 + random.uniform());
+  }
+  hidden.push_back(2 * kVelocity);
+  for (std::size_t m = 0; m < members; ++m) {
+    Network network;
+    int inputs = p.inputs();
+    for (const int units : hidden) {
+      Layer layer{Eigen::MatrixXf(units, inputs), Eigen::VectorXf(units)};
+      for (int r = 0; r < units; ++r) {
+        layer.bias[r] = static_cast<float>(0.3 * random.normal());
+        for (int c = 0; c < inputs; ++c)
+          layer.weight(r, c) = static_cast<float>(random.normal() / std::sqrt(inputs));
+      }
+      network.push_back(layer);
+      inputs = units;
+    }
+    p.members.push_back(network);
+  }
+  return p;
+}
+
+inline PolicyFile random_policy_file() {
+  PolicyFile f;
+  f.policy = random_policy(2, {7, 5}, 3, 4);
+  f.scenes = {"demo"};
+  f.episodes = {{"a.h5", "da39a3ee5e6b4b0d3255bfef95601890afd80709"}};
+  f.held_out = {{"b.h5", "a9993e364706816aba3e25717850c26c9cd0d89d"}};
+  f.rows = 1234;
+  f.reaction_time = 0.17;
+  f.members = {{30, 20, -1.5, -1.25}, {31, 25, -1.5, -1.0}};
+  f.dagger = {{10, 9, 500, -1.125}};
+  return f;
+}
+
+// Felt wrench and depth that are drawn.
+inline Felt random_felt(RandomStream& random) {
+  Felt felt{HandWrench::Zero(), 2 * random.uniform(), 0};
+  for (int i = 0; i < kFelt; ++i) felt.wrench[i] = 2 * random.normal();
+  return felt;
+}
+
+}  // namespace ferrule::testing

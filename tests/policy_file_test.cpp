@@ -1,0 +1,115 @@
+#include "controller/policy_file.hpp"
+
+#include "controller/content_hash.hpp"
+#include "controller/controller_file.hpp"
+#include "controller/load_controller.hpp"
+#include "tests/compare.hpp"
+#include "tests/policies.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+TEST(ContentHash, IsThatOfFips180) {
+  EXPECT_EQ(sha1(""), "da39a3ee5e6b4b0d3255bfef95601890afd80709");
+  EXPECT_EQ(sha1("abc"), "a9993e364706816aba3e25717850c26c9cd0d89d");
+  EXPECT_EQ(sha1(std::string(1000000, 'a')), "34aa973cd4c4daa4f61eeb2bdbad27316534016f");
+}
+
+TEST(PolicyFile, IsReadBackExactly) {
+  const testing::TemporaryFolder folder;
+  const PolicyFile file = testing::random_policy_file();
+  write_policy(folder / "c.json", file);
+  const PolicyFile back = read_policy(folder / "c.json");
+  ASSERT_EQ(back.policy.members.size(), 2u);
+  for (std::size_t m = 0; m < 2; ++m)
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_EQ(back.policy.members[m][i].weight, file.policy.members[m][i].weight);
+      EXPECT_EQ(back.policy.members[m][i].bias, file.policy.members[m][i].bias);
+    }
+  EXPECT_EQ(back.policy.mean, file.policy.mean);
+  EXPECT_EQ(back.policy.velocity_scale, file.policy.velocity_scale);
+  EXPECT_EQ(back.policy.spacing, 4);
+  EXPECT_EQ(back.held_out[0].sha1, file.held_out[0].sha1);
+  EXPECT_EQ(back.members[1].best_epoch, 25);
+  EXPECT_EQ(back.dagger[0].held_out_loss, -1.125);
+  write_policy(folder / "d.json", back);
+  EXPECT_EQ(read_text(folder / "c.safetensors"), read_text(folder / "d.safetensors"));
+}
+
+TEST(PolicyFile, IsLoadedLikeAnyController) {
+  const testing::TemporaryFolder folder;
+  const PolicyFile file = testing::random_policy_file();
+  write_policy(folder / "c.json", file);
+  write_controller(folder / "law.json", [] {
+    ControllerFile law;
+    law.gains[1].value = law.gains[3].value = 1;
+    law.gains[5].value = 2e-3;
+    return law;
+  }());
+  Felt felt{HandWrench::Ones(), 0.5, 0};
+  PolicyController direct(file.policy);
+  EXPECT_EQ(load_controller(folder / "c.json")(3)->command(felt), direct.command(felt));
+  EXPECT_CLOSE(load_controller(folder / "law.json")(3)->command(felt)[0], 2e-3, 1e-12);
+  write_text(folder / "none.json", R"({"method": "hope"})");
+  EXPECT_THROW(load_controller(folder / "none.json"), BadInput);
+}
+
+TEST(PolicyFile, BrokenOnesAreRefusedWithTheirKey) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "c.json";
+  write_policy(file, testing::random_policy_file());
+  const Json good = parse_json(read_text(file), file);
+  const auto complaint = [&](const char* pointer, const Json& value) {
+    Json bad = good;
+    bad[Json::json_pointer(pointer)] = value;
+    write_text(file, bad.dump());
+    try {
+      read_policy(file);
+    } catch (const BadInput& error) {
+      return std::string(error.what());
+    } catch (const FileTrouble& error) {
+      return "trouble: " + std::string(error.what());
+    }
+    return std::string();
+  };
+  const auto says = [&](const char* pointer, const Json& value, const char* reason) {
+    EXPECT_NE(complaint(pointer, value).find(reason), std::string::npos)
+        << pointer << ": " << complaint(pointer, value);
+  };
+  says("/ensemble", 3, "members.2.layers.0.weight is missing");
+  says("/ensemble", 1, "no such array in the controller");
+  says("/ensemble", 1000000000, "ensemble");
+  says("/hidden", {7, 6}, "shape: must be [6,7]");
+  says("/hidden", {7, 1e9}, "hidden");
+  says("/hidden", Json::array(), "hidden");
+  says("/history/samples", 4, "shape: must be [7,21]");
+  says("/history/spacing_periods", 0, "history.spacing_periods");
+  says("/inputs/2/scale", 0, "inputs[2].scale = 0: must be positive");
+  says("/inputs/5/unit", "mm", "inputs[5].unit");
+  says("/outputs/0/scale", -1, "outputs[0].scale = -1: must not be negative");
+  says("/limits/speed_m_s", nullptr, "limits.speed_m_s");
+  says("/weights", "../c.safetensors", "in the same folder");
+  says("/weights", "/etc/passwd", "in the same folder");
+  says("/weights", "none.safetensors", "trouble: ");
+  says("/weights", ".", "in the same folder");
+  says("/weights_sha1", "0", "weights_sha1");
+  says("/world", "tip", "world");
+  says("/period_s", 0.002, "period_s = 0.002: must be 0.001");
+  says("/trained_on/episodes/0/surprise", 1, "unknown key");
+  says("/surprise", 1, "surprise = 1: unknown key");
+}
+
+TEST(PolicyFile, RefusesWeightsThatAreNotItsOwn) {
+  const testing::TemporaryFolder folder;
+  PolicyFile file = testing::random_policy_file();
+  write_policy(folder / "a.json", file);
+  file.policy.members[0][0].bias[0] += 1;
+  write_policy(folder / "b.json", file);
+  std::filesystem::copy_file(folder / "b.safetensors", folder / "a.safetensors",
+                             std::filesystem::copy_options::overwrite_existing);
+  EXPECT_THROW(read_policy(folder / "a.json"), BadInput);
+}
+
+}  // namespace
+}  // namespace ferrule
