@@ -28,6 +28,7 @@ void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
+void add_doctor(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value.
 struct SceneArguments {

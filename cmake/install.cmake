@@ -10,7 +10,7 @@ foreach(library IN LISTS FERRULE_LIBRARIES)
     FILES_MATCHING PATTERN "*.hpp")
 endforeach()
 install(TARGETS ferrule_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
+install(DIRECTORY data/scenes data/devices DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
 
 set(FERRULE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ferrule)
 install(EXPORT ferrule_targets NAMESPACE ferrule:: FILE ferrule-targets.cmake
