@@ -11,6 +11,8 @@
 namespace ferrule {
 namespace {
 
+constexpr double kMostTilt = 0.05;  // slopes beyond are not small [rad]
+
 Vector3d eigenvalues(const Matrix3d& m) noexcept {
   return Eigen::SelfAdjointEigenSolver<Matrix3d>(m, Eigen::EigenvaluesOnly).eigenvalues();
 }
@@ -110,7 +112,7 @@ StiffnessRange insertion_stiffness(const Scene& scene, double dt) {
     for (const int sign : {-1, 1})
       for (const int axis : {1, 2}) {
         probe.push(inside, axis, sign * sideways);
-        probe.push(inside, axis + 2, sign * 4 * clearance / inserted);
+        probe.push(inside, axis + 2, sign * std::min(kMostTilt, 4 * clearance / inserted));
       }
   }
 

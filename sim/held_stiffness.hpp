@@ -34,7 +34,7 @@ struct StiffnessRange {
   std::size_t two_point = 0;  // of these, with end and side touching at once
 };
 
-// Deterministic, some ten thousand states: the start, the way to the axis and to the success depth,
+// Deterministic, some thousand states: the start, the way to the axis and to the success depth,
 // at half of it and at it pushes sideways and tilts to both sides (two-point contact), and the end
 // pressed on the lead-in cone and on the front face. Every motion ends where the force at the
 // holder, weight apart, exceeds limits.force. `dt` [s], > 0, is the period that B is for.
