@@ -9,6 +9,9 @@
 // which takes in what was given out, if the hand goes on as it did. What it does not take in stays
 // in E and is asked for again.
 //
+// The force has to be the one that acts: where it reaches the motors d periods late, the energy
+// observed is not that of the hand.
+//
 // The limit: alpha T/m must stay below 1 for a moved mass m, or the damping itself would throw the
 // hand back. Energy that was stored honestly before hides the same amount of what is made later.
 #pragma once

@@ -225,31 +225,47 @@ struct Touching {
   }
 };
 
-TEST(Stability, OfARealSceneTurnsAtTheSameBound) {
-  for (const double share : {0.8, 1.25}) {
-    Touching loop;
-    ASSERT_TRUE(loop.state.contact[kEnd].closed);
-    EXPECT_CLOSE(loop.K, 1692, 0.02);  // of the holder's 0.5 N/m, magnified 3384 times
-    const DeviceProfile d =
-        device(loop.K, 1e-3, 0, share * damping_needed(device(loop.K, 1e-3, 0, 0), loop.K));
-    HandAndDevice hand(d);
-    const HandPose rest = loop.scaling.motion_to_hand(loop.state.hand);
-    hand.hand_force = -loop.force.y();
-    hand.x = 2e-6;
-    double first = 0, last = 0;
-    for (int n = 0; n < 400; ++n) {
-      HandPose pose = rest;
-      pose[1] += hand.x;
-      loop.advance(loop.scaling.motion_to_tip(pose));
-      hand.advance(loop.force.y());
-      if (n < 40) first = std::max(first, std::abs(hand.x));
-      if (n >= 360) last = std::max(last, std::abs(hand.x));
-    }
-    if (share > 1)
-      EXPECT_LT(last, 0.3 * first);
-    else
-      EXPECT_GT(last, 3 * first);
+// A device with `share` of the damping needed, let go beside its rest on the wall: the hand's
+// largest distance from there over the first and last tenth [m].
+std::pair<double, double> let_go_on_the_wall(double share, bool controlled) {
+  Touching loop;
+  EXPECT_TRUE(loop.state.contact[kEnd].closed);
+  EXPECT_CLOSE(loop.K, 1692, 0.02);  // of the holder's 0.5 N/m, magnified 3384 times
+  const DeviceProfile d =
+      device(loop.K, 1e-3, 0, share * damping_needed(device(loop.K, 1e-3, 0, 0), loop.K));
+  PassivityController passivity(d.period, 0.5 * d.mass / d.period);
+  HandAndDevice hand(d);
+  const HandPose rest = loop.scaling.motion_to_hand(loop.state.hand);
+  const Vector3d held = loop.force;  // what the hand leans against
+  hand.hand_force = -held.y();
+  hand.x = 2e-6;
+  double first = 0, last = 0;
+  for (int n = 0; n < 400; ++n) {
+    HandPose pose = rest;
+    pose[1] += hand.x;
+    loop.advance(loop.scaling.motion_to_tip(pose));
+    Vector3d force = loop.force;
+    if (controlled) force = held + passivity.pass(pose.head<3>(), force - held);
+    hand.advance(force.y());
+    if (n < 40) first = std::max(first, std::abs(hand.x));
+    if (n >= 360) last = std::max(last, std::abs(hand.x));
   }
+  return {first, last};
+}
+
+TEST(Stability, OfARealSceneTurnsAtTheSameBound) {
+  const auto [calm_first, calm_last] = let_go_on_the_wall(1.25, false);
+  EXPECT_LT(calm_last, 0.3 * calm_first);
+  const auto [wild_first, wild_last] = let_go_on_the_wall(0.8, false);
+  EXPECT_GT(wild_last, 3 * wild_first);
+}
+
+TEST(Stability, PassivityControllerBoundsARealScene) {
+  const auto [calm_first, calm_last] = let_go_on_the_wall(1.25, true);
+  EXPECT_LT(calm_last, 0.3 * calm_first);
+  const auto [kept_first, kept_last] = let_go_on_the_wall(0.8, true);
+  EXPECT_LT(kept_first, 4e-6);
+  EXPECT_LT(kept_last, 1.1 * kept_first);
 }
 
 // The bench scene's fibre pressed endwise on the front face: hundreds of kN/m in the hand.
