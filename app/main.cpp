@@ -28,6 +28,7 @@ int main(int argc, char** argv) {
   add_export(app, run);
   add_bench(app, run);
   add_devices(app, run);
+  add_doctor(app, run);
   const auto is_verb = [&](const std::string& word) {
     for (const CLI::App* verb : app.get_subcommands({}))
       if (verb->get_name() == word) return true;

@@ -39,6 +39,7 @@ void add_score(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
+void add_doctor(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value.
 struct SceneArguments {

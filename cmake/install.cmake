@@ -13,7 +13,7 @@ if(Torch_FOUND)
   install(TARGETS ferrule_torch LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule)
 endif()
 install(TARGETS ferrule_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-install(DIRECTORY data/scenes DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
+install(DIRECTORY data/scenes data/devices DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
 install(FILES data/controller.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule)
 
 set(FERRULE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ferrule)

@@ -27,9 +27,9 @@ std::vector<Recording> recordings(const Scene& scene, double noise, std::uint64_
     const auto device = simulated_operator(scene, start, 0.8, 1e-3, seed, trial);
     std::vector<RowVector> rows;
     run_episode(
-        scene, start, *device, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
+        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
         [] { return false; });
-    Episode episode{testing::info_of(scene, seed, trial), {}};
+    Episode episode{testing::info_of(scene, seed, trial), {}, {}};
     episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
     for (std::size_t n = 0; n < rows.size(); ++n)
       episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];

@@ -174,7 +174,7 @@ TEST(Score, AgreesWithTheWatchThatSawTheInsertion) {
   const EpisodeEnd end = run_episode(
       scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
       [] { return false; });
-  Episode episode{testing::info_of(scene, 1, 3), Rows(rows.size(), kRowSize)};
+  Episode episode{testing::info_of(scene, 1, 3), Rows(rows.size(), kRowSize), {}};
   for (std::size_t n = 0; n < rows.size(); ++n)
     episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
   const Measures m = measure(episode, scene);

@@ -3,6 +3,7 @@
 // until it is swallowed.
 #include <gtest/gtest.h>
 
+#include "sim/contact_depth.hpp"
 #include "sim/insertion.hpp"
 #include "tests/scenes.hpp"
 

@@ -1,0 +1,231 @@
+// ferrule doctor: can this scene be felt on this device, on this machine?
+#include <fmt/format.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "app/verb.hpp"
+#include "capture/episode.hpp"
+#include "haptic/period_clock.hpp"
+#include "haptic/real_time.hpp"
+#include "haptic/stability.hpp"
+#include "sim/held_stiffness.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+struct Arguments {
+  SceneArguments scene;
+  std::string device = "pen";
+  double seconds = 1;
+  bool json = false;
+};
+
+struct Loop {
+  PeriodStatistics statistics;
+  int scheduling_error, locking_error;  // errno, 0 where granted
+};
+
+// The simulator in the loop of the device: the hand moves by a clearance to and fro where the fibre
+// is stiffest.
+Loop run_loop(const Scene& scene, const State& start, double period, double seconds) {
+  const RealTime real_time;
+  State state = start;
+  PeriodClock clock(period);
+  const auto periods = static_cast<std::int64_t>(std::ceil(seconds / period));
+  for (std::int64_t n = 0; n < periods && !interrupted(); ++n) {
+    clock.wait();
+    Pose hand = start.hand;
+    hand[1] += scene.world.annulus.clearance() * std::sin(10 * static_cast<double>(n) * period);
+    state = step(scene.world, state, hand, period).state;
+  }
+  return {clock.statistics(), real_time.scheduling_error(), real_time.locking_error()};
+}
+
+// Somewhat less than x > 0, in three digits.
+double rounded_down(double x) {
+  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
+  return std::floor(0.999 * x / unit) * unit;
+}
+
+std::string mend_scheduling(int error) {
+  if (error == 0) return "";
+  return "echo \"$USER - rtprio 80\" | sudo tee /etc/security/limits.d/80-ferrule.conf, and log in "
+         "again (in a container: run it with --cap-add SYS_NICE --ulimit rtprio=80)";
+}
+
+std::string mend_locking(int error) {
+  if (error == 0) return "";
+  return "echo \"$USER - memlock unlimited\" | sudo tee -a /etc/security/limits.d/80-ferrule.conf, "
+         "and log in again (in a container: run it with --ulimit memlock=-1)";
+}
+
+std::string mend_hidraw(const HidrawNode& node) {
+  if (node.allowed) return "";
+  return "echo '" + udev_rule(node.vendor, node.product) +
+         "' | sudo tee -a /etc/udev/rules.d/70-ferrule.rules && sudo udevadm control --reload && "
+         "sudo udevadm trigger";
+}
+
+// Why the device does not render the felt stiffness K and damping B; empty where it does.
+std::vector<std::string> refusals(const DeviceProfile& device, double K, double B) {
+  std::vector<std::string> reasons;
+  const double needed = damping_needed(device, K, B);
+  if (!(device.damping > needed) && needed > 0)
+    reasons.push_back(fmt::format("it needs more than {:.4g} N s/m of damping and has {:.4g}",
+                                  needed, device.damping));
+  if (K > resting_stiffness(device))
+    reasons.push_back(
+        fmt::format("its position steps of {:g} um with {:g} N of friction come to rest only up to "
+                    "{:.4g} N/m",
+                    1e6 * device.resolution, device.coulomb, resting_stiffness(device)));
+  if (K > device.max_stiffness)
+    reasons.push_back(fmt::format("its stiffest wall has {:.4g} N/m", device.max_stiffness));
+  return reasons;
+}
+
+int doctor(const Arguments& a) {
+  const Scene scene = a.scene.load();
+  const DeviceProfile device = load_device_profile(a.device);
+  const Scaling scaling = scene_scaling(scene);
+  const double magnified = scaling.force / scaling.motion;
+  const StiffnessRange tip = insertion_stiffness(scene, device.period);
+  const double K = magnified * tip.largest, B = magnified * tip.damping;
+  const std::vector<std::string> reasons = refusals(device, K, B);
+  const double largest = largest_force_scaling(device, scaling.motion, tip.largest, tip.damping);
+  const double hand_force = rounded_down(largest * scene.scaling.tip_force);
+  const bool can_scale = std::isfinite(hand_force) && hand_force > 0;
+  const std::string set =
+      can_scale ? fmt::format("--set scaling.hand_force_N={:g}", hand_force) : "";
+  const Coupling coupling = stable_coupling(device);
+  const double felt_limit = scaling.force * scene.limits.force;
+
+  watch_for_interrupt();
+  const Loop loop = run_loop(scene, tip.stiffest, device.period, a.seconds);
+  if (interrupted()) return kInterrupted;
+  const PeriodStatistics& timing = loop.statistics;
+  const std::vector<HidrawNode> nodes = hidraw_nodes();
+
+  if (a.json) {
+    Json hidraw = Json::array();
+    for (const HidrawNode& node : nodes)
+      hidraw.push_back({{"path", node.path},
+                        {"vendor", fmt::format("{:04x}", node.vendor)},
+                        {"product", fmt::format("{:04x}", node.product)},
+                        {"allowed", node.allowed},
+                        {"mend", mend_hidraw(node)}});
+    print_json(
+        {{"scene", scene.name},
+         {"device", device.name},
+         {"device_source", device.source},
+         {"tip",
+          {{"states", tip.states},
+           {"touching", tip.touching},
+           {"two_point", tip.two_point},
+           {"stiffness_N_m", tip.largest},
+           {"smallest_stiffness_N_m", tip.smallest},
+           {"damping_N_s_m", tip.damping}}},
+         {"felt",
+          {{"stiffness_N_m", K},
+           {"smallest_stiffness_N_m", magnified * tip.smallest},
+           {"damping_N_s_m", B},
+           {"force_at_limit_N", felt_limit},
+           {"device_max_force_N", device.max_force}}},
+         {"bounds",
+          {{"damping_needed_N_s_m", damping_needed(device, K, B)},
+           {"device_damping_N_s_m", device.damping},
+           {"passive_stiffness_N_m", passive_stiffness(device, B)},
+           {"quantised_stiffness_N_m", number_or_null(resting_stiffness(device))},
+           {"device_max_stiffness_N_m", device.max_stiffness},
+           {"stable_stiffness_N_m", stable_stiffness(device, B)}}},
+         {"stable", reasons.empty()},
+         {"reasons", reasons},
+         {"largest_hand_force_N", number_or_null(hand_force)},
+         {"set", set},
+         {"coupling", {{"stiffness_N_m", coupling.stiffness}, {"damping_N_s_m", coupling.damping}}},
+         {"loop",
+          {{"period_us", 1e6 * device.period},
+           {"periods", timing.periods},
+           {"p50_us", 1e6 * timing.p50},
+           {"p99_us", 1e6 * timing.p99},
+           {"p99_9_us", 1e6 * timing.p99_9},
+           {"worst_us", 1e6 * timing.worst},
+           {"missed", timing.missed},
+           {"sched_fifo", loop.scheduling_error == 0},
+           {"sched_fifo_mend", mend_scheduling(loop.scheduling_error)},
+           {"memory_locked", loop.locking_error == 0},
+           {"memory_locked_mend", mend_locking(loop.locking_error)}}},
+         {"hidraw", hidraw}});
+    return reasons.empty() ? kDone : kFailed;
+  }
+
+  const auto line = [](const std::string& what, const std::string& value) {
+    fmt::print("{:<34} {}\n", what, value);
+  };
+  fmt::print("scene {} on device {}: {}\n\n", scene.name, device.name, device.source);
+  line("states looked at",
+       fmt::format("{}: {} touch, {} with end and side", tip.states, tip.touching, tip.two_point));
+  line("stiffness of the fibre's end",
+       fmt::format("{:.4g} to {:.4g} N/m", tip.smallest, tip.largest));
+  line("felt stiffness K", fmt::format("{:.4g} N/m, magnified {:.4g} times", K, magnified));
+  line("felt damping B", fmt::format("{:.3g} N s/m", B));
+  line("felt force at limits.force_uN",
+       fmt::format("{:.3g} N; the device gives {:.3g} N{}", felt_limit, device.max_force,
+                   felt_limit > device.max_force ? ", the rest is cut off" : ""));
+  line("damping needed, K T (2d+1)/2 + |B|",
+       fmt::format("{:.4g} N s/m; the device has {:.4g}", damping_needed(device, K, B),
+                   device.damping));
+  line("K allowed by damping", fmt::format("{:.4g} N/m", passive_stiffness(device, B)));
+  line("K allowed by resolution, 2 f_c/D", fmt::format("{:.4g} N/m", resting_stiffness(device)));
+  line("K allowed by the maker", fmt::format("{:.4g} N/m", device.max_stiffness));
+  line("largest stable force scaling",
+       can_scale ? set : "none: nothing is felt, or nothing is stable");
+  line("virtual coupling",
+       fmt::format("{:.4g} N/m, {:.3g} N s/m", coupling.stiffness, coupling.damping));
+
+  fmt::print("\n");
+  line("loop of this machine", fmt::format("{} periods of {:g} us, {} deadlines missed",
+                                           timing.periods, 1e6 * device.period, timing.missed));
+  line("period p50, p99, p99.9, worst",
+       fmt::format("{:.0f}, {:.0f}, {:.0f}, {:.0f} us", 1e6 * timing.p50, 1e6 * timing.p99,
+                   1e6 * timing.p99_9, 1e6 * timing.worst));
+  const auto granted = [&](const char* what, int error, const std::string& mend) {
+    line(what, error == 0 ? "granted" : fmt::format("{}; mend: {}", std::strerror(error), mend));
+  };
+  granted("SCHED_FIFO", loop.scheduling_error, mend_scheduling(loop.scheduling_error));
+  granted("memory locked", loop.locking_error, mend_locking(loop.locking_error));
+  if (nodes.empty()) line("HID devices", "none (/dev/hidraw*)");
+  for (const HidrawNode& node : nodes)
+    line(node.path,
+         fmt::format("{:04x}:{:04x}, {}", node.vendor, node.product,
+                     node.allowed ? "allowed" : "not permitted; mend: " + mend_hidraw(node)));
+
+  fmt::print("\n");
+  if (reasons.empty()) {
+    fmt::print("STABLE: the device renders {:.4g} N/m.\n", K);
+    return kDone;
+  }
+  fmt::print("REFUSED for force feedback: {:.4g} N/m is more than the device renders:\n", K);
+  for (const std::string& reason : reasons) fmt::print("  {}\n", reason);
+  return kFailed;
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand(
+      "doctor", "Can a scene be felt on a device: stability, loop rate, permissions");
+  auto a = std::make_shared<Arguments>();
+  a->scene.add_to(*verb, "demo");
+  verb->add_option("--device", a->device, "Device profile, or the name of one that ships")
+      ->capture_default_str()
+      ->type_name("NAME|FILE");
+  verb->add_option("--seconds", a->seconds, "How long the loop is measured")
+      ->capture_default_str()
+      ->check(number_between(0.01, 3600));
+  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  verb->callback([a, &run] { run = [a] { return doctor(*a); }; });
+}
+
+}  // namespace ferrule

@@ -1,0 +1,88 @@
+// The last thing between the computed force and the motors.
+//
+//   waiting   no force, until |F| < quiet_force for quiet_periods in a row
+//   ramping   F times a factor that rises from 0 to 1 over `ramp`
+//   engaged   F
+// In each, |F| is held at the device's limit, the moment reduced by the same factor. Something that
+// is not finite, a hand that has moved faster than a hand moves, or a sample older than 1.5 periods
+// makes the force zero in the same call, and the guard waits again. A hand sample that stays away
+// therefore ends the force within two periods.
+//
+// The weight of the fibre is to be left out of F: with it a guard may wait for ever.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/scaling.hpp"
+
+namespace ferrule {
+
+struct GuardSettings {
+  double max_force;          // of the device [N], > 0
+  double period = 1e-3;      // of the loop [s], > 0
+  double quiet_force = 0.2;  // [N]
+  int quiet_periods = 5;
+  double ramp = 2;            // [s], >= 0
+  double max_hand_speed = 2;  // [m/s]: above it the hand has jumped
+};
+
+class ForceGuard {
+ public:
+  enum class Stage { waiting, ramping, engaged };
+
+  explicit ForceGuard(const GuardSettings& settings) noexcept : settings_(settings) {}
+
+  // Once per period at time `now` [s]: the newest hand pose, taken at `sampled_at` [s], and the
+  // wrench that is meant for the hand. Returns the wrench to render.
+  HandWrench pass(double now, double sampled_at, const HandPose& hand,
+                  const HandWrench& wanted) noexcept {
+    if (!trusted(now, sampled_at, hand, wanted)) {
+      stage_ = Stage::waiting;
+      quiet_ = 0;
+      return HandWrench::Zero();
+    }
+    const double force = wanted.head<3>().norm();
+    if (stage_ == Stage::waiting) {
+      quiet_ = force < settings_.quiet_force ? quiet_ + 1 : 0;
+      if (quiet_ < settings_.quiet_periods) return HandWrench::Zero();
+      stage_ = Stage::ramping;
+      ramp_began_ = now;
+    }
+    double factor = 1;
+    if (stage_ == Stage::ramping) {
+      factor = settings_.ramp > 0 ? std::clamp((now - ramp_began_) / settings_.ramp, 0.0, 1.0) : 1;
+      if (factor == 1) stage_ = Stage::engaged;
+    }
+    if (factor * force > settings_.max_force) factor = settings_.max_force / force;
+    return factor * wanted;
+  }
+
+  Stage stage() const noexcept { return stage_; }
+
+ private:
+  bool trusted(double now, double sampled_at, const HandPose& hand,
+               const HandWrench& wanted) noexcept {
+    if (!hand.allFinite() || !wanted.allFinite() || !std::isfinite(wanted.head<3>().norm()) ||
+        !(now - sampled_at <= 1.5 * settings_.period)) {
+      seen_ = false;
+      return false;
+    }
+    const double since = std::max(now - hand_time_, settings_.period);
+    const bool jumped = seen_ && (hand - hand_).head<3>().norm() > settings_.max_hand_speed * since;
+    seen_ = true;
+    hand_ = hand;
+    hand_time_ = now;
+    return !jumped;
+  }
+
+  GuardSettings settings_;
+  Stage stage_ = Stage::waiting;
+  int quiet_ = 0;
+  double ramp_began_ = 0;
+  bool seen_ = false;
+  HandPose hand_ = HandPose::Zero();
+  double hand_time_ = 0;
+};
+
+}  // namespace ferrule
