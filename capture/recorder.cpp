@@ -212,7 +212,8 @@ std::string Recorder::finish(Outcome outcome, const std::string& why) {
   episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
   std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * sizeof(RowVector));
   episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
-  std::memcpy(episode_.counts.data(), counts_.data(), counts_.size() * sizeof(RawCounts));
+  if (!counts_.empty())
+    std::memcpy(episode_.counts.data(), counts_.data(), counts_.size() * sizeof(RawCounts));
   write_episode(file_, episode_);
   ::close(std::exchange(fd_, -1));
   ::unlink(journal_.c_str());
