@@ -307,8 +307,8 @@ std::vector<VectorXd> starts(const Replays& replays, const std::vector<Eigen::In
     make_robust(residual);
     tried.push_back({x, residual.squaredNorm()});
   }
-  std::sort(tried.begin(), tried.end(),
-            [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const Solution& a, const Solution& b) { return a.cost < b.cost; });
   std::vector<VectorXd> chosen = {VectorXd::Zero(parameters)};
   for (std::size_t k = 0; k < tried.size() && chosen.size() < kStarts; ++k)
     chosen.push_back(tried[k].x);
