@@ -6,6 +6,7 @@
 #include "capture/episode.hpp"
 #include "haptic/force_stick.hpp"
 #include "haptic/space_mouse.hpp"
+#include "sim/minimum_jerk.hpp"
 
 namespace ferrule {
 namespace {
@@ -16,10 +17,9 @@ constexpr double kBriskness = 0.7;           // its peak speed, of the device's 
 constexpr double kCorrection = 0.1;          // time constant of what it corrects by eye [s]
 constexpr double kBeyond = 2e-6;             // past the success depth, at least [m]
 
-// Part of a minimum-jerk motion done at part q of its time.
+// Part of a minimum-jerk motion done at part q of its time, at rest before and after.
 double travelled(double q) {
-  q = std::clamp(q, 0.0, 1.0);
-  return q * q * q * (10 + q * (-15 + 6 * q));
+  return minimum_jerk(std::clamp(q, 0.0, 1.0));
 }
 
 class FakeHand : public Device {
@@ -40,9 +40,10 @@ class FakeHand : public Device {
     inserted_[0] -= way;
     const double speed = kBriskness * scaling.motion * scene.limits.speed;
     const HandPose aside = (aligned_ - start_).cwiseAbs();
-    aligning_ = 1.875 * std::max(aside.head<3>().maxCoeff() / speed,
-                                 aside.tail<2>().maxCoeff() / (kBriskness * range.tilt_rate));
-    pushing_ = 1.875 * way / speed;
+    aligning_ =
+        kPeakOfMinimumJerk * std::max(aside.head<3>().maxCoeff() / speed,
+                                      aside.tail<2>().maxCoeff() / (kBriskness * range.tilt_rate));
+    pushing_ = kPeakOfMinimumJerk * way / speed;
   }
 
   HandSample read(double t) override {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/minimum_jerk.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -13,15 +15,12 @@ constexpr double kPressFrom = 0.7;       // phase at which it begins to press: w
 constexpr double kHesitationFade = 0.1;  // time constant of g [s]
 constexpr double kTau = 2 * std::numbers::pi;
 
-// Part of the way made at phase p, and the phase at which it is made.
-double travelled(double p) noexcept {
-  return p * p * p * (10 + p * (-15 + 6 * p));
-}
+// The phase at which part of the way is made.
 double phase_at(double part) noexcept {
   double low = 0, high = 1;
   for (int i = 0; i < 50; ++i) {
     const double middle = (low + high) / 2;
-    (travelled(middle) < part ? low : high) = middle;
+    (minimum_jerk(middle) < part ? low : high) = middle;
   }
   return high;
 }
@@ -87,11 +86,11 @@ void Trainee::advance_intention(double force) noexcept {
   drive_ += (wanted - drive_) * task_.period / kHesitationFade;
 
   // A minimum-jerk motion peaks at 15/8 of its mean speed.
-  const double duration = 1.875 * task_.distance / (traits_.peak_speed * task_.speed);
+  const double duration = kPeakOfMinimumJerk * task_.distance / (traits_.peak_speed * task_.speed);
   const double slowed = force / traits_.slowing_force;
   const double rate = drive_ / (duration * (1 + slowed * slowed));
   const double p = std::min(1.0, phase_ + rate * task_.period);
-  speed_ = task_.distance * (travelled(p) - travelled(phase_)) / task_.period;
+  speed_ = task_.distance * (minimum_jerk(p) - minimum_jerk(phase_)) / task_.period;
   phase_ = p;
   if (phase_ >= 1 && finished_at_ < 0) finished_at_ = time_;
 }

@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "sim/insertion.hpp"
+#include "sim/minimum_jerk.hpp"
 #include "sim/random.hpp"
 #include "sim/surface_forces.hpp"
 #include "sim/tilted_annulus.hpp"
@@ -26,7 +27,6 @@ constexpr double kLongest = 16, kLongestWithDrag = 30;  // of a probe [s]
 constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6, kDeepestInertial = 5e-6;
 constexpr double kMostLean = 0.03;   // [rad]
 constexpr double kSpeedingUp = 0.1;  // time in which a hand changes its speed [s]
-constexpr double kPeakOfMinimumJerk = 1.875;
 constexpr std::size_t kEveryForFidelity = 7;  // samples at which fidelities are compared
 
 // Steps to choose from [s]; the last is the full model's. Without drag and inertia nothing depends
@@ -104,7 +104,7 @@ std::vector<Pose> probe(const Scene& scene, const State& start, std::uint64_t k)
     for (std::size_t n = 1; n <= steps; ++n) {
       if (static_cast<double>(hand.size()) * kSample > longest) return hand;
       const double p = static_cast<double>(n) / static_cast<double>(steps);
-      hand.push_back(from + p * p * p * (10 - p * (15 - 6 * p)) * (to - from));
+      hand.push_back(from + minimum_jerk(p) * (to - from));
     }
   }
   return hand;
