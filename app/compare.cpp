@@ -28,18 +28,22 @@ struct Arguments {
 
 constexpr const char* kTeacher = "simulated operator";
 
+// Success by the distance of the start from the axis: eighths of the trials.
+struct Ring {
+  double from, to;  // [m]
+  std::size_t feasible, inserted;
+};
+
 struct Entry {
   Contestant contestant;
   double ns = 0;  // per action
   std::vector<TrialResult> results;
   CampaignSummary summary{};
+  std::vector<Ring> rings{};
+  std::optional<Comparison>
+      against_teacher{};  // empty for the teacher, and without feasible trials
 };
 
-// Success by the distance of the start from the axis: quarters of the trials.
-struct Ring {
-  double from, to;  // [m]
-  std::size_t feasible, inserted;
-};
 std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
                                   const std::vector<Vector2d>& starts) {
   constexpr std::size_t kRings = 8;
@@ -66,11 +70,11 @@ double share(std::size_t part, std::size_t all) {
   return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : NAN;
 }
 
-Plot misalignment_plot(const std::vector<Entry>& entries, const std::vector<Vector2d>& starts) {
+Plot misalignment_plot(const std::vector<Entry>& entries) {
   Axes axes{"distance of the start from the axis [um]", "inserted [%]", false, false, {}};
   for (const Entry& e : entries) {
     Series series{e.contestant.name, {}, {}, Series::points_on_line};
-    for (const Ring& ring : by_misalignment(e.results, starts)) {
+    for (const Ring& ring : e.rings) {
       series.x.push_back(0.5e6 * (ring.from + ring.to));
       series.y.push_back(100 * share(ring.inserted, ring.feasible));
     }
@@ -170,10 +174,9 @@ int compare_verb(const Arguments& a) {
   if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
   std::vector<Scene> elsewhere;
   for (const std::string& name : a.transfer) elsewhere.push_back(load_scene(name));
-  const Scaling of_hand = scene_scaling(scene);
   for (const Scene& other : elsewhere)
     if (const Scaling s = scene_scaling(other);
-        s.motion != of_hand.motion || s.force != of_hand.force)
+        s.motion != scaling.motion || s.force != scaling.force)
       throw BadInput(other.name + ": scales the hand otherwise than " + scene.name +
                      "; what was learned there means nothing here");
   if (!a.plot.empty()) {
@@ -205,20 +208,22 @@ int compare_verb(const Arguments& a) {
     contestants.back().name = learner->name;
     ++learner;
   }
+  std::vector<Vector2d> starts;
+  for (std::size_t k = 0; k < a.trials; ++k)
+    starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
   std::vector<Entry> entries;
-  const Entry* teacher = nullptr;
-  entries.reserve(contestants.size());
   for (const Contestant& c : contestants) {
     if (interrupted()) return kInterrupted;
     Entry e{c, ns_per_action(c, set.demonstrations.front()), campaign(scene, c.make, c.name)};
     e.summary = summarise(e.results);
+    e.rings = by_misalignment(e.results, starts);
     entries.push_back(std::move(e));
-    if (c.name == kTeacher) teacher = &entries.back();
   }
-
-  std::vector<Vector2d> starts;
-  for (std::size_t k = 0; k < a.trials; ++k)
-    starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
+  const Entry& teacher = *std::find_if(
+      entries.begin(), entries.end(), [](const Entry& e) { return e.contestant.name == kTeacher; });
+  for (Entry& e : entries)
+    if (&e != &teacher && e.summary.feasible > 0)
+      e.against_teacher = compare(e.results, teacher.results);
 
   Json rows = Json::array();
   for (const Entry& e : entries) {
@@ -229,12 +234,12 @@ int compare_verb(const Arguments& a) {
                 {"held_out_mm_s", c.held_out ? Json(1e3 * *c.held_out) : Json(nullptr)},
                 {"ns_per_action", e.ns}};
     row.update(to_json(e.summary));
-    if (&e != teacher && e.summary.feasible > 0) {
+    if (e.against_teacher) {
       row["against_operator"] = Json::object();
-      add_json(compare(e.results, teacher->results), row["against_operator"]);
+      add_json(*e.against_teacher, row["against_operator"]);
     }
     Json misalignment = Json::array();
-    for (const Ring& ring : by_misalignment(e.results, starts))
+    for (const Ring& ring : e.rings)
       misalignment.push_back({{"from_um", 1e6 * ring.from},
                               {"to_um", 1e6 * ring.to},
                               {"feasible", ring.feasible},
@@ -246,12 +251,12 @@ int compare_verb(const Arguments& a) {
     fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
                set.demonstrations.size(), a.trials);
     print_table(entries);
-    if (teacher->summary.feasible > 0)
+    if (teacher.summary.feasible > 0)
       fmt::print("\nagainst the {} on the same trials, percentage points (95 %), McNemar p\n",
                  kTeacher);
     for (const Entry& e : entries) {
-      if (&e == teacher || e.summary.feasible == 0) continue;
-      const Comparison d = compare(e.results, teacher->results);
+      if (!e.against_teacher) continue;
+      const Comparison& d = *e.against_teacher;
       fmt::print("{:<26}{:>+7.1f} ({:+.1f} to {:+.1f})  p = {:.2g}\n", e.contestant.name,
                  100 * d.difference, 100 * d.interval.low, 100 * d.interval.high, d.mcnemar_p);
     }
@@ -303,7 +308,7 @@ int compare_verb(const Arguments& a) {
   }
 
   if (!a.plot.empty()) {
-    write_svg(a.plot + "/misalignment.svg", misalignment_plot(entries, starts));
+    write_svg(a.plot + "/misalignment.svg", misalignment_plot(entries));
     for (const Entry& e : entries)
       write_svg(a.plot + "/map_" + file_name(e.contestant.name) + ".svg", map_of(e, starts));
     if (!learning.empty()) write_svg(a.plot + "/demonstrations.svg", learning_plot(learning));

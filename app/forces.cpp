@@ -35,12 +35,12 @@ void print_table(const std::vector<ForceRow>& rows) {
 }
 
 int forces_verb(const Arguments& a) {
-  Json document = load_document(a.scene.scene, a.scene.settings);
-  if (document.is_object()) document.erase("accuracy");  // a table leaves out nothing
-  if (!a.form.empty())
-    set_form(document, a.form == "printed" ? Form::printed : Form::corrected,
-             a.scene.scene + " with --form " + a.form);
-  const Scene scene = parse_scene(document, a.scene.scene);
+  Scene scene = load_scene(a.scene.scene, a.scene.settings, Planning::none);  // nothing left out
+  if (!a.form.empty()) {
+    const std::string file = a.scene.scene + " with --form " + a.form;
+    set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
+    scene = parse_scene(scene.document, file);
+  }
   const std::vector<double> depths =
       a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");
   // In contact the gap is closed, unless one is asked for.

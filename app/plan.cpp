@@ -42,13 +42,7 @@ double cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
 
 int plan_scene(const Arguments& a) {
   // The tolerance asked for here, whatever the scene says.
-  Json document = load_document(a.scene.scene, a.scene.settings);
-  if (document.is_object()) {
-    document.erase("accuracy");
-    document.erase("planned_accuracy");
-    document.erase("planned_error_bound");
-  }
-  const Scene scene = parse_scene(document, a.scene.scene);
+  const Scene scene = load_scene(a.scene.scene, a.scene.settings, Planning::none);
   const Plan plan = make_plan(scene, a.tolerance);
   std::vector<double> costs;
   for (const PlannedTerm& t : plan.terms) costs.push_back(cost(plan, scene, t));

@@ -4,7 +4,6 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 namespace ferrule {
 
@@ -24,8 +23,5 @@ struct DeviceProfile {
 // `name_or_file`: a file, or the bare name of a profile that ships with the program. Throws
 // BadInput, FileTrouble.
 DeviceProfile load_device_profile(const std::string& name_or_file);
-
-// Names of the profiles that ship with the program, sorted.
-std::vector<std::string> shipped_device_profiles();
 
 }  // namespace ferrule

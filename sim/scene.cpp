@@ -1,16 +1,15 @@
 #include "sim/scene.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <numbers>
 
 #include "sim/plan.hpp"
+#include "sim/shipped_files.hpp"
 
 namespace ferrule {
 namespace {
 
-namespace fs = std::filesystem;
+constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 
 constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
 constexpr double degree = std::numbers::pi / 180;
@@ -231,30 +230,9 @@ ForceSensorModel read_sensor(JsonFields f) {
   return sensor;
 }
 
-std::string scene_folder() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    const fs::path installed = program.parent_path().parent_path() / "share/ferrule/scenes";
-    if (fs::is_directory(installed)) return installed.string();
-  }
-  return FERRULE_SCENES;
-}
-
-std::string scene_file(const std::string& name_or_file) {
-  const bool bare = name_or_file.find('/') == std::string::npos &&
-                    name_or_file.find(".json") == std::string::npos;
-  if (!bare || fs::is_regular_file(name_or_file)) return name_or_file;
-  const std::string shipped = scene_folder() + "/" + name_or_file + ".json";
-  if (fs::exists(shipped)) return shipped;
-  std::string message = name_or_file + ": no such scene file, and no shipped scene of that name:";
-  for (const auto& name : shipped_scenes()) message += " " + name;
-  throw FileTrouble(message);
-}
-
 }  // namespace
 
-Scene parse_scene(const Json& document, const std::string& file) {
+Scene parse_scene(const Json& document, const std::string& file, Planning planning) {
   JsonFields fields(document, file);
   Scene scene{};
   scene.document = document;
@@ -307,7 +285,10 @@ Scene parse_scene(const Json& document, const std::string& file) {
   const Rule accuracy = rule::between(1e-6, 0.5, "must be from 1e-6 to 0.5");
   const double tolerance = to_plan ? fields.number("accuracy", accuracy) : 0;
   fields.finish();
-  if (!to_plan) return scene;
+  if (planning == Planning::none)
+    for (const char* key : {"accuracy", "planned_accuracy", "planned_error_bound"})
+      scene.document.erase(key);
+  if (!to_plan || planning == Planning::none) return scene;
   const Plan plan = make_plan(scene, tolerance);
   return parse_scene(plan.document, file);
 }
@@ -335,28 +316,16 @@ void apply_setting(Json& document, const std::string& setting) {
   *place = value;
 }
 
-Json load_document(const std::string& name_or_file, const std::vector<std::string>& settings) {
-  const std::string file = scene_file(name_or_file);
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings,
+                 Planning planning) {
+  const std::string file = kScenes.find(name_or_file);
   Json document = parse_json(read_text(file), file);
   for (const auto& setting : settings) apply_setting(document, setting);
-  return document;
-}
-
-Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
-  const std::string file = scene_file(name_or_file);
-  return parse_scene(load_document(file, settings), settings.empty() ? file : file + " with --set");
+  return parse_scene(document, settings.empty() ? file : file + " with --set", planning);
 }
 
 std::vector<std::string> shipped_scenes() {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(scene_folder(), error)) {
-    const fs::path& path = entry.path();
-    if (path.extension() == ".json" && path.stem().extension() != ".schema")
-      names.push_back(path.stem().string());
-  }
-  std::sort(names.begin(), names.end());
-  return names;
+  return kScenes.names();
 }
 
 void set_form(Json& document, Form form, const std::string& file) {

@@ -59,15 +59,18 @@ struct Scene {
   Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
 };
 
+// Whether an "accuracy" in the scene is applied (see plan.hpp), or checked and dropped.
+enum class Planning { as_asked, none };
+
 // Throws BadInput: "FILE: KEY = VALUE: RULE".
-Scene parse_scene(const Json& document, const std::string& file);
+Scene parse_scene(const Json& document, const std::string& file,
+                  Planning planning = Planning::as_asked);
 
 // `name_or_file`: a file, or the bare name of a scene that ships with the program. `settings` are
 // "dotted.key=value" with JSON values (bare words are texts); null removes a law. Throws BadInput,
 // FileTrouble.
-Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
-// The same, not parsed yet.
-Json load_document(const std::string& name_or_file, const std::vector<std::string>& settings = {});
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {},
+                 Planning planning = Planning::as_asked);
 
 // One of those settings. Throws BadInput.
 void apply_setting(Json& document, const std::string& setting);

@@ -191,10 +191,9 @@ class Scenes(Case):
         self.refused(2, "plan", "--scene", file, says=("nested deeper",))
 
     def test_an_accuracy_that_is_not_reached_is_said(self):
-        run = self.done("record", "--scene", "demo", "--episodes", 1, "--out", self.path("slow"),
-                        "--set", 'laws={"drag":{"form":"corrected","viscosity_Pa_s":5}}',
-                        "--set", "accuracy=0.001", "--set", "limits.time_s=1")
-        self.assertIn("accuracy = 0.001 is not reached", run.stderr)
+        run = self.done("record", "--scene", "paper", "--episodes", 1, "--out", self.path("slow"),
+                        "--set", "accuracy=1e-6", "--set", "limits.time_s=1")
+        self.assertIn("accuracy = 1e-06 is not reached", run.stderr)
 
     def setUp(self):
         super().setUp()
