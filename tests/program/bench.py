@@ -1,0 +1,62 @@
+import json
+
+import h5py
+
+from case import Case, main
+
+
+class Bench(Case):
+    def test_contact_gives_the_published_values(self):
+        rows = json.loads(self.done("contact", "--lambda", 4, "--radius", "0.3,1,2", "--json").stdout)
+        rows = rows["rows"]
+        self.assertEqual([row["A"] for row in rows], [0.3, 1, 2])
+        for row, m, p, d in ((rows[1], 1.044223169, -1.476575195, -0.603569589),
+                             (rows[2], 1.021379139, 1.252730387, 1.782581218)):
+            self.assertAlmostEqual(row["m"], m, delta=1e-9)
+            self.assertAlmostEqual(row["P"], p, delta=1e-9)
+            self.assertAlmostEqual(row["D"], d, delta=1e-9)
+        for lam in (0.01, 0.7, 0.93, 100):
+            self.done("contact", "--lambda", lam, "--curve", "--json", "--plot", self.path("c.svg"))
+            self.assertIn("</svg>", open(self.path("c.svg")).read())
+        for bad in ("0", "101", "nan", "x"):
+            self.refused(2, "contact", "--lambda", bad, "--curve", says=["--lambda"])
+        self.refused(2, "contact", "--lambda", 4, "--radius", "1,-1", says=["--radius"])
+
+    def test_a_plan_is_a_scene_and_accuracy_applies_it(self):
+        plan = json.loads(self.done("plan", "--scene", "demo", "--tolerance", 0.02, "--json",
+                                    "--out", self.path("planned.json")).stdout)
+        self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "error_bound"})
+        self.assertEqual(plan["tolerance"], 0.02)
+        self.assertLessEqual(plan["error_bound"], 0.02)
+        for term in plan["terms"]:
+            self.assertEqual(set(term), {"name", "kept", "fidelity", "max_force_uN",
+                                         "relative_error", "cost_ns"})
+        planned = json.load(open(self.path("planned.json")))
+        self.assertEqual(planned["planned_accuracy"], 0.02)
+        for term in plan["terms"]:
+            if not term["kept"] and term["name"] != "inertia":
+                self.assertIsNone(planned["laws"][term["name"]])
+        # The same scene by its key.
+        self.done("record", "--scene", "demo", "--set", "accuracy=0.02", "--operator", "simulated",
+                  "--episodes", 1, "--seed", 4, "--out", self.path("a"))
+        self.done("record", "--scene", self.path("planned.json"), "--operator", "simulated",
+                  "--episodes", 1, "--seed", 4, "--out", self.path("b"))
+        with h5py.File(self.path("a/episode_0001.h5")) as a, \
+                h5py.File(self.path("b/episode_0001.h5")) as b:
+            self.assertEqual(json.loads(a.attrs["scene"]), planned)
+            self.assertTrue((a["data/demo_0/states"][:] == b["data/demo_0/states"][:]).all())
+        self.done("replay", self.path("a/episode_0001.h5"), "--verify")
+        self.refused(2, "plan", "--tolerance", 0.9, says=["--tolerance"])
+        self.refused(2, "forces", "--set", "accuracy=2", says=["accuracy = 2"])
+
+    def test_capture_takes_exactly_what_fits(self):
+        rows = json.loads(self.done("bench", "capture", "--json").stdout)["rows"]
+        self.assertGreater(len(rows), 600)
+        for row in rows:
+            self.assertEqual(row["inserted"], row["offset_clearances"] < 1, row)
+        self.assertEqual({row["direction_deg"] for row in rows}, {45.0 * k for k in range(8)})
+        self.assertEqual({row["step_s"] for row in rows}, {1e-4, 1e-3, 1e-2})
+
+
+if __name__ == "__main__":
+    main()

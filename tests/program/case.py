@@ -1,0 +1,51 @@
+"""Whole runs of the program, as a user and a reader of its files sees them.
+
+usage: GROUP.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
+"""
+
+import glob
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+PROGRAM, SOURCE, BUILD = map(os.path.abspath, sys.argv[1:4])
+QUICK = ["--set", "start.distance_um=10", "--set", "success.depth_um=8",
+         "--set", "limits.speed_um_s=20", "--set", "start.lateral_sd_um=4"]
+
+
+def ferrule(*arguments, **options):
+    return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
+                          timeout=600, **options)
+
+
+class Case(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.mkdtemp(prefix="ferrule-test-")
+        self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def done(self, *arguments, **options):
+        run = ferrule(*arguments, **options)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return run
+
+    def refused(self, code, *arguments, says=(), **options):
+        run = ferrule(*arguments, **options)
+        self.assertEqual(run.returncode, code, run.stderr + run.stdout)
+        self.assertEqual(run.stdout, "")
+        self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        for text in says:
+            self.assertIn(text, run.stderr)
+
+    def record(self, out, *more, episodes=3):
+        self.done("record", "--scene", "paper", *QUICK, "--episodes", episodes, "--out", out, *more)
+        return sorted(glob.glob(out + "/*.h5"))
+
+
+def main():
+    unittest.main(argv=[sys.argv[0], "-v"], warnings="ignore")

@@ -1,0 +1,86 @@
+import glob
+import json
+
+import jsonschema
+
+from case import SOURCE, Case, ferrule, main
+
+
+class Doctor(Case):
+    def setUp(self):
+        super().setUp()
+        self.schema = json.load(open(SOURCE + "/data/devices/device.schema.json"))
+        jsonschema.Draft202012Validator.check_schema(self.schema)
+        self.validator = jsonschema.Draft202012Validator(self.schema)
+        self.pen = json.load(open(SOURCE + "/data/devices/pen.json"))
+
+    def doctor(self, code, *arguments):
+        run = ferrule("doctor", "--seconds", 0.02, "--json", *arguments)
+        self.assertEqual(run.returncode, code, run.stderr)
+        return json.loads(run.stdout)
+
+    def device(self, **changes):
+        file = self.path("device.json")
+        with open(file, "w") as out:
+            json.dump({**self.pen, **changes}, out)
+        return file
+
+    def test_the_numbers_follow_from_scene_and_device(self):
+        d = self.doctor(0, "--scene", "demo", "--device", "pen")
+        self.assertTrue(d["stable"])
+        self.assertEqual(d["reasons"], [])
+        # Nearly rigid contacts: the holder's 0.5 N/m, magnified 8.46e5/250 times.
+        self.assertLess(abs(d["felt"]["stiffness_N_m"] / 1692 - 1), 0.03)
+        self.assertLess(abs(d["bounds"]["damping_needed_N_s_m"] /
+                            (d["felt"]["stiffness_N_m"] * 1e-3 / 2) - 1), 1e-9)
+        self.assertAlmostEqual(d["bounds"]["quantised_stiffness_N_m"], 2 * 0.04 / 30e-6, delta=1e-6)
+        self.assertGreater(d["tip"]["two_point"], 10)
+        self.assertEqual(d["loop"]["periods"], 20)
+        self.assertLessEqual(d["loop"]["p50_us"], d["loop"]["worst_us"])
+        self.doctor(0, "--set", "success.depth_um=1")  # shallow: the tilts stay small
+        late = self.doctor(1, "--device", self.device(delay_periods=4))
+        self.assertLess(abs(late["bounds"]["damping_needed_N_s_m"] /
+                            d["bounds"]["damping_needed_N_s_m"] - 9), 1e-6)
+
+    def test_every_refused_scene_is_stable_with_the_scaling_it_is_told(self):
+        weak = self.device(damping_N_s_m=0.4)
+        slow = self.device(rate_Hz=200, coulomb_N=0.01)
+        for scene, device in (("bench", "pen"), ("epoxy", "pen"), ("demo", weak), ("paper", slow)):
+            d = self.doctor(1, "--scene", scene, "--device", device)
+            self.assertFalse(d["stable"])
+            self.assertTrue(d["reasons"])
+            again = self.doctor(0, "--scene", scene, "--device", device, *d["set"].split())
+            self.assertTrue(again["stable"])
+            more = f"scaling.hand_force_N={1.02 * d['largest_hand_force_N']}"
+            self.doctor(1, "--scene", scene, "--device", device, "--set", more)
+
+    def test_text_says_refused_and_why(self):
+        run = ferrule("doctor", "--scene", "bench", "--seconds", 0.02)
+        self.assertEqual(run.returncode, 1, run.stderr)
+        self.assertIn("REFUSED for force feedback", run.stdout)
+        self.assertIn("--set scaling.hand_force_N=", run.stdout)
+        run = self.done("doctor", "--scene", "demo", "--seconds", 0.02)
+        self.assertIn("STABLE", run.stdout)
+
+    def test_schema_and_program_agree_on_profiles(self):
+        for file in glob.glob(SOURCE + "/data/devices/*.json"):
+            if not file.endswith(".schema.json"):
+                self.validator.validate(json.load(open(file)))
+        for key in self.pen:
+            for value in (-1, "text", None, True) if key != "rate_Hz" else (9, 1e6):
+                file = self.device(**{key: value})
+                if self.validator.is_valid(json.load(open(file))):
+                    continue
+                self.refused(2, "doctor", "--device", file, says=[f"{file}: {key} = "])
+        for key in ("damping_N_s_m", "coulomb_N", "resolution_um", "delay_periods"):
+            file = self.device(**{key: 0})
+            self.validator.validate(json.load(open(file)))
+            run = ferrule("doctor", "--seconds", 0.01, "--device", file)
+            self.assertIn(run.returncode, (0, 1), run.stderr)
+        self.refused(2, "doctor", "--device", self.device(surprise=1), says=["unknown key"])
+        self.refused(3, "doctor", "--device", "nothing", says=["nothing", "pen"])
+        self.refused(2, "doctor", "--seconds", "0", says=["--seconds"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,134 @@
+import json
+import math
+import os
+
+from case import SOURCE, Case, main
+
+
+class Forces(Case):
+    def test_curves_are_the_printed_formulas(self):
+        hamaker, volts, gamma, angle, film = 1.3e-19, 0.37, 0.031, math.radians(41), 55e-9
+        run = self.done("forces", "--gap-nm", "1:500:50:log", "--length-um", 73, "--json",
+                        "--set", f"laws.van_der_waals.hamaker_J={hamaker}",
+                        "--set", f"laws.electrostatic.voltage_V={volts}",
+                        "--set", f"laws.capillary.surface_tension_N_m={gamma}",
+                        "--set", f"laws.capillary.contact_angle_deg={math.degrees(angle)}",
+                        "--set", f"laws.capillary.film_nm={film * 1e9}")
+        document = json.loads(run.stdout)
+        self.assertEqual(document["scene"], "paper")
+        rows = document["rows"]
+        self.assertEqual(len(rows), 50)
+        self.assertEqual(rows[-1]["gap_nm"], 500)
+        area = 62.5e-6 * math.pi / 2 * 73e-6
+        for row in rows:
+            h = row["gap_nm"] * 1e-9
+            vdw = -hamaker * area / (24 * math.pi * h**3) if h <= 100e-9 else 0
+            self.same(row["van_der_waals_uN"], vdw * 1e6)
+            self.same(row["electrostatic_uN"], -8.85e-12 * volts**2 * area / (2 * h**2) * 1e6)
+            r1 = h / (2 * math.cos(angle))
+            cap = -2 * gamma * 73e-6 * (1 - (h - 2 * film) / (2 * r1)) * math.cos(angle)
+            self.same(row["capillary_uN"], cap * 1e6)
+            self.same(row["gravity_uN"], -2330 * math.pi * 62.5e-6**2 * 0.05 * 1e6)
+            self.assertEqual(row["adhesion_uN"], 0)
+            self.assertEqual(row["friction_uN"], 0)
+            self.assertFalse(row["in_contact"])
+
+    def same(self, a, b):
+        self.assertLessEqual(abs(a - b), 1e-11 * abs(b), (a, b))
+
+    def test_adhesion_and_friction_of_table_i_against_depth(self):
+        rows = json.loads(self.done("forces", "--depth-nm", "0:10:11", "--json").stdout)["rows"]
+        self.assertEqual([row["depth_nm"] for row in rows], list(range(11)))
+        for row, adhesion, friction in ((rows[0], -5.574418828, 0.1296897463),
+                                        (rows[10], -7.830277437, 0.1728765087)):
+            self.assertAlmostEqual(row["adhesion_uN"] / adhesion, 1, delta=2e-9)
+            self.assertAlmostEqual(row["friction_uN"] / friction, 1, delta=2e-9)
+
+    def test_forces_grow_in_a_straight_line_with_the_inserted_length(self):
+        rows = json.loads(self.done("forces", "--length-um", "0:200:21", "--json").stdout)["rows"]
+        for row in rows:
+            self.assertAlmostEqual(row["capillary_uN"], rows[10]["capillary_uN"] *
+                                   row["length_um"] / 100, delta=1e-9)
+
+    def test_a_tilted_fibre_feels_the_mean_over_its_gaps(self):
+        scene = ["--json", "--set", "laws.van_der_waals.form=corrected",
+                 "--set", "laws.electrostatic.form=corrected",
+                 "--set", "laws.capillary.form=corrected"]
+        tilted = json.loads(self.done("forces", "--gap-nm", 10, "--length-um", 100,
+                                      "--tilt-mrad", 1, *scene).stdout)["rows"][0]
+        gaps = 4000
+        rows = json.loads(self.done("forces", "--length-um", 100, "--gap-nm",
+                                    f"{10 + 50 / gaps}:{110 - 50 / gaps}:{gaps}",
+                                    *scene).stdout)["rows"]
+        for name in ("van_der_waals_uN", "electrostatic_uN", "capillary_uN"):
+            mean = sum(row[name] for row in rows) / gaps
+            self.assertLess(mean, 0)
+            self.assertLessEqual(abs(tilted[name] / mean - 1), 1e-3, name)
+
+    def test_plot_is_a_drawing(self):
+        file = self.path("plot.svg")
+        for sweep in (["--gap-nm", "1:500:50:log"], ["--length-um", "0:200:21"],
+                      ["--depth-nm", "0:10:11"]):
+            self.done("forces", *sweep, "--plot", file)
+            text = open(file).read()
+            self.assertIn("</svg>", text)
+            self.assertGreater(text.count("<path"), 5)
+
+    def test_corrected_forms_are_those_of_the_literature(self):
+        lengths = 100e-6
+        run = self.done("forces", "--form", "corrected", "--set",
+                        "laws.capillary.volume_per_length_m2=3e-12", "--set",
+                        "laws.capillary.rupture_nm=400", "--gap-nm", "1:450:31:log", "--json")
+        r, big_r = 62.5e-6, 63e-6
+        c, e0 = big_r - r, 8.8541878128e-12
+        for row in json.loads(run.stdout)["rows"]:
+            h = row["gap_nm"] * 1e-9
+            e = c - h
+            vdw = -3.67e-19 * r * c * e / (2 * ((c - e) * (c + e)) ** 2.5) * lengths
+            self.assertAlmostEqual(row["van_der_waals_uN"] / (vdw * 1e6), 1, delta=1e-8)
+            t = (c - e) * (c + e) / (2 * r * big_r)
+            root = math.sqrt(t * (2 + t))
+            angle = math.log1p(t + root)
+            slope = 2 * math.pi * e0 / angle**2 / root * e / (r * big_r)
+            self.assertAlmostEqual(row["electrostatic_uN"] / (-0.005 * slope * lengths * 1e6), 1,
+                                   delta=1e-7)
+            radius = r * big_r / c
+            low, high = 0, 1e-3
+            for _ in range(200):  # bisection for the half width
+                x = (low + high) / 2
+                low, high = (x, high) if 2 * (h * x + x**3 / (6 * radius)) < 3e-12 else (low, x)
+            cap = -4 * 0.072 * 0.5 * x / (h + x * x / (2 * radius)) * lengths * 1e6
+            self.assertAlmostEqual(row["capillary_uN"], cap if h < 400e-9 else 0, delta=1e-9 * abs(cap))
+            self.assertAlmostEqual(row["gravity_uN"], -14.020, delta=1e-3)
+
+    def test_forms(self):
+        self.refused(2, "forces", "--form", "corrected", "--set", "laws.capillary.rupture_nm=100",
+                     says=["laws.capillary.rupture_nm = 100", "film_nm"])
+        self.refused(2, "forces", "--form", "printed", "--set",
+                     'laws.drag={"form": "corrected", "viscosity_Pa_s": 1}', says=["drag"])
+
+    def test_names_cannot_reach_the_plotting_program(self):
+        scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
+        scene["name"] = f"x\nsystem \"touch {self.path('reached')}\"\n#'"
+        json.dump(scene, open(self.path("named.json"), "w"))
+        self.done("forces", "--scene", self.path("named.json"), "--gap-nm", "1:9:9", "--plot",
+                  self.path("p.svg"))
+        self.assertFalse(os.path.exists(self.path("reached")))
+
+    def test_a_plot_follows_a_link_and_leaves_a_device_a_device(self):
+        target, link = self.path("target.svg"), self.path("link.svg")
+        open(target, "w").close()
+        os.symlink(target, link)
+        for file in (link, "/dev/null"):
+            self.done("forces", "--gap-nm", "1:9:9", "--plot", file)
+        self.assertTrue(os.path.islink(link))
+        self.assertIn("</svg>", open(target).read())
+        self.assertFalse(os.path.isfile("/dev/null"))
+
+    def test_bad_ranges(self):
+        for text in ("", "a", "1:2", "1:2:0", "1:2:3:lin", "0:5:3:log", "-1", "1:2:2.5", "nan"):
+            self.refused(2, "forces", "--gap-nm=" + text, says=["--gap-nm"])
+
+
+if __name__ == "__main__":
+    main()

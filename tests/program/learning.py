@@ -1,0 +1,125 @@
+import json
+import os
+
+from case import QUICK, Case, main
+
+
+class Learning(Case):
+    KEYS = {"trials", "successes", "success_rate", "wilson_low", "wilson_high", "outcomes", "time_s",
+            "peak_force_uN", "loss_dB"}
+
+    def test_record_fit_evaluate(self):
+        out, controller = self.path("out"), self.path("controller.json")
+        self.record(out, episodes=6)
+        self.assertIn("ramp_time", self.done("fit", out, "--out", controller).stdout)
+        again = self.path("again.json")
+        self.done("fit", out, "--out", again, "--json")
+        self.assertEqual(open(controller).read(), open(again).read())
+
+        arguments = ["evaluate", controller, "--scene", "paper", *QUICK, "--trials", 30, "--seed", 9,
+                     "--json", "--baseline", "constant-velocity"]
+        outputs = {self.done(*arguments, "--threads", n).stdout for n in (1, 2, 5, 0)}
+        self.assertEqual(len(outputs), 1)
+        result = json.loads(outputs.pop())
+        for part in (result, result["baseline"]):
+            self.assertTrue(self.KEYS <= set(part))
+            self.assertEqual(sum(part["outcomes"].values()), 30)
+            self.assertEqual(part["outcomes"].get("inserted", 0), part["successes"])
+        self.assertIn("mcnemar_p", result["baseline"])
+        alone = json.loads(self.done("evaluate", "--baseline", "constant-velocity", "--scene",
+                                     "paper", *QUICK, "--trials", 30, "--seed", 9, "--json").stdout)
+        for key in self.KEYS:
+            self.assertEqual(alone[key], result["baseline"][key])
+
+    def test_a_recorded_controller_is_fitted_back(self):
+        out, first, second = self.path("out"), self.path("first.json"), self.path("second.json")
+        self.record(out, episodes=6)
+        self.done("fit", out, "--out", first)
+        known = json.load(open(first))
+        known["gains"]["yield_y"]["value"] = 8.8e-4
+        known["gains"]["slowing"]["value"] = 0.21
+        known["gains"]["yield_x"]["value"] = 1.3e-4
+        json.dump(known, open(first, "w"))
+        by_law = self.path("by_law")
+        self.done("record", "--operator", first, "--scene", "paper", *QUICK, "--episodes", 6,
+                  "--out", by_law)
+        self.done("fit", by_law, "--out", second)
+        back = json.load(open(second))
+        for name, gain in known["gains"].items():
+            self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
+                                   msg=name)
+
+    def test_a_supervisor_is_asked_for_and_says_what_it_did(self):
+        arguments = ["evaluate", "--baseline", "constant-velocity", "--trials", 12, "--seed", 5]
+        alone = json.loads(self.done(*arguments, "--json").stdout)
+        self.assertNotIn("interventions", alone)
+        kept, again = (self.done(*arguments, "--json", "--supervise", "--threads", n).stdout
+                       for n in (1, 2))
+        self.assertEqual(kept, again)
+        kept = json.loads(kept)
+        self.assertGreater(kept["successes"], alone["successes"])
+        self.assertEqual(kept["trials_with_interventions"], 12)
+        self.assertEqual(kept["interventions"]["acceleration"]["trials"], 12)
+        self.assertEqual(kept["interventions"]["retreat"]["count"],
+                         sum(kept["interventions"][kind]["count"] for kind in ("held", "jam")) -
+                         kept["outcomes"].get("gave_up", 0))
+        self.assertEqual(sum(kept["gave_up"].values()), kept["outcomes"].get("gave_up", 0))
+        self.assertIn("retreat", self.done(*arguments, "--supervise").stdout)
+        self.refused(2, "record", "--supervise", "--out", self.path("out"), says=["--supervise"])
+
+    def test_a_law_is_chosen_drawn_and_run(self):
+        out, controller, plot = self.path("out"), self.path("c.json"), self.path("law.svg")
+        self.record(out, episodes=6)
+        run = self.done("fit", out, "--law", "auto", "--out", controller, "--plot", plot, "--json")
+        fitted = json.loads(run.stdout)
+        table = fitted["metrics"]["cross_validation"]
+        self.assertEqual(set(table), {"linear", "insertion", "phased", "saturated"})
+        best = min(table.values(), key=lambda law: law["error_m_s"])
+        for law in table.values():  # none with fewer gains is as good
+            if law["gains"] < table[fitted["law"]]["gains"]:
+                self.assertGreater(law["error_m_s"],
+                                   best["error_m_s"] + best["standard_error_m_s"])
+        self.assertEqual(len(fitted["gains"]), table[fitted["law"]]["gains"])
+        text = open(plot).read()
+        self.assertIn("</svg>", text)
+        self.assertIn("felt F_y [N]", text)
+        for law in ("linear", "saturated"):
+            run = self.done("fit", out, "--law", law, "--out", controller)
+            self.assertIn("law: " + law, run.stdout)
+            self.assertEqual(json.load(open(controller))["law"], law)
+            self.done("evaluate", controller, "--scene", "paper", *QUICK, "--trials", 3)
+        self.refused(2, "fit", out, "--law", "cubic", "--out", controller, says=["cubic"])
+
+    def test_parameters_of_the_scene_are_identified(self):
+        out, key = self.path("out"), "laws.friction.burgers_nm"
+        self.record(out)
+        arguments = ["identify", out, "--parameters", key + ",ferrule.length_mm"]
+        run = self.done(*arguments, "--set", key + "=0.8", "--json")
+        found = json.loads(run.stdout)
+        self.assertAlmostEqual(found["parameters"][key]["value"], 0.48, delta=1e-4)
+        self.assertEqual(found["parameters"][key]["start"], 0.8)
+        self.assertEqual(found["parameters"][key]["told"], "fitted")
+        self.assertEqual(found["parameters"]["ferrule.length_mm"]["told"], "open")
+        self.assertIsNone(found["parameters"]["ferrule.length_mm"]["value"])
+        self.assertEqual(len(found["episodes"]), 3)
+        self.assertIn("tell nothing about it", self.done(*arguments, "--scene", "paper").stdout)
+        self.refused(2, "identify", out, "--parameters", "laws.friction.b", says=["laws.friction.b"])
+        self.refused(2, "identify", out, says=["--parameters"])
+        os.remove(out + "/episode_0001.h5")
+        self.refused(2, *arguments, says=["too few episodes"])
+
+    def test_refusals(self):
+        out = self.path("out")
+        self.record(out, episodes=2)
+        self.refused(2, "fit", out, "--out", self.path("c.json"), says=["too few demonstrations"])
+        self.assertFalse(os.path.exists(self.path("c.json")))
+        self.refused(3, "fit", self.path("none"), "--out", self.path("c.json"), says=["none"])
+        self.refused(3, "evaluate", self.path("none.json"), says=["none.json"])
+        for text, code in (("{}", 2), ("", 2), ('{"format": "ferrule controller"}', 2)):
+            with open(self.path("bad.json"), "w") as f:
+                f.write(text)
+            self.refused(code, "evaluate", self.path("bad.json"), says=["bad.json"])
+
+
+if __name__ == "__main__":
+    main()

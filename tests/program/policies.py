@@ -1,0 +1,265 @@
+import copy
+import glob
+import hashlib
+import json
+import os
+import random
+import shutil
+import subprocess
+import tempfile
+
+import h5py
+import jsonschema
+import numpy
+
+from case import SOURCE, Case, ferrule, main
+
+
+class Policies(Case):
+    """Slow; only in the release build."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.shared = tempfile.mkdtemp(prefix="ferrule-test-")
+        cls.addClassCleanup(shutil.rmtree, cls.shared, ignore_errors=True)
+        cls.episodes, cls.law = cls.shared + "/episodes", cls.shared + "/law.json"
+        cls.file = cls.shared + "/c.json"
+        run = ferrule("record", "--scene", "demo", "--skill", 0.8, "--episodes", 20, "--out",
+                      cls.episodes)
+        assert run.returncode == 0, run.stderr
+        run = ferrule("fit", cls.episodes, "--out", cls.law)
+        assert run.returncode == 0, run.stderr
+        run = ferrule("fit", cls.episodes, "--method", "torch", "--ensemble", 2, "--out", cls.file,
+                      "--plot", cls.shared + "/training.svg")
+        cls.torch = run.returncode == 0
+        if not cls.torch:
+            assert run.returncode == 2 and "libtorch-dev" in run.stderr, run.stderr
+
+    def needs_torch(self):
+        if not self.torch:
+            self.skipTest("built without libtorch")
+
+    # Five of the episodes, for what need not be good.
+    def few(self):
+        folder = self.path("few")
+        os.mkdir(folder)
+        for file in sorted(glob.glob(self.episodes + "/*.h5"))[:5]:
+            shutil.copy(file, folder)
+        return folder
+
+    # An independent reader of both files.
+    def read(self, file):
+        controller = json.load(open(file))
+        data = open(os.path.join(os.path.dirname(file), controller["weights"]), "rb").read()
+        self.assertEqual(hashlib.sha1(data).hexdigest(), controller["weights_sha1"])
+        length = int.from_bytes(data[:8], "little")
+        header = json.loads(data[8:8 + length])
+        arrays = {}
+        for name, entry in header.items():
+            if name != "__metadata__":
+                self.assertEqual(entry["dtype"], "F32")
+                first, last = entry["data_offsets"]
+                arrays[name] = numpy.frombuffer(data[8 + length + first:8 + length + last],
+                                                "<f4").reshape(entry["shape"]).astype(float)
+        return controller, arrays
+
+    # Inputs of the policy at every row of an episode.
+    def inputs(self, controller, felt, depth):
+        columns = []
+        for k in range(controller["history"]["samples"]):
+            late = numpy.zeros_like(felt)
+            shift = k * controller["history"]["spacing_periods"]
+            late[shift:] = felt[:len(felt) - shift]
+            columns.append(late)
+        return numpy.column_stack(columns + [depth])
+
+    def answer(self, controller, arrays, inputs):
+        samples = controller["history"]["samples"]
+        scales = controller["inputs"][:5] * samples + controller["inputs"][5:]
+        z = (inputs - [c["mean"] for c in scales]) / [c["scale"] for c in scales]
+        mean = 0
+        for m in range(controller["ensemble"]):
+            h = z
+            for i in range(len(controller["hidden"]) + 1):
+                name = f"members.{m}.layers.{i}."
+                h = h @ arrays[name + "weight"].T + arrays[name + "bias"]
+                h = numpy.tanh(h) if i < len(controller["hidden"]) else h
+            mean = mean + h[:, :3] / controller["ensemble"]
+        out = controller["outputs"]
+        velocity = mean * [c["scale"] for c in out] + [c["mean"] for c in out]
+        speed = numpy.linalg.norm(velocity, axis=1, keepdims=True)
+        return velocity * numpy.minimum(1, controller["limits"]["speed_m_s"] / speed)
+
+    # What the controller of `file` felt and did: wrench at the hand, depth, time, velocity.
+    def recorded(self, file):
+        out = self.path("by " + os.path.basename(file))
+        self.done("record", "--operator", file, "--scene", "demo", "--episodes", 1, "--seed", 5,
+                  "--set", "limits.speed_um_s=1000", "--out", out)
+        with h5py.File(out + "/episode_0001.h5") as f:
+            demo = f["data/demo_0"]
+            x, force = f.attrs["alpha_x"], f.attrs["alpha_f"]
+            wrench = demo["rows/holder_wrench"][:] * [force] * [1, 1, 1, x, x]
+            pose = demo["rows/hand_pose"][:]
+            return (wrench - wrench[0], numpy.maximum(0, -pose[:, 0]),
+                    demo["rows/time"][:].ravel(), demo["rows/command"][:, :3])
+
+    def close(self, a, b, tolerance=1e-6):
+        self.assertGreater(len(a), 1000)
+        scale = numpy.abs(b).max(axis=0)
+        self.assertLessEqual((numpy.abs(a - b) / scale).max(), tolerance)
+
+    def test_a_fitted_policy_inserts_far_more_often_than_constant_velocity(self):
+        self.needs_torch()
+        result = json.loads(self.done("evaluate", self.file, "--scene", "demo", "--trials", 25,
+                                      "--baseline", "constant-velocity", "--json").stdout)
+        self.assertGreater(result["baseline"]["difference_low"], 0.1)
+        self.assertLess(result["baseline"]["mcnemar_p"], 1e-2)
+
+    def test_files_are_of_the_schema_and_say_what_they_were_trained_on(self):
+        schema = json.load(open(SOURCE + "/data/controller.schema.json"))
+        jsonschema.Draft202012Validator.check_schema(schema)
+        validator = jsonschema.Draft202012Validator(schema)
+        validator.validate(json.load(open(self.law)))
+        self.needs_torch()
+        controller, _ = self.read(self.file)
+        validator.validate(controller)
+        told = controller["trained_on"]
+        self.assertEqual(len(told["episodes"]) + len(told["held_out"]), 20)
+        for episode in told["episodes"] + told["held_out"]:
+            data = open(episode["file"], "rb").read()
+            self.assertEqual(hashlib.sha1(data).hexdigest(), episode["sha1"])
+        self.assertIn("</svg>", open(self.shared + "/training.svg").read())
+
+    def test_schema_and_program_agree_on_broken_controllers(self):
+        self.needs_torch()
+        validator = jsonschema.Draft202012Validator(
+            json.load(open(SOURCE + "/data/controller.schema.json")))
+        good, paths, draw = json.load(open(self.file)), [], random.Random(2)
+
+        def walk(node, path):
+            for key in node if isinstance(node, dict) else range(len(node)):
+                paths.append(path + [key])
+                if isinstance(node[key], (dict, list)):
+                    walk(node[key], path + [key])
+
+        walk(good, [])
+        file, refused = self.path("broken.json"), 0
+        shutil.copy(self.shared + "/c.safetensors", self.folder)
+        for _ in range(60):
+            bad, path = copy.deepcopy(good), draw.choice(paths)
+            # What no schema can say: what belongs to the weights.
+            if path[0] in ("weights", "weights_sha1", "ensemble", "hidden") or path[-1] == "samples":
+                continue
+            place = bad
+            for key in path[:-1]:
+                place = place[key]
+            if draw.randrange(3) == 0:
+                del place[path[-1]]
+            else:
+                place[path[-1]] = draw.choice([-1, 0, "text", None, [], {}, True, 1e300, 0.3, 7])
+            json.dump(bad, open(file, "w"))
+            run = ferrule("export", file, "--header", self.path("x.h"))
+            self.assertIn(run.returncode, (0, 2), run.stderr)
+            self.assertEqual(run.returncode == 0, validator.is_valid(bad), (path, run.stderr))
+            self.assertEqual(run.stderr.count("\n"), run.returncode != 0, run.stderr)
+            refused += run.returncode != 0
+        self.assertGreater(refused, 20)
+
+    def test_the_same_command_gives_the_same_bytes(self):
+        self.needs_torch()
+        few, texts = self.few(), []
+        for _ in range(2):
+            self.done("fit", few, "--method", "torch", "--ensemble", 2, "--out", self.path("c.json"))
+            texts.append([open(self.path(name), "rb").read()
+                          for name in ("c.json", "c.safetensors")])
+        self.assertEqual(*texts)
+
+    def test_the_weights_give_the_same_answers_to_another_reader(self):
+        self.needs_torch()
+        controller, arrays = self.read(self.file)
+        felt, depth, _, velocity = self.recorded(self.file)
+        self.close(self.answer(controller, arrays, self.inputs(controller, felt, depth)), velocity)
+
+    def test_torchscript_answers_alike_in_python(self):
+        self.needs_torch()
+        try:
+            import torch
+        except ImportError:
+            self.skipTest("no torch for Python")
+        script = self.path("c.pt")
+        self.done("export", self.file, "--torchscript", script)
+        felt, depth, _, velocity = self.recorded(self.file)
+        controller, _ = self.read(self.file)
+        inputs = torch.from_numpy(self.inputs(controller, felt, depth))
+        answer, deviation, disagreement = torch.jit.load(script)(inputs)
+        self.close(answer.numpy(), velocity)
+        self.assertTrue((deviation.numpy() > 0).all() and (disagreement.numpy() >= 0).all())
+        self.refused(2, "export", self.law, "--torchscript", script, says=["law.json", "network"])
+
+    # Feeds the header's controller what the recorded one felt.
+    def by_header(self, file):
+        header, source, program = self.path("c.h"), self.path("c.c"), self.path("c")
+        self.done("export", file, "--header", header)
+        with open(source, "w") as out:
+            out.write('''#include "c.h"
+#include <stdio.h>
+int main(void) {
+  ferrule_state s;
+  double w[5], d, t, v[5];
+  ferrule_start(&s);
+  while (scanf("%lf %lf %lf %lf %lf %lf %lf", w, w + 1, w + 2, w + 3, w + 4, &d, &t) == 7) {
+    ferrule_command(&s, w, d, t, v);
+    printf("%.17g %.17g %.17g\\n", v[0], v[1], v[2]);
+  }
+  return 0;
+}
+''')
+        subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", source,
+                        "-o", program, "-lm"], check=True)
+        felt, depth, t, velocity = self.recorded(file)
+        rows = "\n".join(" ".join(f"{x:.17g}" for x in row)
+                         for row in numpy.column_stack([felt, depth, t]))
+        run = subprocess.run([program], input=rows, capture_output=True, text=True, check=True)
+        self.close(numpy.array([line.split() for line in run.stdout.splitlines()], float), velocity)
+
+    def test_the_header_of_a_law_answers_alike(self):
+        self.by_header(self.law)
+
+    def test_the_header_of_a_policy_answers_alike(self):
+        self.needs_torch()
+        self.by_header(self.file)
+
+    def test_rounds_of_dagger(self):
+        self.needs_torch()
+        out = self.path("d.json")
+        few = self.few()
+        self.done("fit", few, "--method", "torch", "--out", out)
+        before = json.load(open(out))["trained_on"]["rows"]
+        self.done("fit", few, "--method", "torch", "--dagger", 1, "--out", out)
+        controller, _ = self.read(out)
+        [told] = controller["metrics"]["dagger"]
+        self.assertEqual(told["trials"], 10)
+        self.assertGreater(told["rows"], 1000)
+        self.assertEqual(controller["trained_on"]["rows"], before + told["rows"])
+
+    def test_refusals(self):
+        self.refused(2, "fit", self.episodes, "--ensemble", 2, "--out", self.path("x.json"),
+                     says=["--ensemble", "--method torch"])
+        self.refused(2, "export", self.law, says=["--torchscript", "--header"])
+        self.refused(3, "export", self.path("none.json"), "--header", self.path("x.h"),
+                     says=["none.json"])
+        self.assertFalse(os.path.exists(self.path("x.h")))
+        self.needs_torch()
+        self.refused(2, "fit", self.episodes, "--method", "torch", "--out", self.path("x.safetensors"),
+                     says=[".safetensors"])
+        good = open(self.shared + "/c.safetensors", "rb").read()
+        shutil.copy(self.file, self.folder)
+        for bad in (b"", good[:7], good[:100], good[:-4], good + b"0000", b"\xff" * 8 + good[8:],
+                    good[:-4] + b"\x00\x00\xc0\x7f", good[:-1] + bytes([good[-1] ^ 1])):
+            with open(self.path("c.safetensors"), "wb") as out:
+                out.write(bad)
+            self.refused(2, "evaluate", self.path("c.json"), says=["c.safetensors"])
+
+
+if __name__ == "__main__":
+    main()

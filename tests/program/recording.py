@@ -1,0 +1,201 @@
+import glob
+import json
+import os
+import signal
+import subprocess
+import time
+
+import h5py
+import numpy
+
+from case import PROGRAM, QUICK, Case, ferrule, main
+
+
+class Recording(Case):
+    def test_an_episode_is_read_by_h5py_as_documented(self):
+        files = self.record(self.path("out"))
+        self.assertEqual(len(files), 3)
+        with h5py.File(files[1]) as f:
+            self.assertEqual(f.attrs["format"], b"ferrule episode")
+            self.assertEqual(f.attrs["outcome"], b"inserted")
+            self.assertEqual(json.loads(f.attrs["scene"])["name"], "paper")
+            self.assertEqual(f.attrs["trial"], 2)
+            self.assertAlmostEqual(f.attrs["alpha_x"], 250)
+            demo = f["data/demo_0"]
+            n = demo.attrs["num_samples"]
+            self.assertEqual(f["data"].attrs["total"], n)
+            arguments = json.loads(f["data"].attrs["env_args"])
+            self.assertTrue({"env_name", "type", "env_type", "env_version", "env_kwargs"}
+                            <= set(arguments))
+            for name in ("actions", "states"):
+                self.assertEqual(demo[name].shape[0], n)
+                self.assertEqual(demo[name].compression, "gzip")
+            self.assertEqual(demo["rewards"].shape, (n,))
+            self.assertEqual(demo["dones"][-1], 1)
+            self.assertEqual(demo["rewards"][-1], 1)
+            self.assertLessEqual(abs(demo["actions"][:]).max(), 1)
+            for key in demo["obs"]:
+                now, later = demo["obs"][key][:], demo["next_obs"][key][:]
+                self.assertTrue((now[1:] == later[:-1]).all())
+            # Unscaled actions are the commands, and commands move the hand.
+            scale = demo["actions"].attrs["scale_m_s"]
+            command = demo["rows/command"][:]
+            numpy.testing.assert_allclose(demo["actions"][:, 0] * scale, command[:, 0], rtol=1e-12)
+            pose = demo["rows/hand_pose"][:]
+            numpy.testing.assert_allclose(numpy.diff(pose, axis=0) / 1e-3, command[:-1], atol=1e-11)
+            # The hand's world is the tip's, scaled: the hand in the state is the hand's pose.
+            numpy.testing.assert_allclose(demo["states"][:, 5:8] * 250, pose[:, :3], rtol=1e-12)
+            wrench = demo["rows/holder_wrench"][:, :3]
+            numpy.testing.assert_allclose(demo["obs/wrench_N"][:, :3], wrench * 8.46e5, rtol=1e-5,
+                                          atol=1e-6)
+            # In equilibrium the holder carries the sum of all other forces.
+            total = demo["rows/forces"][:].reshape(n, 9, 3).sum(axis=1)
+            numpy.testing.assert_allclose(total, wrench, atol=5e-11)
+
+            def units(name, item):
+                if isinstance(item, h5py.Dataset):
+                    self.assertIn("unit", item.attrs, name)
+                    self.assertIn("columns", item.attrs, name)
+
+            demo.visititems(units)
+
+    def test_same_seed_same_rows_other_seed_other_rows(self):
+        a = self.record(self.path("a"), "--seed", 5, episodes=1)[0]
+        b = self.record(self.path("b"), "--seed", 5, episodes=1)[0]
+        c = self.record(self.path("c"), "--seed", 6, episodes=1)[0]
+        states = [h5py.File(f)["data/demo_0/states"][:] for f in (a, b, c)]
+        self.assertTrue((states[0] == states[1]).all())
+        self.assertFalse(states[0].shape == states[2].shape and (states[0] == states[2]).all())
+
+    def test_a_folder_with_episodes_is_only_added_to_when_asked(self):
+        out = self.path("out")
+        self.record(out, episodes=1)
+        self.refused(2, "record", "--out", out, says=["--append"])
+        self.assertEqual(len(self.record(out, "--append", episodes=2)), 3)
+
+    def test_kill_loses_no_finished_episode_and_recover_brings_back_the_running_one(self):
+        for delay in (0.3, 0.8, 1.3):
+            out = self.path(f"out{delay}")
+            process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
+                                        "--out", out], stdout=subprocess.PIPE, text=True)
+            first = process.stdout.readline()
+            self.assertIn("episode_0001.h5", first)
+            time.sleep(delay)
+            process.kill()
+            told = [first] + process.stdout.read().splitlines()
+            process.wait()
+            process.stdout.close()
+            whole = glob.glob(out + "/*.h5")
+            self.assertGreaterEqual(len(whole), len([t for t in told if ".h5" in t]))
+            parts = glob.glob(out + "/*.part")
+            # Between two episodes there may be none; one that had no rows yet stays.
+            result = json.loads(self.done("recover", out, "--json").stdout)["recovered"]
+            self.assertEqual(len(result), len(parts))
+            for each in result:
+                if each["file"]:
+                    with h5py.File(each["file"]) as f:
+                        self.assertEqual(f["data/demo_0/states"].shape[0], each["rows"])
+                        self.assertEqual(f.attrs["outcome"], b"interrupted")
+            for file in sorted(glob.glob(out + "/*.h5"))[-3:]:
+                self.done("replay", file, "--verify")
+            self.assertEqual(glob.glob(out + "/*.tmp"), [])
+
+    def test_ctrl_c_ends_the_episode_cleanly_and_says_so(self):
+        out = self.path("out")
+        process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
+                                    "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   text=True)
+        process.stdout.readline()
+        time.sleep(0.2)
+        process.send_signal(signal.SIGINT)
+        _, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertIn("stopped by Ctrl-C", errors)
+        self.assertEqual(glob.glob(out + "/*.part"), [])
+        for file in sorted(glob.glob(out + "/*.h5"))[-3:]:
+            self.done("replay", file, "--verify")
+
+    def test_a_full_disk_is_one_line_and_keeps_what_was_flushed(self):
+        out = self.path("out")
+
+        def small_files():
+            import resource
+            resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+
+        # The journal fits and the episode does not, or neither does.
+        whole = self.path("whole")
+        self.record(whole, episodes=1)
+        for limit in (os.path.getsize(glob.glob(whole + "/*.h5")[0]) // 2, 100):
+            def tight():
+                import resource
+                resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
+                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            run = ferrule("record", "--scene", "paper", *QUICK, "--episodes", 1, "--out",
+                          self.path(f"tight{limit}"), preexec_fn=tight)
+            self.assertEqual(run.returncode, 3, run.stderr)
+        run = ferrule("record", "--scene", "paper", "--episodes", 1, "--out", out,
+                      preexec_fn=small_files)
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        self.assertEqual(glob.glob(out + "/*.h5") + glob.glob(out + "/*.tmp"), [])
+        recovered = json.loads(self.done("recover", out, "--json").stdout)["recovered"]
+        self.assertGreater(recovered[0]["rows"], 4000)
+        self.done("replay", recovered[0]["file"], "--verify")
+
+    def test_two_recorders_share_a_folder(self):
+        out = self.path("out")
+        first = subprocess.Popen([PROGRAM, "record", "--scene", "paper", *QUICK, "--episodes", "6",
+                                  "--seed", "1", "--out", out], stdout=subprocess.PIPE, text=True)
+        first.stdout.readline()
+        second = self.done("record", "--scene", "paper", *QUICK, "--episodes", 6, "--seed", 99,
+                           "--out", out, "--append").stdout
+        told = first.communicate()[0] + second
+        self.assertEqual(first.returncode, 0)
+        files = sorted(glob.glob(out + "/*.h5"))
+        self.assertEqual(len(files), 12)
+        seeds = [int(h5py.File(file).attrs["seed"]) for file in files]
+        self.assertEqual((seeds.count(1), seeds.count(99)), (6, 6))
+        for file in files[1:]:
+            self.assertEqual(told.count(file), 1)
+
+    def test_recover_keeps_a_journal_whose_episode_cannot_be_read(self):
+        out = self.path("out")
+        process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
+                                    "--out", out], stdout=subprocess.PIPE)
+        process.stdout.readline()
+        time.sleep(0.05)
+        process.kill()
+        process.communicate()
+        for part in glob.glob(out + "/*.part"):
+            with open(part.replace(".part", ".h5"), "w") as junk:
+                junk.write("junk")
+            run = ferrule("recover", out)
+            self.assertEqual(run.returncode, 3)
+            self.assertTrue(os.path.exists(part))
+        os.mkdir(out + "/episode_0900.part")
+        ferrule("recover", out)
+
+    def test_the_longest_trial_ends_an_operator_that_never_finishes(self):
+        out, controller = self.path("out"), self.path("controller.json")
+        self.record(out, episodes=6)
+        self.done("fit", out, "--out", controller)
+        law = json.load(open(controller))
+        law["gains"]["end_depth"]["value"] = 8.3e-6 * 250
+        json.dump(law, open(controller, "w"))
+        run = self.done("record", "--operator", controller, "--scene", "paper", *QUICK, "--set",
+                        "limits.time_s=9", "--episodes", 1, "--out", self.path("by_law"), "--json")
+        self.assertLessEqual(json.loads(run.stdout)["episodes"][0]["time_s"], 9.001)
+
+    def test_numbers_out_of_range(self):
+        for option, value in (("--skill", "nan"), ("--skill", "1.1"), ("--seed", "-1"),
+                              ("--seed", "9" * 20), ("--seed", "1.5"), ("--episodes", "0")):
+            self.refused(2, "record", option, value, "--out", self.path("x"), says=[option])
+        self.assertFalse(os.path.exists(self.path("x")))
+
+    def test_a_folder_that_cannot_be_made(self):
+        self.refused(3, "record", "--out", "/proc/nothing/here", says=["/proc/nothing/here"])
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,75 @@
+import json
+import random
+import shutil
+
+import h5py
+import numpy
+
+from case import Case, ferrule, main
+
+
+class Replay(Case):
+    def test_a_changed_number_is_reported_at_its_row(self):
+        file = self.record(self.path("out"), episodes=1)[0]
+        self.done("replay", file)
+        self.assertTrue(json.loads(self.done("replay", file, "--verify", "--json").stdout)["identical"])
+        with h5py.File(file) as f:
+            names = []
+            f["data/demo_0"].visititems(
+                lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        self.assertGreater(len(names), 14)
+        for name in names:
+            for row in (0, 321, -1):
+                changed = self.path("changed.h5")
+                shutil.copy(file, changed)
+                with h5py.File(changed, "r+") as f:
+                    data = f["data/demo_0/" + name]
+                    value = data[row]
+                    flat = numpy.atleast_1d(value).copy()
+                    if flat.dtype.kind == "f":
+                        flat[-1] = numpy.nextafter(flat[-1], flat.dtype.type(1e9))
+                    else:
+                        flat[-1] += 1
+                    data[row] = flat.reshape(numpy.shape(value))
+                    expected = row % data.shape[0]
+                run = ferrule("replay", changed, "--verify", "--json")
+                self.assertEqual(run.returncode, 1, (name, row, run.stderr))
+                found = json.loads(run.stdout)["difference"]["row"]
+                self.assertLessEqual(abs(found - expected), 1, (name, row))
+
+    def test_flipped_bytes_are_never_taken_for_a_whole_file(self):
+        file = self.record(self.path("out"), episodes=1)[0]
+        whole = open(file, "rb").read()
+        with h5py.File(file) as f:
+            data = f["data/demo_0/states"]
+            chunk = data.id.get_chunk_info(1)
+        draw = random.Random(1)
+        for _ in range(25):
+            changed = bytearray(whole)
+            at = chunk.byte_offset + draw.randrange(chunk.size)
+            changed[at] ^= 1 << draw.randrange(8)
+            with open(self.path("flipped.h5"), "wb") as out:
+                out.write(changed)
+            run = ferrule("replay", self.path("flipped.h5"), "--verify")
+            self.assertIn(run.returncode, (1, 3), at)
+        for _ in range(60):  # anywhere: no crash, no hang
+            changed = bytearray(whole)
+            for _ in range(20):
+                changed[draw.randrange(len(changed))] ^= 1 << draw.randrange(8)
+            with open(self.path("flipped.h5"), "wb") as out:
+                out.write(changed)
+            run = ferrule("replay", self.path("flipped.h5"), "--verify")
+            self.assertIn(run.returncode, (0, 1, 2, 3), run.stderr)
+
+    def test_not_an_episode(self):
+        with open(self.path("x.h5"), "w") as out:
+            out.write("hello")
+        self.refused(3, "replay", self.path("x.h5"), says=["x.h5"])
+        with h5py.File(self.path("y.h5"), "w") as f:
+            f["a"] = 1
+        self.refused(3, "replay", self.path("y.h5"), says=["not a ferrule episode"])
+        self.refused(3, "replay", self.path("z.h5"), says=["z.h5"])
+
+
+if __name__ == "__main__":
+    main()

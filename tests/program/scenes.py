@@ -1,0 +1,103 @@
+import copy
+import glob
+import json
+import random
+
+import jsonschema
+
+from case import SOURCE, Case, ferrule, main
+
+
+class Scenes(Case):
+    def test_json_nested_without_end_is_refused(self):
+        file = self.path("deep.json")
+        with open(file, "w") as f:
+            f.write("[" * 100000 + "]" * 100000)
+        self.refused(2, "plan", "--scene", file, says=("nested deeper",))
+
+    def test_an_accuracy_that_is_not_reached_is_said(self):
+        run = self.done("record", "--scene", "paper", "--episodes", 1, "--out", self.path("slow"),
+                        "--set", "accuracy=1e-6", "--set", "limits.time_s=1")
+        self.assertIn("accuracy = 1e-06 is not reached", run.stderr)
+
+    def setUp(self):
+        super().setUp()
+        self.schema = json.load(open(SOURCE + "/data/scenes/scene.schema.json"))
+        jsonschema.Draft202012Validator.check_schema(self.schema)
+        self.validator = jsonschema.Draft202012Validator(self.schema)
+        self.paper = json.load(open(SOURCE + "/data/scenes/paper.json"))
+
+    def program_takes(self, scene):
+        file = self.path("scene.json")
+        with open(file, "w") as out:
+            json.dump(scene, out)
+        run = ferrule("forces", "--scene", file, "--json")
+        self.assertIn(run.returncode, (0, 2), run.stderr)
+        if run.returncode == 2:
+            self.assertTrue(run.stderr.startswith("ferrule: " + file + ": "), run.stderr)
+            self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+        return run.returncode == 0
+
+    def test_all_shipped_scenes_are_valid(self):
+        for file in glob.glob(SOURCE + "/data/scenes/*.json"):
+            if not file.endswith(".schema.json"):
+                self.validator.validate(json.load(open(file)))
+                self.assertTrue(self.program_takes(json.load(open(file))), file)
+
+    def test_schema_and_program_agree_on_broken_scenes(self):
+        draw = random.Random(4)
+        paths = []
+
+        def walk(node, path):
+            if isinstance(node, dict):
+                for key in node:
+                    paths.append(path + [key])
+                    walk(node[key], path + [key])
+
+        walk(self.paper, [])
+        values = [-1, 0, "text", None, [], {}, True, 1e-3, 0.3, 95, [0, 0], 1e300]
+        refused = 0
+        for _ in range(150):
+            scene = copy.deepcopy(self.paper)
+            path = draw.choice(paths)
+            place = scene
+            for key in path[:-1]:
+                place = place[key]
+            how = draw.randrange(4)
+            if how == 0:
+                del place[path[-1]]
+            elif how == 1:
+                place["surprise"] = draw.choice(values)
+            else:
+                place[path[-1]] = draw.choice(values)
+            # What no schema can say: relations between keys.
+            if path[-1] in ("diameter_um", "bore_diameter_um", "depth_um", "length_mm"):
+                continue
+            valid = self.validator.is_valid(scene)
+            self.assertEqual(self.program_takes(scene), valid, (path, how, scene))
+            refused += not valid
+        self.assertGreater(refused, 50)
+
+    def test_every_verb_takes_scene_and_set(self):
+        for verb in ("forces", "record", "evaluate"):
+            text = self.done(verb, "--help").stdout
+            self.assertIn("--scene", text)
+            self.assertIn("--set", text)
+
+    def test_messages(self):
+        self.refused(2, "forces", "--set", "ferrule.bore_diameter_um=124.9",
+                     says=["paper.json", "ferrule.bore_diameter_um = 124.9", "wider than the fibre"])
+        self.refused(2, "forces", "--set", "fibre.poisson=0.6", says=["fibre.poisson = 0.6"])
+        self.refused(2, "forces", "--set", "scaling.tip_range_um=1e-320", says=["scaling"])
+        self.refused(2, "forces", "--set", "holder.tpye=3", says=["holder.tpye = 3", "unknown key"])
+        self.refused(3, "forces", "--scene", "nowhere", says=["nowhere", "paper"])
+        self.refused(3, "forces", "--scene", "/no/where.json", says=["/no/where.json"])
+        broken = self.path("broken.json")
+        for text in ('{"name": "x",\n "fibre": NaN}', '{"name": "a", "name": "b"}', "", "[1, 2]", "\x00\xff", '{"name": 1e999}'):
+            with open(broken, "w") as out:
+                out.write(text)
+            self.refused(2, "forces", "--scene", broken, says=[broken])
+
+
+if __name__ == "__main__":
+    main()

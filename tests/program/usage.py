@@ -1,0 +1,48 @@
+import os
+import shutil
+import subprocess
+
+from case import PROGRAM, SOURCE, Case, main
+
+
+class Usage(Case):
+    def test_wrong_usage_is_one_line_and_code_2(self):
+        for arguments in ([], ["dance"], ["forces", "--gap"], ["record"], ["record", "--skill", "2",
+                          "--out", "x"], ["evaluate"], ["fit", "x"], ["evaluate", "--trials", "0",
+                          "--baseline", "constant-velocity"], ["record", "--episodes", "many",
+                          "--out", "x"], ["evaluate", "--baseline", "hope"]):
+            self.refused(2, *arguments)
+
+    def test_help_and_version(self):
+        text = self.done("--help").stdout
+        for verb in ("demo", "forces", "record", "recover", "replay", "fit", "evaluate"):
+            self.assertIn(verb, text)
+            self.assertTrue(self.done(verb, "--help").stdout)
+        self.assertRegex(self.done("--version").stdout, r"^\d+\.\d+\.\d+ ")
+
+    def test_a_full_output_is_noticed(self):
+        with open("/dev/full", "w") as full:
+            run = subprocess.run([PROGRAM, "forces", "--json"], stdout=full, stderr=subprocess.PIPE)
+        self.assertEqual(run.returncode, 3)
+
+    def test_the_start_script_names_missing_packages(self):
+        tools = self.path("bin")
+        os.mkdir(tools)
+        with open(tools + "/dpkg-query", "w") as out:
+            out.write("#!/bin/sh\necho installed g++\nexit 1\n")
+        os.chmod(tools + "/dpkg-query", 0o755)
+        clone = self.path("clone")
+        os.mkdir(clone)
+        shutil.copy(SOURCE + "/ferrule", clone)
+        run = subprocess.run([clone + "/ferrule", "demo"], capture_output=True, text=True,
+                             env={**os.environ, "FERRULE_NO_INSTALL": "1",
+                                  "PATH": tools + ":" + os.environ["PATH"]})
+        self.assertEqual(run.returncode, 3)
+        self.assertEqual(run.stdout, "")
+        self.assertIn("missing packages:", run.stderr)
+        self.assertIn("libceres-dev", run.stderr)
+        self.assertNotIn("g++", run.stderr)
+
+
+if __name__ == "__main__":
+    main()
