@@ -88,9 +88,9 @@ int demo_verb(const Arguments& a) {
             feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
         const State start = draw_start(*drawn, a.seed, trial);
         const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
-        report.recorded.push_back(
-            {skill, record_one(*drawn, start, *device, fmt::format("simulated, skill {}", skill),
-                               episodes, number, a.seed, trial)});
+        report.recorded.push_back({skill, record_one(*drawn, start, *device,
+                                                     {fmt::format("simulated, skill {}", skill),
+                                                      episodes, number, a.seed, trial})});
         if (interrupted()) {
           tell("stopped by Ctrl-C; episodes so far are in " + episodes);
           return kInterrupted;

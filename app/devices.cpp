@@ -7,6 +7,7 @@
 #include <numbers>
 #include <thread>
 
+#include "app/connected.hpp"
 #include "app/verb.hpp"
 #include "capture/hand_device.hpp"
 #include "haptic/force_stick.hpp"
@@ -32,18 +33,11 @@ int list_verb(const Arguments& a) {
   const std::vector<FoundDevice> found = find_devices();
   Json list = Json::array();
   for (const FoundDevice& d : found) {
-    list.push_back({{"path", d.info.path},
-                    {"id", fmt::format("{:04x}:{:04x}", d.info.vendor, d.info.product)},
-                    {"name", d.info.name},
-                    {"kind", d.kind ? Json(name(*d.kind)) : Json(nullptr)},
-                    {"state", state_name(d)}});
-    const bool forbidden = d.kind && !d.permitted;
-    if (forbidden) list.back()["udev_rule"] = udev_rule(d.info);
-    if (forbidden) list.back()["command"] = udev_command(d.info);
+    list.push_back(device_json(d));
     if (a.json) continue;
     fmt::print("{}  {}  {:<11}  {:<10}  {}\n", d.info.path, list.back()["id"].get<std::string>(),
                d.kind ? name(*d.kind) : "-", state_name(d), d.info.name);
-    if (forbidden)
+    if (d.forbidden())
       fmt::print(
           "  found, but not permitted; this udev rule lets whoever sits at the machine open it:\n"
           "    {}\n  once, and then plug it in again:\n    {}\n",
@@ -180,6 +174,20 @@ int test_verb(const Arguments& a) {
 }
 
 }  // namespace
+
+Json device_json(const FoundDevice& device) {
+  const HidInfo& info = device.info;
+  Json json = {{"path", info.path},
+               {"id", fmt::format("{:04x}:{:04x}", info.vendor, info.product)},
+               {"name", info.name},
+               {"kind", device.kind ? Json(name(*device.kind)) : Json(nullptr)},
+               {"state", state_name(device)}};
+  if (device.forbidden()) {
+    json["udev_rule"] = udev_rule(info);
+    json["command"] = udev_command(info);
+  }
+  return json;
+}
 
 void add_devices(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("devices", "What is connected and usable; --test shows it live");

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <cstring>
 
+#include "app/connected.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
-#include "haptic/period_clock.hpp"
+#include "capture/haptic_loop.hpp"
+#include "capture/rendering.hpp"
 #include "haptic/real_time.hpp"
-#include "haptic/stability.hpp"
-#include "sim/held_stiffness.hpp"
 #include "sim/step.hpp"
 
 namespace ferrule {
@@ -22,14 +22,9 @@ struct Arguments {
   bool json = false;
 };
 
-struct Loop {
-  PeriodStatistics statistics;
-  int scheduling_error, locking_error;  // errno, 0 where granted
-};
-
 // The simulator in the loop of the device: the hand moves by a clearance to and fro where the fibre
 // is stiffest.
-Loop run_loop(const Scene& scene, const State& start, double period, double seconds) {
+LoopTiming run_loop(const Scene& scene, const State& start, double period, double seconds) {
   const RealTime real_time;
   State state = start;
   PeriodClock clock(period);
@@ -41,12 +36,6 @@ Loop run_loop(const Scene& scene, const State& start, double period, double seco
     state = step(scene.world, state, hand, period).state;
   }
   return {clock.statistics(), real_time.scheduling_error(), real_time.locking_error()};
-}
-
-// Somewhat less than x > 0, in three digits.
-double rounded_down(double x) {
-  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
-  return std::floor(0.999 * x / unit) * unit;
 }
 
 std::string mend_scheduling(int error) {
@@ -61,60 +50,30 @@ std::string mend_locking(int error) {
          "and log in again (in a container: run it with --ulimit memlock=-1)";
 }
 
-std::string mend_hidraw(const HidrawNode& node) {
-  if (node.allowed) return "";
-  return "echo '" + udev_rule(node.vendor, node.product) +
-         "' | sudo tee -a /etc/udev/rules.d/70-ferrule.rules && sudo udevadm control --reload && "
-         "sudo udevadm trigger";
-}
-
-// Why the device does not render the felt stiffness K and damping B; empty where it does.
-std::vector<std::string> refusals(const DeviceProfile& device, double K, double B) {
-  std::vector<std::string> reasons;
-  const double needed = damping_needed(device, K, B);
-  if (!(device.damping > needed) && needed > 0)
-    reasons.push_back(fmt::format("it needs more than {:.4g} N s/m of damping and has {:.4g}",
-                                  needed, device.damping));
-  if (K > resting_stiffness(device))
-    reasons.push_back(
-        fmt::format("its position steps of {:g} um with {:g} N of friction come to rest only up to "
-                    "{:.4g} N/m",
-                    1e6 * device.resolution, device.coulomb, resting_stiffness(device)));
-  if (K > device.max_stiffness)
-    reasons.push_back(fmt::format("its stiffest wall has {:.4g} N/m", device.max_stiffness));
-  return reasons;
-}
-
 int doctor(const Arguments& a) {
   const Scene scene = a.scene.load();
   const DeviceProfile device = load_device_profile(a.device);
   const Scaling scaling = scene_scaling(scene);
-  const double magnified = scaling.force / scaling.motion;
-  const StiffnessRange tip = insertion_stiffness(scene, device.period);
-  const double K = magnified * tip.largest, B = magnified * tip.damping;
-  const std::vector<std::string> reasons = refusals(device, K, B);
-  const double largest = largest_force_scaling(device, scaling.motion, tip.largest, tip.damping);
-  const double hand_force = rounded_down(largest * scene.scaling.tip_force);
-  const bool can_scale = std::isfinite(hand_force) && hand_force > 0;
-  const std::string set =
-      can_scale ? fmt::format("--set scaling.hand_force_N={:g}", hand_force) : "";
+  const Rendering felt = rendering(scene, device);
+  const StiffnessRange& tip = felt.tip;
+  const double magnified = felt.magnified, K = felt.stiffness, B = felt.damping;
+  const std::vector<std::string>& reasons = felt.reasons;
+  const std::string set = felt.set();
   const Coupling coupling = stable_coupling(device);
   const double felt_limit = scaling.force * scene.limits.force;
 
   watch_for_interrupt();
-  const Loop loop = run_loop(scene, tip.stiffest, device.period, a.seconds);
+  const LoopTiming loop = run_loop(scene, tip.stiffest, device.period, a.seconds);
   if (interrupted()) return kInterrupted;
-  const PeriodStatistics& timing = loop.statistics;
-  const std::vector<HidrawNode> nodes = hidraw_nodes();
+  const PeriodStatistics& timing = loop.periods;
+  const std::vector<FoundDevice> found = find_devices();
 
   if (a.json) {
-    Json hidraw = Json::array();
-    for (const HidrawNode& node : nodes)
-      hidraw.push_back({{"path", node.path},
-                        {"vendor", fmt::format("{:04x}", node.vendor)},
-                        {"product", fmt::format("{:04x}", node.product)},
-                        {"allowed", node.allowed},
-                        {"mend", mend_hidraw(node)}});
+    Json timed = loop_json(loop, device.period);
+    timed["sched_fifo_mend"] = mend_scheduling(loop.scheduling_error);
+    timed["memory_locked_mend"] = mend_locking(loop.locking_error);
+    Json devices = Json::array();
+    for (const FoundDevice& d : found) devices.push_back(device_json(d));
     print_json(
         {{"scene", scene.name},
          {"device", device.name},
@@ -141,22 +100,11 @@ int doctor(const Arguments& a) {
            {"stable_stiffness_N_m", stable_stiffness(device, B)}}},
          {"stable", reasons.empty()},
          {"reasons", reasons},
-         {"largest_hand_force_N", number_or_null(hand_force)},
+         {"largest_hand_force_N", number_or_null(felt.largest_hand_force)},
          {"set", set},
          {"coupling", {{"stiffness_N_m", coupling.stiffness}, {"damping_N_s_m", coupling.damping}}},
-         {"loop",
-          {{"period_us", 1e6 * device.period},
-           {"periods", timing.periods},
-           {"p50_us", 1e6 * timing.p50},
-           {"p99_us", 1e6 * timing.p99},
-           {"p99_9_us", 1e6 * timing.p99_9},
-           {"worst_us", 1e6 * timing.worst},
-           {"missed", timing.missed},
-           {"sched_fifo", loop.scheduling_error == 0},
-           {"sched_fifo_mend", mend_scheduling(loop.scheduling_error)},
-           {"memory_locked", loop.locking_error == 0},
-           {"memory_locked_mend", mend_locking(loop.locking_error)}}},
-         {"hidraw", hidraw}});
+         {"loop", timed},
+         {"devices", devices}});
     return reasons.empty() ? kDone : kFailed;
   }
 
@@ -180,7 +128,7 @@ int doctor(const Arguments& a) {
   line("K allowed by resolution, 2 f_c/D", fmt::format("{:.4g} N/m", resting_stiffness(device)));
   line("K allowed by the maker", fmt::format("{:.4g} N/m", device.max_stiffness));
   line("largest stable force scaling",
-       can_scale ? set : "none: nothing is felt, or nothing is stable");
+       !set.empty() ? set : "none: nothing is felt, or nothing is stable");
   line("virtual coupling",
        fmt::format("{:.4g} N/m, {:.3g} N s/m", coupling.stiffness, coupling.damping));
 
@@ -195,11 +143,13 @@ int doctor(const Arguments& a) {
   };
   granted("SCHED_FIFO", loop.scheduling_error, mend_scheduling(loop.scheduling_error));
   granted("memory locked", loop.locking_error, mend_locking(loop.locking_error));
-  if (nodes.empty()) line("HID devices", "none (/dev/hidraw*)");
-  for (const HidrawNode& node : nodes)
-    line(node.path,
-         fmt::format("{:04x}:{:04x}, {}", node.vendor, node.product,
-                     node.allowed ? "allowed" : "not permitted; mend: " + mend_hidraw(node)));
+  if (found.empty()) line("devices", "none is connected");
+  for (const FoundDevice& d : found) {
+    const Json json = device_json(d);
+    line(d.info.path,
+         fmt::format("{} {}{}", json["id"].get<std::string>(), json["state"].get<std::string>(),
+                     d.forbidden() ? "; mend: " + udev_command(d.info) : ""));
+  }
 
   fmt::print("\n");
   if (reasons.empty()) {

@@ -2,139 +2,119 @@
 // place.
 #include <fmt/format.h>
 
-#include <chrono>
-#include <filesystem>
-#include <thread>
+#include <cstring>
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
-#include "capture/hand_device.hpp"
+#include "capture/rendering.hpp"
 #include "capture/simulated_operator.hpp"
 #include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
 
 namespace ferrule {
-
-FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
-  constexpr std::size_t kMost = 10000;
-  FeasibleTrial found{nullptr, trial, 0};
-  while (!(found.scene = draw_scene(scene, seed, found.trial))) {
-    if (++found.infeasible == kMost)
-      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
-                     " drawn pairs of parts not one fits");
-    found.trial += std::uint64_t{1} << 32;
-  }
-  return found;
-}
-
-Recorded record_one(const Scene& scene, const State& start, Device& device,
-                    const std::string& operator_name, const std::string& folder, int number,
-                    std::uint64_t seed, std::uint64_t trial) {
-  EpisodeInfo info;
-  info.scene = scene.document.dump();
-  info.operator_ = operator_name;
-  info.seed = seed;
-  info.trial = trial;
-  info.version = program_version();
-  info.build = program_build();
-  if (const Mapping* mapping = device.mapping()) info.mapping = mapping_text(*mapping);
-  Recorder recorder(folder, number, info);
-  const EpisodeEnd end = run_episode(
-      scene, start, device, ForceSensor(scene.sensor, seed, trial), info.period,
-      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
-      interrupted);
-  return {recorder.finish(end.outcome, end.why), end.outcome, end.summary};
-}
-
 namespace {
 
 struct Arguments {
   SceneArguments scene;
-  std::string operator_ = "simulated", device, out;
+  std::string operator_ = "simulated", device, profile = "pen", out;
   double skill = 0.8, gain = 1;
   int episodes = 20;
   std::uint64_t seed = 1;
-  bool append = false, supervise = false, json = false;
+  bool append = false, supervise = false, coupled = false, json = false;
 };
 
-// A device with a person at it: each read waits for its time.
-class InTime : public Device {
- public:
-  InTime(std::unique_ptr<Device> device, bool& lost) : device_(std::move(device)), lost_(lost) {}
-  HandSample read(double t) override {
-    std::this_thread::sleep_until(begin_ + std::chrono::duration<double>(t));
-    const HandSample sample = device_->read(t);
-    lost_ = sample.lost;
-    return sample;
+// How a device with force renders the scene. Throws BadInput where it cannot.
+HandSettings hand_settings(const Arguments& a, const HandDevice& device, const Scene& scene) {
+  HandSettings settings;
+  settings.gain = a.gain;
+  if (!device.has_force()) {
+    if (a.coupled) throw BadInput("--coupled: needs a device with force");
+    return settings;
   }
-  void render(const HandWrench& wrench) override { device_->render(wrench); }
-  const Mapping* mapping() const noexcept override { return device_->mapping(); }
-
- private:
-  std::unique_ptr<Device> device_;
-  bool& lost_;
-  std::chrono::time_point<std::chrono::steady_clock, std::chrono::duration<double>> begin_ =
-      std::chrono::steady_clock::now();
-};
-
-// What --device names: a real device, open, or the model of one.
-struct AtDevice {
-  std::string name;
-  DeviceKind kind{};
-  std::unique_ptr<HidTransport> transport;
-  std::optional<FakeModel> fake;
-
-  // Its driver at the start of an episode. A device that does not work takes the `journal` along
-  // that was reserved for the episode.
-  std::unique_ptr<Device> hold(const Scene& scene, const State& start, double gain,
-                               const std::string& journal, bool& lost) const {
-    if (fake) return fake_hand(*fake, scene, start, gain);
-    try {
-      return std::make_unique<InTime>(hand_device(kind, *transport, scene, start, gain), lost);
-    } catch (const DeviceTrouble&) {
-      std::filesystem::remove(journal);
-      throw;
-    }
+  settings.profile = load_device_profile(a.profile);
+  if (a.coupled) {
+    settings.coupling = stable_coupling(settings.profile);
+    return settings;
   }
-};
+  const Rendering r = rendering(scene, settings.profile);
+  if (r.stable()) return settings;
+  const std::string set = r.set();
+  throw BadInput(fmt::format(
+      "{} on {}: refused for force feedback: the felt stiffness is {:.4g} N/m: {}. {}or feel "
+      "contacts of at most {:.4g} N/m: --coupled",
+      scene.name, settings.profile.name, r.stiffness, r.reasons.front(),
+      set.empty() ? "" : "Magnify less, stable up to " + set + "; ",
+      stable_coupling(settings.profile).stiffness));
+}
 
-AtDevice open_device(const std::string& wanted) {
-  if (const auto model = fake_model(wanted))
-    return {"simulated hand, " + wanted, fake_kind(*model), nullptr, model};
-  if (wanted.starts_with("fake:"))
-    throw BadInput("--device " + wanted + ": must be fake:spacemouse or fake:pid");
-  FoundDevice found = choose_device(wanted);
-  return {fmt::format("{} {:04x}:{:04x}", name(*found.kind), found.info.vendor, found.info.product),
-          *found.kind, open_hid(found.info), std::nullopt};
+Json episode_json(const Recorded& r) {
+  Json json = {{"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
+               {"outcome", name(r.outcome)},
+               {"time_s", r.summary.time},
+               {"peak_force_uN", 1e6 * r.summary.peak_force},
+               {"depth_um", 1e6 * r.summary.depth}};
+  if (!r.why.empty()) json["why"] = r.why;
+  if (r.rating) json["rating"] = r.rating;
+  if (r.timing) json["loop"] = loop_json(*r.timing, r.period);
+  return json;
+}
+
+void tell(const Recorded& r) {
+  fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
+             r.file.empty() ? "discarded" : r.file, name(r.outcome), r.summary.time,
+             1e6 * r.summary.peak_force, 1e6 * r.summary.depth, r.why.empty() ? "" : "  ", r.why);
+  if (!r.timing) return;
+  const PeriodStatistics& p = r.timing->periods;
+  fmt::print(
+      "  loop of {:g} us: p50 {:.0f}, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f} us; {} of {} "
+      "deadlines missed\n",
+      1e6 * r.period, 1e6 * p.p50, 1e6 * p.p99, 1e6 * p.p99_9, 1e6 * p.worst, p.missed, p.periods);
+}
+
+// What the loop of a device was not permitted.
+void tell_refused(const LoopTiming& timing) {
+  const auto refused = [](const char* what, int error) {
+    if (error)
+      fmt::print(stderr, "note: {}: {}; \"ferrule doctor\" says what permits it\n", what,
+                 std::strerror(error));
+  };
+  refused("the loop runs without SCHED_FIFO", timing.scheduling_error);
+  refused("the loop's memory is not locked", timing.locking_error);
 }
 
 int record_verb(const Arguments& a) {
   const Scene toleranced = a.scene.load();
-  std::optional<AtDevice> at;
-  if (!a.device.empty()) at = open_device(a.device);
-  const bool simulated = !at && a.operator_ == "simulated";
-  if ((at || simulated) && a.supervise)
+  std::optional<HandDevice> device;
+  HandSettings settings;
+  if (!a.device.empty()) {
+    device = open_device(a.device);
+    settings = hand_settings(a, *device, toleranced);
+  }
+  const bool simulated = !device && a.operator_ == "simulated";
+  if ((device || simulated) && a.supervise)
     throw BadInput("--supervise: needs a controller as --operator");
   MakeController make;
-  if (!at && !simulated) make = load_controller(a.operator_);
+  if (!device && !simulated) make = load_controller(a.operator_);
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
   int next = first;
-  const std::string name = at ? at->name
+  const std::string name = device ? device->name
                            : simulated
                                ? fmt::format("simulated, skill {}", a.skill)
                                : "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
-  bool lost = false;
   const Scaling scaling = scene_scaling(toleranced);
   if (a.supervise) make = supervised(make, supervisor_limits(toleranced, scaling));
 
   watch_for_interrupt();
+  std::optional<Keys> keys;
+  if (device) keys.emplace();
   Json list = Json::array();
   std::size_t inserted = 0, infeasible = 0;
+  bool lost = false;
   Progress progress("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted() && !lost; ++i) {
     const int number = claim_episode(a.out, next);
@@ -142,31 +122,28 @@ int record_verb(const Arguments& a) {
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     const Scene& scene = *drawn.scene;
-    const std::uint64_t trial = drawn.trial;
     infeasible += drawn.infeasible;
-    const State start = draw_start(scene, a.seed, trial);
-    std::unique_ptr<Controller> controller;
-    if (make) controller = make(trial);
-    std::unique_ptr<Device> device;
-    if (at)
-      device = at->hold(scene, start, a.gain, a.out + "/" + episode_name(number) + ".part", lost);
-    else if (simulated)
-      device = simulated_operator(scene, start, a.skill, 1e-3, a.seed, trial);
-    else
-      device = std::make_unique<ControllerHand>(*controller, scaling.motion_to_hand(start.hand),
-                                                scaling.motion * scene.limits.speed,
-                                                1.1 * scaling.motion * scene.success.depth);
-    const Recorded r = record_one(scene, start, *device, name, a.out, number, a.seed, trial);
-    inserted += r.outcome == Outcome::inserted;
-    list.push_back({{"file", r.file},
-                    {"outcome", ferrule::name(r.outcome)},
-                    {"time_s", r.summary.time},
-                    {"peak_force_uN", 1e6 * r.summary.peak_force},
-                    {"depth_um", 1e6 * r.summary.depth}});
-    if (!a.json)
-      fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um\n", r.file,
-                 ferrule::name(r.outcome), r.summary.time, 1e6 * r.summary.peak_force,
-                 1e6 * r.summary.depth);
+    const State start = draw_start(scene, a.seed, drawn.trial);
+    const EpisodePlace place{name, a.out, number, a.seed, drawn.trial};
+    std::optional<Recorded> r;
+    if (device) {
+      r = record_by_hand(*device, settings, scene, start, place, *keys);
+      if (!r) break;
+    } else if (simulated) {
+      const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
+      r = record_one(scene, start, *hand, place);
+    } else {
+      const std::unique_ptr<Controller> controller = make(drawn.trial);
+      ControllerHand hand(*controller, scaling.motion_to_hand(start.hand),
+                          scaling.motion * scene.limits.speed,
+                          1.1 * scaling.motion * scene.success.depth);
+      r = record_one(scene, start, hand, place);
+    }
+    lost = r->lost;
+    inserted += !r->file.empty() && r->outcome == Outcome::inserted;
+    if (r->timing && list.empty()) tell_refused(*r->timing);
+    list.push_back(episode_json(*r));
+    if (!a.json) tell(*r);
     std::fflush(stdout);
     progress(static_cast<std::size_t>(i) + 1);
   }
@@ -180,7 +157,7 @@ int record_verb(const Arguments& a) {
   if (infeasible > 0 && !a.json)
     fmt::print("{} drawn pairs of parts interfered and were put aside\n", infeasible);
   if (lost)
-    throw DeviceTrouble(at->transport->info().path +
+    throw DeviceTrouble(device->transport->info().path +
                         ": the device was lost; the running episode was ended and kept");
   if (!interrupted()) return kDone;
   fmt::print(stderr,
@@ -232,6 +209,15 @@ void add_record(CLI::App& app, Run& run) {
                    "try it with a simulated hand on a fake one")
       ->excludes(person)
       ->type_name("auto|PATH|fake:spacemouse|fake:pid");
+  verb->add_option("--profile", a->profile,
+                   "What a device with force can do: a profile, or the name of one that ships "
+                   "(haptic/README.md)")
+      ->capture_default_str()
+      ->type_name("NAME|FILE");
+  verb->add_flag(
+      "--coupled", a->coupled,
+      "Hold the fibre through a virtual coupling: softer contacts, and stable with every "
+      "scene");
   verb->add_option("--gain", a->gain,
                    "How far or fast the device moves the hand, of the usual (capture/README.md)")
       ->capture_default_str()

@@ -3,14 +3,22 @@
 
 #include <string>
 
-#include "capture/session.hpp"
+#include "app/keys.hpp"
+#include "capture/haptic_loop.hpp"
+#include "haptic/device_list.hpp"
+#include "haptic/fake_firmware.hpp"
 
 namespace ferrule {
 
 struct Recorded {
-  std::string file;
+  std::string file;  // empty: the operator discarded it, or it has no row
   Outcome outcome;
   InsertionSummary summary;
+  std::string why;                   // as EpisodeEnd
+  double period = 1e-3;              // of the loop [s]
+  std::optional<LoopTiming> timing;  // of a device
+  int rating = 0;
+  bool lost = false;
 };
 
 // The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose pair of parts fits.
@@ -22,10 +30,39 @@ struct FeasibleTrial {
 // Throws BadInput where hardly any pair fits.
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial);
 
-// Trial `trial` of `scene` under `seed` with `device`, as episode `number` of `folder`. Throws
-// FileTrouble.
+// Which episode it is, and where it goes.
+struct EpisodePlace {
+  std::string operator_, folder;
+  int number;  // claimed
+  std::uint64_t seed, trial;
+};
+
+// With a simulated hand or a controller, as fast as it goes. Throws FileTrouble.
 Recorded record_one(const Scene& scene, const State& start, Device& device,
-                    const std::string& operator_name, const std::string& folder, int number,
-                    std::uint64_t seed, std::uint64_t trial);
+                    const EpisodePlace& place);
+
+// What --device names: a real device, open, or the model of one.
+struct HandDevice {
+  std::string name;
+  DeviceKind kind{};
+  std::unique_ptr<HidTransport> transport;  // null where it is
+  std::optional<FakeModel> fake;
+
+  bool has_force() const noexcept { return kind == DeviceKind::force_stick; }
+};
+// Throws BadInput, DeviceTrouble.
+HandDevice open_device(const std::string& wanted);
+
+struct HandSettings {
+  double gain = 1;                   // capture/hand_device.hpp
+  DeviceProfile profile;             // of a device with force
+  std::optional<Coupling> coupling;  // of a device with force
+};
+
+// With a person's hand, in time. At a terminal keys start, end, discard and rate the episode.
+// Empty: the operator ended the recording instead of beginning. Throws DeviceTrouble, FileTrouble.
+std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSettings& settings,
+                                       const Scene& scene, const State& start,
+                                       const EpisodePlace& place, Keys& keys);
 
 }  // namespace ferrule

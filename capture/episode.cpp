@@ -300,8 +300,12 @@ void write_episode(const std::string& file, const Episode& episode) {
   out.attribute(h5, "alpha_x", scene_scaling(scene).motion);
   out.attribute(h5, "alpha_f", scene_scaling(scene).force);
   out.attribute(h5, "outcome", std::string(name(info.outcome)));
-  if (!info.mapping.empty()) out.attribute(h5, "mapping", info.mapping);
-  if (info.outcome == Outcome::gave_up) out.attribute(h5, "why", info.why);
+  for (const auto& [key, value] : {std::pair{"mapping", &info.mapping},
+                                   {"coupling", &info.coupling},
+                                   {"loop", &info.loop},
+                                   {"why", &info.why}})
+    if (!value->empty()) out.attribute(h5, key, *value);
+  if (info.rating != 0) out.attribute(h5, "rating", static_cast<std::int64_t>(info.rating));
   {
     const Handle data = out.group("/data");
     out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
@@ -336,17 +340,20 @@ Episode read_episode(const std::string& file) {
   } catch (const BadInput& error) {
     throw FileTrouble(file + ": damaged: " + error.what());
   }
-  if (info.outcome == Outcome::gave_up) info.why = in.text("why");
+  for (const auto& [key, value] : {std::pair{"mapping", &info.mapping},
+                                   {"coupling", &info.coupling},
+                                   {"loop", &info.loop},
+                                   {"why", &info.why}})
+    if (in.has(key)) *value = in.text(key);
+  if (in.has("rating")) info.rating = static_cast<int>(in.whole("rating"));
   if (!(info.period > 0)) throw FileTrouble(file + ": damaged: period_s is not positive");
   const Eigen::Index count = in.table(rows_path(kTime), 1, -1).rows();
   if (count == 0) throw FileTrouble(file + ": damaged: it holds no rows");
   episode.rows.resize(count, Eigen::NoChange);
   for (const Block& b : kBlocks)
     episode.rows.middleCols(b.begin, b.width) = in.table(rows_path(b), b.width, count);
-  if (in.has("mapping")) {
-    info.mapping = in.text("mapping");
+  if (!info.mapping.empty())
     episode.counts = in.table(kCountsPath, kRawAxes, count).cast<std::int32_t>();
-  }
   return episode;
 }
 
@@ -415,6 +422,10 @@ std::string mapping_text(const Mapping& mapping) {
                      {velocity ? "gain_m_s" : "gain_m", rows(0, 3)},
                      {velocity ? "gain_rad_s" : "gain_rad", rows(3, 2)}};
   return json.dump();
+}
+
+std::string coupling_text(const Coupling& coupling) {
+  return Json{{"stiffness_N_m", coupling.stiffness}, {"damping_N_s_m", coupling.damping}}.dump();
 }
 
 std::vector<std::string> episode_files(const std::string& folder) {

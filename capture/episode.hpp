@@ -3,7 +3,10 @@
 // Layout (the demonstration layout of robomimic, with exact rows beside it):
 //   /                    attributes: format, format_version, ferrule_version, build, scene (JSON),
 //                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome; for a
-//                        device with raw axes: mapping (JSON); where the outcome is gave_up: why
+//                        device with raw axes: mapping (JSON); where they are known: why (what
+//                        ended it), rating (1 to 5, by the operator), loop (JSON: how well a loop
+//                        with a device kept its period), coupling (JSON, where the device was
+//                        coupled to the holder)
 //   /data                attributes: total, env_args (JSON)
 //   /data/demo_0         attribute: num_samples
 //     rows/<block>       every block of capture/row.hpp but `states`, float64, exact
@@ -25,6 +28,7 @@
 
 #include "capture/row.hpp"
 #include "haptic/device.hpp"
+#include "haptic/stability.hpp"
 #include "sim/insertion.hpp"
 
 namespace ferrule {
@@ -35,9 +39,12 @@ struct EpisodeInfo {
   std::uint64_t seed = 0, trial = 0;
   double period = 1e-3;  // [s]
   Outcome outcome = Outcome::interrupted;
-  std::string why;             // the operator gave up, where that is the outcome
+  std::string why;             // it ended so, where the outcome does not say it all
   std::string version, build;  // of the program that recorded it
   std::string mapping;         // mapping_text of a device with raw axes, and else empty
+  std::string coupling;        // coupling_text where there is one between device and holder
+  std::string loop;            // loop_json of a loop in time (capture/haptic_loop.hpp)
+  int rating = 0;              // by the operator, 1 to 5; 0: none
 };
 
 // Row n: the counts that the pose at t_n, or its rate from then on, follows from.
@@ -51,6 +58,8 @@ struct Episode {
 
 // The attribute `mapping`: how counts become the hand's pose (haptic/device.hpp), in JSON.
 std::string mapping_text(const Mapping& mapping);
+// The attribute `coupling`: {"stiffness_N_m", "damping_N_s_m"}.
+std::string coupling_text(const Coupling& coupling);
 
 // Version and build of this program.
 std::string program_version();

@@ -24,9 +24,9 @@ double travelled(double q) {
 
 class FakeHand : public Device {
  public:
-  FakeHand(FakeModel model, const Scene& scene, const State& start, double gain)
+  FakeHand(FakeModel model, const Scene& scene, const State& start, double gain, double full_force)
       : firmware_(model),
-        device_(hand_device(fake_kind(model), firmware_, scene, start, gain)),
+        device_(hand_device(fake_kind(model), firmware_, scene, start, gain, full_force)),
         start_(scene_scaling(scene).motion_to_hand(start.hand)),
         aligned_(start_),
         pose_(start_) {
@@ -97,16 +97,16 @@ class FakeHand : public Device {
 
 DeviceRange device_range(const Scene& scene, double gain) noexcept {
   return {gain * scene_scaling(scene).motion * scene.limits.speed, gain * kTiltRate,
-          gain * 0.5 * scene.scaling.hand_range, scene.scaling.hand_force};
+          gain * 0.5 * scene.scaling.hand_range};
 }
 
 std::unique_ptr<Device> hand_device(DeviceKind kind, HidTransport& transport, const Scene& scene,
-                                    const State& start, double gain) {
+                                    const State& start, double gain, double full_force) {
   const HandPose pose = scene_scaling(scene).motion_to_hand(start.hand);
   const DeviceRange range = device_range(scene, gain);
   if (kind == DeviceKind::space_mouse)
     return std::make_unique<SpaceMouse>(transport, range.speed, range.tilt_rate, pose);
-  return std::make_unique<ForceStick>(transport, range.reach, range.full_force, pose);
+  return std::make_unique<ForceStick>(transport, range.reach, full_force, pose);
 }
 
 std::optional<FakeModel> fake_model(const std::string& name) noexcept {
@@ -121,8 +121,8 @@ DeviceKind fake_kind(FakeModel model) noexcept {
 }
 
 std::unique_ptr<Device> fake_hand(FakeModel model, const Scene& scene, const State& start,
-                                  double gain) {
-  return std::make_unique<FakeHand>(model, scene, start, gain);
+                                  double gain, double full_force) {
+  return std::make_unique<FakeHand>(model, scene, start, gain, full_force);
 }
 
 }  // namespace ferrule

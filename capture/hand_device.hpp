@@ -16,17 +16,16 @@ namespace ferrule {
 struct DeviceRange {
   double speed, tilt_rate;  // of a velocity device at full deflection [m/s], [rad/s]
   double reach;             // of a position device to either side [m]
-  double full_force;        // felt at the end of the device's force [N]
 };
 
 // With `gain` 1: the scene's speed limit, 1 mrad/s (assumed), half the hand's range; `gain` > 0
-// multiplies these. The full force is the scene's scaling.hand_force, whatever the gain.
+// multiplies these.
 DeviceRange device_range(const Scene& scene, double gain) noexcept;
 
-// The driver of an open device whose hand holds the fibre of `start`. `transport` must outlive it.
-// Throws DeviceTrouble.
+// The driver of an open device whose hand holds the fibre of `start`. `full_force` [N]: what a
+// device with force does at most. `transport` must outlive it. Throws DeviceTrouble.
 std::unique_ptr<Device> hand_device(DeviceKind kind, HidTransport& transport, const Scene& scene,
-                                    const State& start, double gain);
+                                    const State& start, double gain, double full_force);
 
 // Which firmware "fake:spacemouse" or "fake:pid" is; empty for other names.
 std::optional<FakeModel> fake_model(const std::string& name) noexcept;
@@ -37,6 +36,6 @@ DeviceKind fake_kind(FakeModel model) noexcept;
 // least) deeper than the scene's success depth, and presses a button. It feels nothing and errs
 // never: for trying the program, not for learning from. Its time is that of `read`.
 std::unique_ptr<Device> fake_hand(FakeModel model, const Scene& scene, const State& start,
-                                  double gain);
+                                  double gain, double full_force);
 
 }  // namespace ferrule

@@ -37,6 +37,7 @@ std::string header(const EpisodeInfo& info) {
                {"trial", info.trial},        {"period_s", info.period},
                {"version", info.version},    {"build", info.build}};
   if (!info.mapping.empty()) json["mapping"] = info.mapping;
+  if (!info.coupling.empty()) json["coupling"] = info.coupling;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -47,6 +48,7 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   f.integer("format_version", kJournalVersion, kJournalVersion);
   EpisodeInfo info;
   if (f.present("mapping")) info.mapping = f.text("mapping");
+  if (f.present("coupling")) info.coupling = f.text("coupling");
   f.integer("row_size", row_size(info), row_size(info));
   info.scene = f.text("scene");
   info.operator_ = f.text("operator");
@@ -205,19 +207,22 @@ void Recorder::flush() {
   flushed_ = rows_.size();
 }
 
-std::string Recorder::finish(Outcome outcome, const std::string& why) {
+std::string Recorder::finish(Outcome outcome) {
   flush();
   episode_.info.outcome = outcome;
-  episode_.info.why = why;
   episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
   std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * sizeof(RowVector));
   episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
   if (!counts_.empty())
     std::memcpy(episode_.counts.data(), counts_.data(), counts_.size() * sizeof(RawCounts));
   write_episode(file_, episode_);
+  discard();
+  return file_;
+}
+
+void Recorder::discard() noexcept {
   ::close(std::exchange(fd_, -1));
   ::unlink(journal_.c_str());
-  return file_;
 }
 
 std::vector<Recovered> recover(const std::string& folder) {

@@ -28,13 +28,19 @@ class Recorder {
   // `counts` are kept where the episode has a mapping.
   void add(const RowVector& row, const RawCounts& counts = RawCounts::Zero());
 
-  // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
-  // `why`: the operator gave up, where that is the outcome.
-  std::string finish(Outcome outcome, const std::string& why = "");
-
- private:
+  // Brings the rows so far to the journal. Throws as `add`.
   void flush();
 
+  // What only the end of the episode tells (why, loop, rating) may be added until `finish`.
+  EpisodeInfo& info() noexcept { return episode_.info; }
+  std::size_t rows() const noexcept { return rows_.size(); }
+
+  // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
+  std::string finish(Outcome outcome);
+  // Removes the journal: the episode never was.
+  void discard() noexcept;
+
+ private:
   std::string journal_, file_;
   Episode episode_;
   std::vector<RowVector> rows_;

@@ -24,6 +24,7 @@ struct FoundDevice {
   bool permitted = false;          // may this user open it?
 
   bool usable() const noexcept { return kind && permitted; }
+  bool forbidden() const noexcept { return kind && !permitted; }
 };
 
 // Usable, forbidden and never used ones, by path; other devices are left out.

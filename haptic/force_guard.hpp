@@ -6,7 +6,10 @@
 // In each, |F| is held at the device's limit, the moment reduced by the same factor. Something that
 // is not finite, a hand that has moved faster than a hand moves, or a sample older than 1.5 periods
 // makes the force zero in the same call, and the guard waits again. A hand sample that stays away
-// therefore ends the force within two periods.
+// therefore ends the force within two periods; `why` says which it was.
+//
+// Many devices report only every few periods, and only when they move: how far the hand may have
+// moved is counted from its last move, over `report_period` at most.
 //
 // The weight of the fibre is to be left out of F: with it a guard may wait for ever.
 #pragma once
@@ -25,6 +28,7 @@ struct GuardSettings {
   int quiet_periods = 5;
   double ramp = 2;            // [s], >= 0
   double max_hand_speed = 2;  // [m/s]: above it the hand has jumped
+  double report_period = 0;   // longest time between reports of a moving hand [s]; 0: `period`
 };
 
 class ForceGuard {
@@ -37,7 +41,9 @@ class ForceGuard {
   // wrench that is meant for the hand. Returns the wrench to render.
   HandWrench pass(double now, double sampled_at, const HandPose& hand,
                   const HandWrench& wanted) noexcept {
-    if (!trusted(now, sampled_at, hand, wanted)) {
+    why_ = doubt(now, sampled_at, hand, wanted);
+    if (why_) {
+      seen_ = false;
       stage_ = Stage::waiting;
       quiet_ = 0;
       return HandWrench::Zero();
@@ -59,21 +65,23 @@ class ForceGuard {
   }
 
   Stage stage() const noexcept { return stage_; }
+  // What was wrong in the last call; null: nothing.
+  const char* why() const noexcept { return why_; }
 
  private:
-  bool trusted(double now, double sampled_at, const HandPose& hand,
-               const HandWrench& wanted) noexcept {
-    if (!hand.allFinite() || !wanted.allFinite() || !std::isfinite(wanted.head<3>().norm()) ||
-        !(now - sampled_at <= 1.5 * settings_.period)) {
-      seen_ = false;
-      return false;
-    }
-    const double since = std::max(now - hand_time_, settings_.period);
-    const bool jumped = seen_ && (hand - hand_).head<3>().norm() > settings_.max_hand_speed * since;
+  const char* doubt(double now, double sampled_at, const HandPose& hand,
+                    const HandWrench& wanted) noexcept {
+    if (!hand.allFinite()) return "the hand's position is not a finite number";
+    if (!wanted.allFinite() || !std::isfinite(wanted.head<3>().norm()))
+      return "the force is not a finite number";
+    if (!(now - sampled_at <= 1.5 * settings_.period)) return "the hand's position is too old";
+    const double most = std::max(settings_.period, settings_.report_period);
+    const double since = std::clamp(now - moved_at_, settings_.period, most);
+    const double moved = seen_ ? (hand - hand_).head<3>().norm() : 0;
+    if (!seen_ || moved > 0) moved_at_ = now;
     seen_ = true;
     hand_ = hand;
-    hand_time_ = now;
-    return !jumped;
+    return moved > settings_.max_hand_speed * since ? "the hand jumped" : nullptr;
   }
 
   GuardSettings settings_;
@@ -82,7 +90,8 @@ class ForceGuard {
   double ramp_began_ = 0;
   bool seen_ = false;
   HandPose hand_ = HandPose::Zero();
-  double hand_time_ = 0;
+  double moved_at_ = 0;  // [s]
+  const char* why_ = nullptr;
 };
 
 }  // namespace ferrule

@@ -43,11 +43,9 @@ HandSample ForceStick::read(double t) {
 }
 
 void ForceStick::render(const HandWrench& wrench) {
-  if (!rest_ && wrench.allFinite()) rest_ = wrench;
-  const HandWrench felt = rest_ ? HandWrench(wrench - *rest_) : HandWrench(HandWrench::Zero());
   for (Eigen::Index axis = 0; axis < 2; ++axis) {
     const double sign = std::copysign(1.0, mapping_.gain(axis, axis));
-    const double part = sign * felt[axis] / full_force_;
+    const double part = sign * wrench[axis] / full_force_;
     force_[static_cast<std::size_t>(axis)] =
         std::isfinite(part) ? std::clamp(part, -1.0, 1.0) : 0.0;
   }

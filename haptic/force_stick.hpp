@@ -3,9 +3,7 @@
 //
 // X moves the hand along x, Y along -y (a stick's Y grows towards the operator; pull for up), Z
 // along z; tilts stay as they are. The hand starts where the scene starts, wherever the stick is.
-// Forces along x and y are felt at X and Y, relative to the first that is rendered: the weight at
-// rest, which is often more than a device can do, is left out. A device with one axis shows the
-// force along x alone.
+// Forces along x and y are felt at X and Y; a device with one axis shows the force along x alone.
 #pragma once
 
 #include "haptic/axis_reader.hpp"
@@ -18,6 +16,9 @@ Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept;
 
 class ForceStick : public Device {
  public:
+  // Longest time between reports of a stick that moves [s]; USB sticks are read every 8 to 10 ms.
+  static constexpr double kReportPeriod = 0.016;
+
   // `full_force` [N] at the hand is what the device does at most; what is beyond is cut.
   // `transport` must outlive this. Throws DeviceTrouble (haptic/force_output.hpp).
   ForceStick(HidTransport& transport, double reach, double full_force, const HandPose& start);
@@ -39,7 +40,6 @@ class ForceStick : public Device {
   ForceOutput output_;
   HandPose start_;
   double full_force_, time_ = 0;
-  std::optional<HandWrench> rest_;                            // what was rendered first
   std::optional<Eigen::Matrix<double, kRawAxes, 1>> origin_;  // deflection at the start
   std::array<double, 2> force_{};
   std::uint32_t held_ = 0;

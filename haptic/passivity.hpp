@@ -41,6 +41,9 @@ class PassivityController {
     return held_;
   }
 
+  // The force [N] that acts instead, where something after this changed it; after `pass`.
+  void acts(const Eigen::Vector3d& force) noexcept { held_ = force; }
+
   double energy() const noexcept { return energy_; }    // E [J]
   double damping() const noexcept { return damping_; }  // alpha of the last call [N s/m]
 

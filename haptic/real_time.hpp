@@ -1,9 +1,5 @@
-// What the machine allows a haptic loop: real-time scheduling, memory that is not paged out, and
-// the devices themselves.
+// What the machine allows a haptic loop: real-time scheduling, and memory that is not paged out.
 #pragma once
-
-#include <string>
-#include <vector>
 
 namespace ferrule {
 
@@ -27,19 +23,5 @@ class RealTime {
   int scheduling_error_, locking_error_;
   int policy_before_ = 0, priority_before_ = 0;
 };
-
-// One /dev/hidrawN.
-struct HidrawNode {
-  std::string path;
-  int vendor = 0, product = 0;  // USB ids; 0 where unknown
-  bool allowed = false;         // may this process read and write it?
-};
-
-// Those of this machine, sorted by path.
-std::vector<HidrawNode> hidraw_nodes();
-
-// The udev rule that gives the user at the seat a device: for its ids, or for all hidraw devices
-// where these are 0.
-std::string udev_rule(int vendor, int product);
 
 }  // namespace ferrule

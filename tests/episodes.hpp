@@ -34,7 +34,8 @@ inline std::string record(const Scene& scene, const std::string& folder, std::ui
   const EpisodeEnd end = run_episode(
       scene, start, *device, ForceSensor(scene.sensor, 1, trial), 1e-3,
       [&](const RowVector& row) { recorder.add(row); }, [] { return false; });
-  return recorder.finish(end.outcome, end.why);
+  recorder.info().why = end.why;
+  return recorder.finish(end.outcome);
 }
 
 }  // namespace ferrule::testing

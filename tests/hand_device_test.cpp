@@ -16,6 +16,8 @@ namespace {
 constexpr FakeModel kModels[] = {FakeModel::space_mouse_split, FakeModel::space_mouse_combined,
                                  FakeModel::pid_18, FakeModel::pid_22};
 
+constexpr double kFull = 8;  // [N]
+
 Scene quick() {
   return testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"});
 }
@@ -41,7 +43,7 @@ TEST(HandDevice, TheFakeHandInsertsWithEveryModelAndTheEpisodeReplays) {
   const Scene scene = quick();
   for (const FakeModel model : kModels) {
     const testing::TemporaryFolder folder;
-    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), 1);
+    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), 1, kFull);
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     const Outcome outcome = run(scene, *device, recorder);
     EXPECT_EQ(outcome, Outcome::inserted);
@@ -58,7 +60,7 @@ TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
   const Scene scene = quick();
   for (const FakeModel model : kModels) {
     const testing::TemporaryFolder folder;
-    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), 1.5);
+    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), 1.5, kFull);
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     const Episode episode = read_episode(recorder.finish(run(scene, *device, recorder)));
     const Json mapping = Json::parse(episode.info.mapping);
@@ -105,7 +107,7 @@ TEST(HandDevice, AnEpisodeWhoseDeviceIsLostKeepsItsRows) {
   for (const FakeModel model : kModels) {
     const testing::TemporaryFolder folder;
     FakeFirmware firmware(model);
-    const auto driver = hand_device(fake_kind(model), firmware, scene, start, 1);
+    const auto driver = hand_device(fake_kind(model), firmware, scene, start, 1, kFull);
     class Unplugged : public Device {
      public:
       Unplugged(FakeFirmware& f, Device& d) : firmware_(f), device_(d) {}
@@ -139,7 +141,7 @@ TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
   const State start = draw_start(scene, 1, 1);
   CountRows counts(300, kRawAxes);
   {
-    const auto device = fake_hand(FakeModel::space_mouse_split, scene, start, 1);
+    const auto device = fake_hand(FakeModel::space_mouse_split, scene, start, 1, kFull);
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     Eigen::Index n = 0;
     run_episode(
@@ -170,23 +172,20 @@ TEST(HandDevice, SimulatedOperatorsHaveNoCounts) {
 
 TEST(HandDevice, AForceStickFeelsTheFibreAndIsLetGoAtTheEnd) {
   const Scene scene = quick();
+  const State start = draw_start(scene, 1, 1);
   FakeFirmware firmware(FakeModel::pid_22);
   {
-    const auto stick =
-        hand_device(DeviceKind::force_stick, firmware, scene, draw_start(scene, 1, 1), 1);
-    const State start = draw_start(scene, 1, 1);
-    const Scaling scaling = scene_scaling(scene);
+    const auto stick = hand_device(DeviceKind::force_stick, firmware, scene, start, 1, kFull);
     for (int n = 0; n < 50; ++n) {
       firmware.advance(1e-3 * n);
       stick->read(1e-3 * n);
-      // At rest, and then pulled down with a tenth of the scene's largest force.
-      Wrench holder = step(scene.world, start, start.hand, 0).forces.holder;
-      if (n > 10) holder[1] -= 0.1 * scene.scaling.tip_force;
-      stick->render(scaling.wrench_to_hand(holder));
+      HandWrench wrench = HandWrench::Zero();
+      wrench[1] = -0.1 * kFull;
+      stick->render(wrench);
     }
     // Down is along the stick's +Y.
-    EXPECT_NEAR(firmware.force()[1], 0.1, 1e-3);
-    EXPECT_NEAR(firmware.force()[0], 0, 0.02);
+    EXPECT_CLOSE(firmware.force()[1], 0.1, 1e-4);
+    EXPECT_EQ(firmware.force()[0], 0);
   }
   EXPECT_EQ(firmware.force()[1], 0);
   EXPECT_FALSE(firmware.actuators());

@@ -106,11 +106,5 @@ TEST(RealTime, IsGivenBackWhenItEnds) {
   EXPECT_EQ(policy(), before);
 }
 
-TEST(UdevRule, NamesTheDevice) {
-  EXPECT_EQ(udev_rule(0x256f, 0xc635),
-            "KERNEL==\"hidraw*\", SUBSYSTEM==\"hidraw\", ATTRS{idVendor}==\"256f\", "
-            "ATTRS{idProduct}==\"c635\", MODE=\"0660\", TAG+=\"uaccess\"");
-}
-
 }  // namespace
 }  // namespace ferrule

@@ -1,16 +1,18 @@
 import glob
 import json
 import os
+import pty
 import shutil
 import signal
 import subprocess
+import termios
 import time
 import unittest
 
 import h5py
 import numpy
 
-from case import PROGRAM, Case, main
+from case import PROGRAM, Case, ferrule, main
 
 
 class Devices(Case):
@@ -104,11 +106,93 @@ class Devices(Case):
                     self.assertEqual(counts.shape, (f["data/demo_0"].attrs["num_samples"], 6))
                     self.assertEqual(counts.dtype, numpy.int64)
                     self.assertGreater(abs(counts[:, 0]).max(), 100)
+                    loop = json.loads(f.attrs["loop"])
+                    self.assertEqual(loop["period_us"], 1000)
+                    self.assertEqual(loop["periods"], counts.shape[0] + 1)
+                    times = [loop[k] for k in ("p50_us", "p99_us", "p99_9_us", "worst_us")]
+                    self.assertEqual(times, sorted(times))
+                    self.assertNotIn("coupling", f.attrs)
+                    self.assertNotIn("rating", f.attrs)
                 self.done("replay", file, "--verify")
+
+    def test_a_scene_that_is_not_stable_is_refused_for_force_feedback(self):
+        out = self.path("out")
+        record = ["record", "--scene", "bench", "--episodes", 1, "--out", out, "--device"]
+        self.refused(2, *record, "fake:pid", says=["bench on pen: refused", "N/m", "damping",
+                                                   "--set scaling.hand_force_N=", "--coupled"])
+        self.assertFalse(os.path.exists(out))
+        # The scaling that it names is stable.
+        told = ferrule(*record, "fake:pid").stderr.split("--set ")[1].split(";")[0]
+        short = ["--set", "start.distance_um=5", "--set", "success.depth_um=3",
+                 "--set", "start.lateral_sd_um=0", "--set", "start.tilt_sd_mrad=0"]
+        self.done(*record, "fake:pid", "--set", told, *short)
+        self.done(*record, "fake:spacemouse", *short, "--append")  # no force, nothing to refuse
+        self.done(*record, "fake:pid", "--coupled", *short, "--append")
+        with h5py.File(out + "/episode_0003.h5") as f:
+            coupling = json.loads(f.attrs["coupling"])
+            self.assertAlmostEqual(coupling["stiffness_N_m"], 2000)
+        self.done("replay", out + "/episode_0003.h5", "--verify")
+        self.refused(2, *record, "fake:spacemouse", "--coupled", says=["--coupled", "force"])
+        self.refused(3, *record, "fake:pid", "--profile", "nothing", says=["nothing", "pen"])
+
+    def at_terminal(self, keys, *arguments):
+        """Runs the program at a terminal; presses a key whenever its text appears next."""
+        process, terminal = pty.fork()
+        if process == 0:
+            os.execv(PROGRAM, [PROGRAM, *map(str, arguments)])
+        seen, keys = "", list(keys)
+        before = termios.tcgetattr(terminal)[:4]
+        while True:
+            try:
+                part = os.read(terminal, 4096).decode(errors="replace")
+            except OSError:  # it has ended
+                break
+            if not part:
+                break
+            seen += part
+            while keys and keys[0][0] in seen:
+                text, key = keys.pop(0)
+                seen = seen[seen.index(text) + len(text):]
+                time.sleep(0.3)
+                os.write(terminal, key.encode())
+        code = os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+        self.assertEqual(termios.tcgetattr(terminal)[:4], before)
+        os.close(terminal)
+        self.assertEqual(keys, [])
+        return code
+
+    def test_keys_start_end_discard_and_rate_an_episode(self):
+        out = self.path("out")
+        code = self.at_terminal(
+            [("space starts", "x"), ("", " "), ("space ends it", " "), ("1 (poor)", "4"),
+             ("space starts", " "), ("d discards it", "d"),
+             ("space starts", " "), ("space ends it", " "), ("1 (poor)", "d"),
+             ("space starts", " "), ("space ends it", " "), ("1 (poor)", " "),
+             ("space starts", "q")],
+            "record", "--scene", "demo", "--device", "fake:pid", "--episodes", 9, "--out", out)
+        self.assertEqual(code, 0)
+        files = sorted(os.listdir(out))
+        self.assertEqual(files, ["episode_0001.h5", "episode_0004.h5"])
+        with h5py.File(out + "/episode_0001.h5") as f:
+            self.assertEqual(f.attrs["rating"], 4)
+            self.assertEqual(f.attrs["outcome"], b"stopped_short")
+            self.assertGreater(f["data/demo_0"].attrs["num_samples"], 100)
+        with h5py.File(out + "/episode_0004.h5") as f:
+            self.assertNotIn("rating", f.attrs)
+        for file in files:
+            self.done("replay", out + "/" + file, "--verify")
+
+    def test_the_recording_ends_before_it_began(self):
+        for key in ("\x03", "q"):
+            code = self.at_terminal([("space starts", key)], "record", "--scene", "demo",
+                                    "--device", "fake:pid", "--out", self.path(key))
+            self.assertEqual(code, 130 if key == "\x03" else 0)
+            self.assertEqual(os.listdir(self.path(key)), [])
 
     def test_a_simulated_operator_leaves_neither(self):
         with h5py.File(self.record(self.path("out"), episodes=1)[0]) as f:
             self.assertNotIn("mapping", f.attrs)
+            self.assertNotIn("loop", f.attrs)
             self.assertNotIn("raw", f["data/demo_0"])
 
     def test_gain_moves_the_hand_further(self):

@@ -1,0 +1,13 @@
+// How the verbs show a device that is connected: `devices` and `doctor`.
+#pragma once
+
+#include "haptic/device_list.hpp"
+#include "sim/json_fields.hpp"
+
+namespace ferrule {
+
+// {"path", "id", "name", "kind", "state"}; of one that is forbidden also what mends that,
+// "udev_rule" and "command".
+Json device_json(const FoundDevice& device);
+
+}  // namespace ferrule

@@ -1,0 +1,28 @@
+// Single keys from the terminal, without Enter, while this lives. Ctrl-C stays what it is.
+#pragma once
+
+#include <termios.h>
+
+namespace ferrule {
+
+class Keys {
+ public:
+  Keys() noexcept;
+  ~Keys();
+  Keys(const Keys&) = delete;
+  Keys& operator=(const Keys&) = delete;
+
+  // Whether somebody sits at a terminal: stdin and stderr are one.
+  bool there() const noexcept { return there_; }
+  // The key that was pressed since, '\0' if none was.
+  char pressed() noexcept;
+  // Forgets what was pressed so far, and waits until one of `wanted` is; '\0' at Ctrl-C or when the
+  // terminal is gone.
+  char wait_for(const char* wanted) noexcept;
+
+ private:
+  termios before_{};
+  bool there_;
+};
+
+}  // namespace ferrule

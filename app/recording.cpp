@@ -1,0 +1,128 @@
+#include "app/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/verb.hpp"
+#include "capture/hand_device.hpp"
+#include "haptic/force_stick.hpp"
+
+namespace ferrule {
+namespace {
+
+EpisodeInfo episode_info(const Scene& scene, const Device& device, const EpisodePlace& place) {
+  EpisodeInfo info;
+  info.scene = scene.document.dump();
+  info.operator_ = place.operator_;
+  info.seed = place.seed;
+  info.trial = place.trial;
+  info.version = program_version();
+  info.build = program_build();
+  if (const Mapping* mapping = device.mapping()) info.mapping = mapping_text(*mapping);
+  return info;
+}
+
+// The empty journal of an episode that never began.
+void unclaim(const EpisodePlace& place) {
+  std::filesystem::remove(place.folder + "/" + episode_name(place.number) + ".part");
+}
+
+}  // namespace
+
+FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
+  constexpr std::size_t kMost = 10000;
+  FeasibleTrial found{nullptr, trial, 0};
+  while (!(found.scene = draw_scene(scene, seed, found.trial))) {
+    if (++found.infeasible == kMost)
+      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
+                     " drawn pairs of parts not one fits");
+    found.trial += std::uint64_t{1} << 32;
+  }
+  return found;
+}
+
+Recorded record_one(const Scene& scene, const State& start, Device& device,
+                    const EpisodePlace& place) {
+  const EpisodeInfo info = episode_info(scene, device, place);
+  Recorder recorder(place.folder, place.number, info);
+  const EpisodeEnd end = run_episode(
+      scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial), info.period,
+      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
+      interrupted);
+  recorder.info().why = end.why;
+  return {recorder.finish(end.outcome), end.outcome, end.summary, end.why, info.period, {}};
+}
+
+HandDevice open_device(const std::string& wanted) {
+  if (const auto model = fake_model(wanted))
+    return {"simulated hand, " + wanted, fake_kind(*model), nullptr, model};
+  if (wanted.starts_with("fake:"))
+    throw BadInput("--device " + wanted + ": must be fake:spacemouse or fake:pid");
+  FoundDevice found = choose_device(wanted);
+  return {fmt::format("{} {:04x}:{:04x}", name(*found.kind), found.info.vendor, found.info.product),
+          *found.kind, open_hid(found.info), std::nullopt};
+}
+
+std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSettings& settings,
+                                       const Scene& scene, const State& start,
+                                       const EpisodePlace& place, Keys& keys) {
+  if (keys.there()) {
+    fmt::print(stderr, "{}: space starts it, q ends the recording\n", episode_name(place.number));
+    if (keys.wait_for(" q") != ' ') {
+      unclaim(place);
+      return std::nullopt;
+    }
+    fmt::print(stderr, "it runs: space ends it, d discards it\n");
+  }
+  const double full_force = settings.profile.max_force;
+  std::unique_ptr<Device> hand;
+  try {
+    hand = device.fake ? fake_hand(*device.fake, scene, start, settings.gain, full_force)
+                       : hand_device(device.kind, *device.transport, scene, start, settings.gain,
+                                     full_force);
+  } catch (const DeviceTrouble&) {
+    unclaim(place);
+    throw;
+  }
+  EpisodeInfo info = episode_info(scene, *hand, place);
+  std::optional<ForceFeedback> feedback;
+  if (device.has_force()) {
+    info.period = settings.profile.period;
+    if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
+    feedback.emplace(force_feedback(scene, start, settings.profile, settings.coupling,
+                                    ForceStick::kReportPeriod));
+  }
+  Recorder recorder(place.folder, place.number, info);
+  bool discard = false;
+  const auto [end, timing] = run_in_time(
+      scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial), info.period,
+      feedback ? &*feedback : nullptr,
+      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
+      [&] {
+        const char key = keys.pressed();
+        discard = discard || key == 'd';
+        return discard || interrupted() ? Wish::stop : key == ' ' ? Wish::finish : Wish::go_on;
+      });
+  Recorded recorded{{}, end.outcome, end.summary, end.why, info.period, timing, 0, end.lost};
+  recorder.flush();
+  if (keys.there() && !discard && !interrupted()) {
+    fmt::print(stderr,
+               "{}: 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it\n",
+               name(end.outcome));
+    const char key = keys.wait_for(" d12345");
+    discard = key == 'd';
+    if (key >= '1' && key <= '5') recorded.rating = key - '0';
+  }
+  if (discard || recorder.rows() == 0) {
+    recorder.discard();
+    return recorded;
+  }
+  recorder.info().why = end.why;
+  recorder.info().loop = loop_json(timing, info.period).dump();
+  recorder.info().rating = recorded.rating;
+  recorded.file = recorder.finish(end.outcome);
+  return recorded;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,110 @@
+#include "capture/haptic_loop.hpp"
+
+#include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <chrono>
+#include <exception>
+#include <thread>
+
+#include "haptic/real_time.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr auto kEmptyEvery = std::chrono::milliseconds(2);
+
+struct Tick {
+  RowVector row;
+  RawCounts counts;
+};
+
+// Each read waits for its period, and says when the calling thread wants an end.
+class TimedDevice : public Device {
+ public:
+  TimedDevice(Device& device, PeriodClock& clock, const std::atomic<Wish>& wish)
+      : device_(device), clock_(clock), wish_(wish) {}
+  HandSample read(double t) override {
+    clock_.wait();
+    HandSample sample = device_.read(t);
+    sample.finished = sample.finished || wish_ == Wish::finish;
+    return sample;
+  }
+  void render(const HandWrench& wrench) override { device_.render(wrench); }
+  const Mapping* mapping() const noexcept override { return device_.mapping(); }
+
+ private:
+  Device& device_;
+  PeriodClock& clock_;
+  const std::atomic<Wish>& wish_;
+};
+
+}  // namespace
+
+Json loop_json(const LoopTiming& timing, double period) {
+  const PeriodStatistics& p = timing.periods;
+  return {{"period_us", 1e6 * period},
+          {"periods", p.periods},
+          {"p50_us", 1e6 * p.p50},
+          {"p99_us", 1e6 * p.p99},
+          {"p99_9_us", 1e6 * p.p99_9},
+          {"worst_us", 1e6 * p.worst},
+          {"missed", p.missed},
+          {"sched_fifo", timing.scheduling_error == 0},
+          {"memory_locked", timing.locking_error == 0}};
+}
+
+TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                         double period, ForceFeedback* feedback,
+                         const std::function<void(const RowVector&, const RawCounts&)>& record,
+                         const std::function<Wish()>& wish) {
+  const auto ring =
+      std::make_unique<boost::lockfree::spsc_queue<Tick, boost::lockfree::capacity<kRing>>>();
+  std::atomic<Wish> wanted = Wish::go_on;
+  std::atomic<bool> done = false;
+  std::exception_ptr trouble;
+  TimedEpisode result{};
+
+  std::thread loop([&] {
+    try {
+      const RealTime real_time;
+      result.timing.scheduling_error = real_time.scheduling_error();
+      result.timing.locking_error = real_time.locking_error();
+      PeriodClock clock(period);
+      TimedDevice timed(device, clock, wanted);
+      bool full = false;
+      result.end = run_episode(
+          scene, start, timed, std::move(sensor), period,
+          [&](const RowVector& row, const RawCounts& counts) {
+            full = !ring->push({row, counts});
+          },
+          [&] { return full || wanted == Wish::stop; }, feedback);
+      device.render(HandWrench::Zero());
+      if (full) result.end.why = "the disk was too slow";
+      result.timing.periods = clock.statistics();
+    } catch (...) {
+      trouble = std::current_exception();
+    }
+    done = true;
+  });
+
+  const auto empty_ring = [&] {
+    ring->consume_all([&](const Tick& tick) { record(tick.row, tick.counts); });
+  };
+  try {
+    while (!done) {
+      empty_ring();
+      if (const Wish now = wish(); now != Wish::go_on) wanted = now;
+      std::this_thread::sleep_for(kEmptyEvery);
+    }
+  } catch (...) {
+    wanted = Wish::stop;
+    loop.join();
+    throw;
+  }
+  loop.join();
+  empty_ring();
+  if (trouble) std::rethrow_exception(trouble);
+  return result;
+}
+
+}  // namespace ferrule

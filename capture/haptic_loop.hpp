@@ -1,0 +1,47 @@
+// The episode of a person at a device: the loop of capture/session.hpp in a thread of its own.
+//
+// The loop's thread runs under SCHED_FIFO with memory that stays resident, as far as that is
+// permitted, and wakes at absolute deadlines, once per period. It hands each row on through a
+// lock-free ring; the calling thread takes the rows out, so that a slow disk never delays the
+// force.
+#pragma once
+
+#include "capture/session.hpp"
+#include "haptic/period_clock.hpp"
+#include "sim/json_fields.hpp"
+
+namespace ferrule {
+
+// How well the loop kept its period.
+struct LoopTiming {
+  PeriodStatistics periods;
+  int scheduling_error = 0, locking_error = 0;  // errno of what was not permitted, or 0
+};
+
+// {"period_us", "periods", "p50_us", "p99_us", "p99_9_us", "worst_us", "missed", "sched_fifo",
+// "memory_locked"}
+Json loop_json(const LoopTiming& timing, double period);
+
+// What the calling thread wants of a running episode.
+enum class Wish {
+  go_on,
+  finish,  // as if the operator had said that he is done
+  stop     // `interrupted`
+};
+
+struct TimedEpisode {
+  EpisodeEnd end;
+  LoopTiming timing;
+};
+
+// Runs `run_episode` in time: `device.read` is called once per period [s]. `record` and `wish` are
+// called in this thread, some hundred times per second; where `record` throws, the loop ends
+// without force and the exception goes on. Rows that wait for the disk: kRing at most, or the
+// episode ends as `interrupted`. Throws what the device throws.
+inline constexpr std::size_t kRing = 8192;
+TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
+                         double period, ForceFeedback* feedback,
+                         const std::function<void(const RowVector&, const RawCounts&)>& record,
+                         const std::function<Wish()>& wish);
+
+}  // namespace ferrule

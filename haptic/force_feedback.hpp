@@ -1,0 +1,77 @@
+// What lies between a person's hand and the fibre's holder, both ways, once per period:
+//
+//   hold   pose of the hand -> pose of the holder: the same, or with a virtual coupling what that
+//          pulls along (haptic/virtual_coupling.hpp)
+//   feel   wrench of the fibre on the holder -> wrench for the motors: less the weight at rest,
+//          through the coupling, the passivity controller (haptic/passivity.hpp) and the guard
+//          (haptic/force_guard.hpp)
+//
+// The weight is left out because it is often more than a device can do, and would keep the guard
+// waiting. Tilts and moments are not coupled. All in the hand's world.
+#pragma once
+
+#include <optional>
+
+#include "haptic/force_guard.hpp"
+#include "haptic/passivity.hpp"
+#include "haptic/virtual_coupling.hpp"
+
+namespace ferrule {
+
+class ForceFeedback {
+ public:
+  // `coupling`: empty where the hand holds the fibre itself. `start`: where hand and holder begin;
+  // `rest`: the wrench of the fibre there. `report_period`: as in GuardSettings.
+  ForceFeedback(const DeviceProfile& device, const std::optional<Coupling>& coupling,
+                const HandPose& start, const HandWrench& rest, double report_period) noexcept
+      : rest_(rest),
+        hand_(start),
+        // A tenth of the limit that haptic/passivity.hpp states.
+        passivity_(device.period, 0.1 * device.mass / device.period),
+        guard_({.max_force = device.max_force,
+                .period = device.period,
+                .report_period = report_period}) {
+    if (coupling) coupling_.emplace(*coupling, device.period, start.head<3>());
+  }
+
+  bool coupled() const noexcept { return coupling_.has_value(); }
+
+  // `stiffness` of the fibre at the holder, -dF/dh [N/m, symmetric], where there is a coupling. A
+  // pose that is not finite holds where it was.
+  HandPose hold(const HandPose& hand, const Eigen::Matrix3d& stiffness) noexcept {
+    const bool finite = hand.allFinite();
+    if (!finite && !fault_) fault_ = "the hand's position is not a finite number";
+    if (finite) hand_ = hand;
+    HandPose holder = hand_;
+    if (coupling_) holder.head<3>() = coupling_->move(hand_.head<3>(), fibre_, stiffness);
+    return holder;
+  }
+
+  // At time `now` [s] with a hand pose that is `age` [s] old, after `hold`.
+  HandWrench feel(double now, double age, const HandWrench& fibre) noexcept {
+    HandWrench wanted = fibre - rest_;
+    fibre_ = wanted.head<3>();
+    if (coupling_) wanted.head<3>() = coupling_->force();
+    wanted.head<3>() = passivity_.pass(hand_.head<3>(), wanted.head<3>());
+    const HandWrench felt = guard_.pass(now, now - age, hand_, wanted);
+    if (!fault_) fault_ = guard_.why();
+    const HandWrench acts = fault_ ? HandWrench(HandWrench::Zero()) : felt;
+    passivity_.acts(acts.head<3>());
+    return acts;
+  }
+
+  // What could not be trusted; the wrench is zero from then on. Null: nothing yet.
+  const char* fault() const noexcept { return fault_; }
+  ForceGuard::Stage stage() const noexcept { return guard_.stage(); }
+
+ private:
+  HandWrench rest_;
+  HandPose hand_;
+  Eigen::Vector3d fibre_ = Eigen::Vector3d::Zero();  // on the holder, less its weight [N]
+  std::optional<VirtualCoupling> coupling_;
+  PassivityController passivity_;
+  ForceGuard guard_;
+  const char* fault_ = nullptr;
+};
+
+}  // namespace ferrule

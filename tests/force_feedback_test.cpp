@@ -1,0 +1,136 @@
+#include "haptic/force_feedback.hpp"
+
+#include "tests/compare.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double T = 1e-3;
+
+HandWrench along_y(double force) {
+  HandWrench w = HandWrench::Zero();
+  w[1] = force;
+  return w;
+}
+
+// A loop at rest that has its force, in front of a fibre of weight 1.2 N.
+struct Loop {
+  DeviceProfile device = load_device_profile("pen");
+  HandPose start = HandPose::Constant(0.01);
+  HandWrench rest = along_y(-1.2);
+  ForceFeedback feedback;
+  HandPose hand = start;
+  double time = 0;
+
+  explicit Loop(const std::optional<Coupling>& coupling = {}, double report_period = 0)
+      : feedback(device, coupling, start, rest, report_period) {
+    while (feedback.stage() != ForceGuard::Stage::engaged)
+      period([](const HandPose&) { return 0; });
+  }
+  // One period against a fibre whose force along y follows from where its holder is.
+  template <typename Fibre>
+  HandWrench period(const Fibre& fibre, double stiffness = 0, double age = 0) {
+    const HandPose holder = feedback.hold(hand, stiffness * Eigen::Matrix3d::Identity());
+    time += T;
+    return feedback.feel(time, age, rest + along_y(fibre(holder)));
+  }
+};
+
+TEST(ForceFeedback, AllButTheWeightIsFelt) {
+  Loop loop;
+  EXPECT_FALSE(loop.feedback.coupled());
+  EXPECT_EQ(loop.period([](const HandPose&) { return 0; }).norm(), 0);
+  EXPECT_CLOSE(loop.period([](const HandPose&) { return 3; })[1], 3, 1e-12);
+  EXPECT_CLOSE(loop.period([](const HandPose&) { return -100; })[1], -loop.device.max_force, 1e-12);
+  EXPECT_EQ(loop.feedback.fault(), nullptr);
+}
+
+TEST(ForceFeedback, WithoutACouplingTheHandIsTheHolder) {
+  Loop loop;
+  loop.hand[2] += 1e-4;
+  loop.hand[3] -= 1e-3;
+  EXPECT_EQ(loop.feedback.hold(loop.hand, Eigen::Matrix3d::Identity()), loop.hand);
+}
+
+// Against a spring k the hand comes to feel k in series with the coupling, whatever k.
+TEST(ForceFeedback, ThroughACouplingNothingFeelsStifferThanIt) {
+  const Coupling coupling = stable_coupling(load_device_profile("pen"));
+  for (const double k : {1.0, 1e3, 1e6}) {
+    Loop loop(coupling);
+    const double pushed = 1e-3, begin = loop.start[1];
+    HandWrench felt;
+    for (int n = 0; n < 4000; ++n) {
+      if (n < 100) loop.hand[1] -= pushed / 100;
+      felt = loop.period([&](const HandPose& holder) { return -k * (holder[1] - begin); }, k);
+    }
+    EXPECT_CLOSE(felt[1], pushed * k * coupling.stiffness / (k + coupling.stiffness), 1e-6) << k;
+    EXPECT_EQ(loop.feedback.fault(), nullptr);
+  }
+}
+
+// Whatever cannot be trusted: no force in the same period, and none after it.
+TEST(ForceFeedback, AFaultTakesTheForceAwayForGood) {
+  const auto three = [](const HandPose&) { return 3.0; };
+  const auto expect_fault = [&](Loop& loop, const HandWrench& felt, const std::string& what) {
+    EXPECT_EQ(felt.norm(), 0) << what;
+    ASSERT_NE(loop.feedback.fault(), nullptr) << what;
+    EXPECT_NE(std::string(loop.feedback.fault()).find(what), std::string::npos)
+        << loop.feedback.fault();
+    loop.hand = loop.start;
+    for (int n = 0; n < 5000; ++n)
+      EXPECT_EQ(loop.period([](const HandPose&) { return 0.1; }).norm(), 0);
+  };
+  for (const bool coupled : {false, true}) {
+    std::optional<Coupling> coupling;
+    if (coupled) coupling = stable_coupling(load_device_profile("pen"));
+    {
+      Loop loop(coupling);
+      loop.hand[4] = NAN;
+      const HandPose held = loop.feedback.hold(loop.hand, Eigen::Matrix3d::Zero());
+      EXPECT_TRUE(held.allFinite());
+      expect_fault(loop, loop.period(three), "position is not a finite number");
+    }
+    {
+      Loop loop(coupling);
+      HandWrench felt = loop.period([](const HandPose&) { return INFINITY; });
+      if (coupled) {  // it reaches the holder in the next period
+        EXPECT_LE(felt.norm(), loop.device.max_force);
+        felt = loop.period(three);
+      }
+      expect_fault(loop, felt, "not a finite number");
+    }
+    {
+      Loop loop(coupling);
+      loop.hand[0] += 0.01;
+      expect_fault(loop, loop.period(three), "jumped");
+    }
+    {
+      Loop loop(coupling);
+      EXPECT_EQ(loop.feedback.fault(), nullptr);
+      loop.period(three, 0, 0.9 * T);
+      EXPECT_EQ(loop.feedback.fault(), nullptr);
+      expect_fault(loop, loop.period(three, 0, 1.9 * T), "too old");
+    }
+  }
+}
+
+// A hand at 0.5 m/s, told of every 8 ms: 4 mm at once, and no jump.
+TEST(ForceFeedback, AReportThatComesEveryFewPeriodsIsNoJump) {
+  Loop slow({}, 0.016), fast;
+  const auto three = [](const HandPose&) { return 3.0; };
+  for (int n = 1; n <= 800; ++n) {
+    if (n % 8 == 0) slow.hand[1] += 4e-3;
+    slow.period(three);
+    ASSERT_EQ(slow.feedback.fault(), nullptr) << n;
+  }
+  fast.hand[1] += 4e-3;
+  fast.period(three);
+  EXPECT_NE(fast.feedback.fault(), nullptr);
+  for (int n = 0; n < 1000; ++n) slow.period(three);  // a long rest allows no longer jump
+  slow.hand[1] += 0.033;
+  slow.period(three);
+  EXPECT_NE(slow.feedback.fault(), nullptr);
+}
+
+}  // namespace
+}  // namespace ferrule
