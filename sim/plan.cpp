@@ -25,8 +25,8 @@ constexpr double kSample = 1e-3;                        // [s]
 constexpr double kLongest = 16, kLongestWithDrag = 30;  // of a probe [s]
 // Of a probe [m].
 constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6, kDeepestInertial = 5e-6;
-constexpr double kMostLean = 0.03;   // [rad]
-constexpr double kSpeedingUp = 0.1;  // time in which a hand changes its speed [s]
+constexpr double kMostLean = 0.03;            // [rad]
+constexpr double kSpeedingUp = 0.1;           // time in which a hand changes its speed [s]
 constexpr std::size_t kEveryForFidelity = 7;  // samples at which fidelities are compared
 
 // Steps to choose from [s]; the last is the full model's. Without drag and inertia nothing depends
