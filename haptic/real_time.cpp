@@ -14,7 +14,8 @@ RealTime::RealTime(int priority) noexcept {
   priority_before_ = parameters.sched_priority;
   parameters.sched_priority = priority;
   scheduling_error_ = ::pthread_setschedparam(::pthread_self(), SCHED_FIFO, &parameters);
-  locking_error_ = ::mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? 0 : errno;
+  // Not what is allocated later: beyond the limit of locked memory that would fail.
+  locking_error_ = ::mlockall(MCL_CURRENT) == 0 ? 0 : errno;
 }
 
 RealTime::~RealTime() {

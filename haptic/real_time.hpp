@@ -3,8 +3,8 @@
 
 namespace ferrule {
 
-// From construction to destruction the calling thread runs under SCHED_FIFO and all memory stays
-// resident, as far as that is permitted.
+// From construction to destruction the calling thread runs under SCHED_FIFO, and the memory that is
+// there at construction stays resident, as far as that is permitted.
 class RealTime {
  public:
   // `priority` from 1 to 99.
