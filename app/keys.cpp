@@ -1,6 +1,8 @@
 #include "app/keys.hpp"
 
 #include <poll.h>
+#include <signal.h>
+#include <termios.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -8,18 +10,30 @@
 #include "app/verb.hpp"
 
 namespace ferrule {
+namespace {
+
+termios g_before;
+volatile sig_atomic_t g_changed = 0;
+
+}  // namespace
+
+void restore_terminal() noexcept {
+  if (g_changed) ::tcsetattr(STDIN_FILENO, TCSANOW, &g_before);
+}
 
 Keys::Keys() noexcept
     : there_(::isatty(STDIN_FILENO) && ::isatty(STDERR_FILENO) &&
-             ::tcgetattr(STDIN_FILENO, &before_) == 0) {
+             ::tcgetattr(STDIN_FILENO, &g_before) == 0) {
   if (!there_) return;
-  termios one_by_one = before_;
+  termios one_by_one = g_before;
   one_by_one.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
+  g_changed = 1;
   ::tcsetattr(STDIN_FILENO, TCSANOW, &one_by_one);
 }
 
 Keys::~Keys() {
-  if (there_) ::tcsetattr(STDIN_FILENO, TCSANOW, &before_);
+  restore_terminal();
+  g_changed = 0;
 }
 
 char Keys::pressed() noexcept {

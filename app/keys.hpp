@@ -1,8 +1,6 @@
 // Single keys from the terminal, without Enter, while this lives. Ctrl-C stays what it is.
 #pragma once
 
-#include <termios.h>
-
 namespace ferrule {
 
 class Keys {
@@ -21,8 +19,10 @@ class Keys {
   char wait_for(const char* wanted) noexcept;
 
  private:
-  termios before_{};
   bool there_;
 };
+
+// The terminal as it was before any Keys; for ends without destructors. Safe in a signal handler.
+void restore_terminal() noexcept;
 
 }  // namespace ferrule

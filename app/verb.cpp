@@ -10,13 +10,18 @@
 #include <iostream>
 #include <mutex>
 
+#include "app/keys.hpp"
+
 namespace ferrule {
 namespace {
 
 volatile sig_atomic_t g_interrupts = 0;
 
 void on_interrupt(int) {
-  if (g_interrupts) ::_exit(kInterrupted);
+  if (g_interrupts) {
+    restore_terminal();
+    ::_exit(kInterrupted);
+  }
   g_interrupts = 1;
 }
 

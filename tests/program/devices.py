@@ -189,6 +189,12 @@ class Devices(Case):
             self.assertEqual(code, 130 if key == "\x03" else 0)
             self.assertEqual(os.listdir(self.path(key)), [])
 
+    def test_a_second_ctrl_c_ends_it_at_once_and_leaves_the_terminal(self):
+        code = self.at_terminal([("space starts", " "), ("space ends it", "\x03\x03")], "record",
+                                "--scene", "demo", "--device", "fake:pid", "--out",
+                                self.path("out"))
+        self.assertEqual(code, 130)
+
     def test_a_simulated_operator_leaves_neither(self):
         with h5py.File(self.record(self.path("out"), episodes=1)[0]) as f:
             self.assertNotIn("mapping", f.attrs)
