@@ -39,19 +39,30 @@ Outcome run(
       .outcome;
 }
 
+// An episode of the fake hand in a folder of its own.
+struct Recording {
+  testing::TemporaryFolder folder;
+  std::string file, mapping;
+  Episode episode;
+
+  Recording(const Scene& scene, FakeModel model, double gain) {
+    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), gain, kFull);
+    const EpisodeInfo info = info_of(scene, *device);
+    mapping = info.mapping;
+    Recorder recorder(folder.path(), 1, info);
+    file = recorder.finish(run(scene, *device, recorder));
+    episode = read_episode(file);
+  }
+};
+
 TEST(HandDevice, TheFakeHandInsertsWithEveryModelAndTheEpisodeReplays) {
   const Scene scene = quick();
   for (const FakeModel model : kModels) {
-    const testing::TemporaryFolder folder;
-    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), 1, kFull);
-    Recorder recorder(folder.path(), 1, info_of(scene, *device));
-    const Outcome outcome = run(scene, *device, recorder);
-    EXPECT_EQ(outcome, Outcome::inserted);
-    const std::string file = recorder.finish(outcome);
-    const Episode episode = read_episode(file);
-    EXPECT_FALSE(verify(episode).has_value());
-    EXPECT_FALSE(derived_difference(file, episode).has_value());
-    EXPECT_EQ(episode.info.mapping, mapping_text(*device->mapping()));
+    const Recording r(scene, model, 1);
+    EXPECT_EQ(r.episode.info.outcome, Outcome::inserted);
+    EXPECT_FALSE(verify(r.episode).has_value());
+    EXPECT_FALSE(derived_difference(r.file, r.episode).has_value());
+    EXPECT_EQ(r.episode.info.mapping, r.mapping);
   }
 }
 
@@ -59,10 +70,8 @@ TEST(HandDevice, TheFakeHandInsertsWithEveryModelAndTheEpisodeReplays) {
 TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
   const Scene scene = quick();
   for (const FakeModel model : kModels) {
-    const testing::TemporaryFolder folder;
-    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), 1.5, kFull);
-    Recorder recorder(folder.path(), 1, info_of(scene, *device));
-    const Episode episode = read_episode(recorder.finish(run(scene, *device, recorder)));
+    const Recording recording(scene, model, 1.5);
+    const Episode& episode = recording.episode;
     const Json mapping = Json::parse(episode.info.mapping);
     const bool velocity = mapping["motion"] == "velocity";
     ASSERT_EQ(velocity, fake_kind(model) == DeviceKind::space_mouse);
