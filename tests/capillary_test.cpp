@@ -27,10 +27,7 @@ TEST(Capillary, ForceAndSlopeAreDerivativesOverDecades) {
   const auto at = [](double h) { return capillary(kWater, kTableI, h, true); };
   for (double h = 0.12e-9; h < 500e-9; h *= 1.7) {
     const double step = 1e-3 * h;
-    EXPECT_CLOSE(at(h).force,
-                 -testing::derivative([&](double g) { return at(g).potential; }, h, step), 1e-7);
-    EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
-                 1e-7);
+    testing::expect_derivatives(at, h, step, 1e-7);
   }
 }
 

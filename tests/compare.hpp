@@ -21,6 +21,16 @@ inline double derivative(const std::function<double(double)>& f, double x, doubl
   return (4 * central(h / 2) - central(h)) / 3;
 }
 
+// A law's force and slope at x are what its potential says: force = -+ dU/dx (`sign` -1 where x is
+// a gap, +1 where it is a depth), slope = d force/dx.
+template <typename Law>
+void expect_derivatives(const Law& at, double x, double step, double tolerance, double sign = -1) {
+  const double force = sign * derivative([&](double y) { return at(y).potential; }, x, step);
+  const double slope = derivative([&](double y) { return at(y).force; }, x, step);
+  EXPECT_TRUE(close(at(x).force, force, tolerance)) << "force at " << x;
+  EXPECT_TRUE(close(at(x).slope, slope, tolerance)) << "slope at " << x;
+}
+
 }  // namespace ferrule::testing
 
 #define EXPECT_CLOSE(a, b, tolerance) EXPECT_TRUE(::ferrule::testing::close(a, b, tolerance))

@@ -25,10 +25,7 @@ TEST(Electrostatic, ForceAndSlopeAreDerivativesOverDecades) {
   const auto at = [](double h) { return electrostatic(kTenthVolt, kTableI, h); };
   for (double h = 0.12e-9; h < 500e-9; h *= 1.7) {
     const double step = 1e-3 * h;
-    EXPECT_CLOSE(at(h).force,
-                 -testing::derivative([&](double g) { return at(g).potential; }, h, step), 1e-7);
-    EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
-                 1e-7);
+    testing::expect_derivatives(at, h, step, 1e-7);
   }
 }
 
@@ -64,10 +61,7 @@ TEST(Electrostatic, CorrectedForceAndSlopeAreDerivativesOverDecades) {
   const auto at = [&](double h) { return electrostatic(kCorrected, rough, h); };
   for (double h = 1e-10; h < 480e-9; h *= 1.9) {
     const double step = 1e-3 * (h + 2e-9) * (h > 1e-9 ? 1 : 1e-2);
-    EXPECT_CLOSE(at(h).force,
-                 -testing::derivative([&](double g) { return at(g).potential; }, h, step), 1e-6);
-    EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
-                 1e-6);
+    testing::expect_derivatives(at, h, step, 1e-6);
   }
 }
 

@@ -23,22 +23,11 @@ TEST(VanDerWaals, PrintedHas30DigitValuesOfOtherParameters) {
 }
 
 TEST(VanDerWaals, ForceAndSlopeAreDerivativesOverDecades) {
-  for (double h = 0.12e-9; h < 99e-9; h *= 1.7) {
-    const LineForce f = van_der_waals(kAluminium, kTableI, h);
-    const auto potential = [](double g) { return van_der_waals(kAluminium, kTableI, g).potential; };
-    const auto force = [](double g) { return van_der_waals(kAluminium, kTableI, g).force; };
-    const double step = 1e-3 * h;
-    EXPECT_CLOSE(f.force, -testing::derivative(potential, h, step), 1e-7) << h;
-    EXPECT_CLOSE(f.slope, testing::derivative(force, h, step), 1e-7) << h;
-  }
+  const auto at = [](double h) { return van_der_waals(kAluminium, kTableI, h); };
+  for (double h = 0.12e-9; h < 99e-9; h *= 1.7) testing::expect_derivatives(at, h, 1e-3 * h, 1e-7);
   // In the taper and in the last a_0.
-  for (const double h : {100.2e-9, 100.7e-9, 0.03e-9, 0.07e-9}) {
-    const auto potential = [](double g) { return van_der_waals(kAluminium, kTableI, g).potential; };
-    const auto force = [](double g) { return van_der_waals(kAluminium, kTableI, g).force; };
-    const LineForce f = van_der_waals(kAluminium, kTableI, h);
-    EXPECT_CLOSE(f.force, -testing::derivative(potential, h, 1e-12), 1e-6) << h;
-    EXPECT_CLOSE(f.slope, testing::derivative(force, h, 1e-12), 1e-6) << h;
-  }
+  for (const double h : {100.2e-9, 100.7e-9, 0.03e-9, 0.07e-9})
+    testing::expect_derivatives(at, h, 1e-12, 1e-6);
 }
 
 TEST(VanDerWaals, PrintedIsContinuousAtTheEndsOfItsRangeAndZeroBeyond) {
@@ -80,10 +69,7 @@ TEST(VanDerWaals, CorrectedForceAndSlopeAreDerivativesOverDecades) {
   const auto at = [&](double h) { return van_der_waals(kCorrected, rough, h); };
   for (double h = 1e-11; h < 480e-9; h *= 1.9) {
     const double step = 1e-3 * (h + 2e-9) * (h > 1e-10 ? 1 : 1e-3);
-    EXPECT_CLOSE(at(h).force,
-                 -testing::derivative([&](double g) { return at(g).potential; }, h, step), 1e-6);
-    EXPECT_CLOSE(at(h).slope, testing::derivative([&](double g) { return at(g).force; }, h, step),
-                 1e-6);
+    testing::expect_derivatives(at, h, step, 1e-6);
   }
   // Pressed together: linear down to nothing where the mean planes meet, and pushing beyond.
   EXPECT_CLOSE(at(-1e-9).force, 0.5 * at(0).force, 1e-12);
