@@ -104,6 +104,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
         discard = discard || key == 'd';
         return discard || interrupted() ? Wish::stop : key == ' ' ? Wish::finish : Wish::go_on;
       });
+  hand.reset();  // disables the motors before anything is asked
   Recorded recorded{{}, end.outcome, end.summary, end.why, info.period, timing, 0, end.lost};
   recorder.flush();
   if (keys.there() && !discard && !interrupted()) {

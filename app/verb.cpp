@@ -15,6 +15,9 @@
 namespace ferrule {
 namespace {
 
+// Ctrl-C, kill, a terminal that was closed, Ctrl-backslash.
+constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
+
 volatile sig_atomic_t g_interrupts = 0;
 
 void on_interrupt(int) {
@@ -90,10 +93,15 @@ void print_json(const Json& json) {
 
 void watch_for_interrupt() {
   struct sigaction action {};
+  struct sigaction before {};
   action.sa_handler = on_interrupt;
   sigemptyset(&action.sa_mask);
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  for (const int which : kEndings) {
+    sigaction(which, nullptr, &before);
+    const bool job = which == SIGHUP || which == SIGQUIT;
+    if (job && before.sa_handler == SIG_IGN) continue;  // nohup
+    sigaction(which, &action, nullptr);
+  }
 }
 
 bool interrupted() noexcept {
@@ -101,8 +109,11 @@ bool interrupted() noexcept {
 }
 
 void stop_watching_for_interrupt() {
-  ::signal(SIGINT, SIG_DFL);
-  ::signal(SIGTERM, SIG_DFL);
+  struct sigaction now {};
+  for (const int which : kEndings) {
+    sigaction(which, nullptr, &now);
+    if (now.sa_handler == on_interrupt) ::signal(which, SIG_DFL);
+  }
 }
 
 struct Progress::State {

@@ -60,7 +60,8 @@ CLI::Validator number_between(double low, double high);
 // The one JSON document of --json, on stdout.
 void print_json(const Json& json);
 
-// Ctrl-C: the first one asks the verb to end cleanly, the second ends the program at once.
+// Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
+// the second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;
 // Ctrl-C ends the program at once again.

@@ -35,6 +35,10 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
   HandTwist velocity = HandTwist::Zero();                      // over the period before
   for (std::int64_t n = 0; n == 0 || !sample.finished; ++n) {  // one row at least
     const double t = static_cast<double>(n) * period;
+    if (feedback && !feedback->trusts(t, sample.age, sample.pose)) {
+      device.render(HandWrench::Zero());
+      return {Outcome::interrupted, watch.summary(), feedback->fault()};
+    }
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0.0 : period);
     if (result.status == StepStatus::bad_command)

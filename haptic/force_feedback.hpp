@@ -47,6 +47,13 @@ class ForceFeedback {
     return holder;
   }
 
+  // Whether a hand pose that is `age` [s] old at time `now` [s] can be trusted. To be asked before
+  // the fibre follows it: stepping to where no hand can be may take the simulator seconds.
+  bool trusts(double now, double age, const HandPose& hand) noexcept {
+    if (!fault_) fault_ = guard_.doubt(now, now - age, hand);
+    return !fault_;
+  }
+
   // At time `now` [s] with a hand pose that is `age` [s] old, after `hold`.
   HandWrench feel(double now, double age, const HandWrench& fibre) noexcept {
     HandWrench wanted = fibre - rest_;

@@ -37,17 +37,32 @@ class ForceGuard {
 
   explicit ForceGuard(const GuardSettings& settings) noexcept : settings_(settings) {}
 
+  // What is wrong with a hand pose taken at `sampled_at` [s], at time `now` [s]; null: nothing.
+  const char* doubt(double now, double sampled_at, const HandPose& hand) const noexcept {
+    if (!hand.allFinite()) return "the hand's position is not a finite number";
+    if (!(now - sampled_at <= 1.5 * settings_.period)) return "the hand's position is too old";
+    const double most = std::max(settings_.period, settings_.report_period);
+    const double since = std::clamp(now - moved_at_, settings_.period, most);
+    const double moved = seen_ ? (hand - hand_).head<3>().norm() : 0;
+    return moved <= settings_.max_hand_speed * since ? nullptr : "the hand jumped";
+  }
+
   // Once per period at time `now` [s]: the newest hand pose, taken at `sampled_at` [s], and the
   // wrench that is meant for the hand. Returns the wrench to render.
   HandWrench pass(double now, double sampled_at, const HandPose& hand,
                   const HandWrench& wanted) noexcept {
-    why_ = doubt(now, sampled_at, hand, wanted);
+    why_ = doubt(now, sampled_at, hand);
+    if (!why_ && !(wanted.allFinite() && std::isfinite(wanted.head<3>().norm())))
+      why_ = "the force is not a finite number";
     if (why_) {
       seen_ = false;
       stage_ = Stage::waiting;
       quiet_ = 0;
       return HandWrench::Zero();
     }
+    if (!seen_ || hand.head<3>() != hand_.head<3>()) moved_at_ = now;
+    seen_ = true;
+    hand_ = hand;
     const double force = wanted.head<3>().norm();
     if (stage_ == Stage::waiting) {
       quiet_ = force < settings_.quiet_force ? quiet_ + 1 : 0;
@@ -69,21 +84,6 @@ class ForceGuard {
   const char* why() const noexcept { return why_; }
 
  private:
-  const char* doubt(double now, double sampled_at, const HandPose& hand,
-                    const HandWrench& wanted) noexcept {
-    if (!hand.allFinite()) return "the hand's position is not a finite number";
-    if (!wanted.allFinite() || !std::isfinite(wanted.head<3>().norm()))
-      return "the force is not a finite number";
-    if (!(now - sampled_at <= 1.5 * settings_.period)) return "the hand's position is too old";
-    const double most = std::max(settings_.period, settings_.report_period);
-    const double since = std::clamp(now - moved_at_, settings_.period, most);
-    const double moved = seen_ ? (hand - hand_).head<3>().norm() : 0;
-    if (!seen_ || moved > 0) moved_at_ = now;
-    seen_ = true;
-    hand_ = hand;
-    return moved > settings_.max_hand_speed * since ? "the hand jumped" : nullptr;
-  }
-
   GuardSettings settings_;
   Stage stage_ = Stage::waiting;
   int quiet_ = 0;

@@ -1,6 +1,7 @@
 #include "haptic/force_output.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 namespace ferrule {
@@ -61,6 +62,19 @@ void ForceOutput::start() {
 
 bool ForceOutput::update(double t, const std::array<double, 2>& force) noexcept {
   if (!running_) return false;
+  if (std::all_of(force.begin(), force.begin() + made_,
+                  [](double f) { return !(f != 0 && std::isfinite(f)); })) {
+    bool arrived = true, changed = false;
+    for (int i = 0; i < made_; ++i) {
+      Effect& effect = effects_[static_cast<std::size_t>(i)];
+      const HidReport none = reports_.set_constant_force(effect.block, 0);
+      if (std::ranges::equal(none.span(), effect.told.span())) continue;
+      effect.told = none;
+      changed = true;
+      arrived = try_write(none) && arrived;
+    }
+    if (changed) return arrived;
+  }
   for (int i = 0; i < made_; ++i) {
     Effect& effect = effects_[static_cast<std::size_t>(i)];
     if (t - effect.started < kAgain) continue;

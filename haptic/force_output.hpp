@@ -27,7 +27,8 @@ class ForceOutput {
 
   // Forces along X and Y at time t [s], from -1 to 1 of what the device can do; what is beyond is
   // cut, NaN is 0. Writes one report at most, so that it takes no longer than a packet: a start
-  // that is due, or the force that has waited longest. False: the device is gone.
+  // that is due, or the force that has waited longest. No force at all waits for nothing: it goes
+  // out at once, one report for each axis. False: the device is gone.
   bool update(double t, const std::array<double, 2>& force) noexcept;
 
   // Zero force, all effects stopped, actuators disabled, effects freed, device reset; as far as the

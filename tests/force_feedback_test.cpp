@@ -114,6 +114,22 @@ TEST(ForceFeedback, AFaultTakesTheForceAwayForGood) {
   }
 }
 
+// A hand is judged before the fibre follows it, and feeling it afterwards changes nothing.
+TEST(ForceFeedback, AHandThatJumpedIsSeenBeforeTheStep) {
+  for (const double jump : {-0.01, 0.1, 1.0, 1e300, double(NAN)}) {
+    Loop loop;
+    EXPECT_TRUE(loop.feedback.trusts(loop.time + T, 0, loop.hand));
+    loop.hand[0] += jump;
+    EXPECT_FALSE(loop.feedback.trusts(loop.time + T, 0, loop.hand)) << jump;
+    EXPECT_NE(loop.feedback.fault(), nullptr);
+    loop.hand = loop.start;
+    for (int n = 0; n < 5000; ++n)
+      EXPECT_EQ(loop.period([](const HandPose&) { return 0.1; }).norm(), 0);
+  }
+  Loop old;
+  EXPECT_FALSE(old.feedback.trusts(old.time + T, 1.6 * T, old.hand));
+}
+
 // A hand at 0.5 m/s, told of every 8 ms: 4 mm at once, and no jump.
 TEST(ForceFeedback, AReportThatComesEveryFewPeriodsIsNoJump) {
   Loop slow({}, 0.016), fast;

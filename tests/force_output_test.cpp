@@ -98,6 +98,22 @@ TEST(ForceOutput, WritesOneReportATickAndStartsEffectsAgainInTime) {
   EXPECT_GT(started[2], 2.9);
 }
 
+// In the same tick along both axes, whatever else is due.
+TEST(ForceOutput, NoForceWaitsForNothing) {
+  for (const FakeModel model : kModels)
+    for (int end = 100; end < 140; ++end) {
+      FakeFirmware firmware(model);
+      ForceOutput output(firmware);
+      for (int n = 0; n < end; ++n) run(output, firmware, n, n, {0.5 + 1e-3 * n, -0.5});
+      ASSERT_NE(firmware.force()[0], 0);
+      run(output, firmware, end, end, {end % 2 ? 0.0 : double(NAN), 0.0});
+      ASSERT_EQ(firmware.force()[0], 0) << end;
+      ASSERT_EQ(firmware.force()[1], 0) << end;
+      run(output, firmware, end + 1, end + 300, {0.25, 0});
+      EXPECT_NEAR(firmware.force()[0], 0.25, 0.013);  // and it comes back
+    }
+}
+
 void expect_safe(const FakeFirmware& firmware) {
   EXPECT_EQ(firmware.force()[0], 0);
   EXPECT_EQ(firmware.force()[1], 0);

@@ -115,6 +115,23 @@ class Recording(Case):
         for file in sorted(glob.glob(out + "/*.h5"))[-3:]:
             self.done("replay", file, "--verify")
 
+    def test_a_closed_terminal_ends_the_episode_of_a_device_cleanly(self):
+        for which in (signal.SIGHUP, signal.SIGTERM, signal.SIGQUIT):
+            out = self.path(which.name)
+            process = subprocess.Popen(
+                [PROGRAM, "record", "--device", "fake:pid", "--episodes", "1", "--out", out],
+                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                text=True, preexec_fn=lambda: signal.signal(which, signal.SIG_DFL))
+            while not glob.glob(out + "/*.part"):
+                time.sleep(0.05)
+            time.sleep(1)
+            process.send_signal(which)
+            process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 130)
+            self.assertEqual(glob.glob(out + "/*.part"), [])
+            with h5py.File(out + "/episode_0001.h5") as f:
+                self.assertEqual(f.attrs["outcome"], b"interrupted")
+
     def test_a_full_disk_is_one_line_and_keeps_what_was_flushed(self):
         out = self.path("out")
 
