@@ -44,12 +44,13 @@ char Keys::pressed() noexcept {
   return key;
 }
 
-char Keys::wait_for(const char* wanted) noexcept {
-  constexpr int kBetween = 50;  // looks for Ctrl-C [ms]
+char Keys::wait_for(const char* wanted, const std::function<void()>& meanwhile) {
+  constexpr int kBetween = 10;  // [ms]
   ::tcflush(STDIN_FILENO, TCIFLUSH);
   while (there_ && !interrupted()) {
     pollfd input{STDIN_FILENO, POLLIN, 0};
     ::poll(&input, 1, kBetween);
+    meanwhile();
     if (const char key = pressed(); key && std::strchr(wanted, key)) return key;
   }
   return 0;

@@ -1,6 +1,8 @@
 // Single keys from the terminal, without Enter, while this lives. Ctrl-C stays what it is.
 #pragma once
 
+#include <functional>
+
 namespace ferrule {
 
 class Keys {
@@ -14,9 +16,10 @@ class Keys {
   bool there() const noexcept { return there_; }
   // The key that was pressed since, '\0' if none was.
   char pressed() noexcept;
-  // Forgets what was pressed so far, and waits until one of `wanted` is; '\0' at Ctrl-C or when the
-  // terminal is gone.
-  char wait_for(const char* wanted) noexcept;
+  // Forgets what was pressed so far, and waits until one of `wanted` is, doing `meanwhile` now and
+  // then; '\0' at Ctrl-C or when the terminal is gone.
+  char wait_for(
+      const char* wanted, const std::function<void()>& meanwhile = [] {});
 
  private:
   bool there_;

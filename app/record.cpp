@@ -17,11 +17,11 @@ namespace {
 
 struct Arguments {
   SceneArguments scene;
-  std::string operator_ = "simulated", device, profile = "pen", out;
+  std::string operator_ = "simulated", device, profile, out;
   double skill = 0.8, gain = 1;
   int episodes = 20;
   std::uint64_t seed = 1;
-  bool append = false, supervise = false, coupled = false, json = false;
+  bool append = false, supervise = false, coupled = false, json = false, with_device = false;
 };
 
 // How a device with force renders the scene. Throws BadInput where it cannot.
@@ -32,20 +32,26 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
     if (a.coupled) throw BadInput("--coupled: needs a device with force");
     return settings;
   }
-  settings.profile = load_device_profile(a.profile);
+  settings.profile = load_device_profile(a.profile.empty() ? "pen" : a.profile);
+  const Coupling coupling = stable_coupling(settings.profile);
+  const bool couples = coupling.stiffness > 0;
   if (a.coupled) {
-    settings.coupling = stable_coupling(settings.profile);
+    if (!couples)
+      throw BadInput("--coupled: no coupling is stable on " + settings.profile.name +
+                     ": it needs damping and friction");
+    settings.coupling = coupling;
     return settings;
   }
   const Rendering r = rendering(scene, settings.profile);
   if (r.stable()) return settings;
   const std::string set = r.set();
-  throw BadInput(fmt::format(
-      "{} on {}: refused for force feedback: the felt stiffness is {:.4g} N/m: {}. {}or feel "
-      "contacts of at most {:.4g} N/m: --coupled",
-      scene.name, settings.profile.name, r.stiffness, r.reasons.front(),
-      set.empty() ? "" : "Magnify less, stable up to " + set + "; ",
-      stable_coupling(settings.profile).stiffness));
+  std::string ways;
+  if (!set.empty()) ways += ". Stable when magnified less, up to " + set;
+  if (couples)
+    ways += fmt::format(". Or contacts of at most {:.4g} N/m: --coupled", coupling.stiffness);
+  throw BadInput(
+      fmt::format("{} on {}: refused for force feedback: felt stiffness {:.4g} N/m: {}{}",
+                  scene.name, settings.profile.name, r.stiffness, r.reasons.front(), ways));
 }
 
 Json episode_json(const Recorded& r) {
@@ -60,6 +66,8 @@ Json episode_json(const Recorded& r) {
   return json;
 }
 
+constexpr double kMuchMissed = 0.01;  // of the deadlines
+
 void tell(const Recorded& r) {
   fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
              r.file.empty() ? "discarded" : r.file, name(r.outcome), r.summary.time,
@@ -69,7 +77,13 @@ void tell(const Recorded& r) {
   fmt::print(
       "  loop of {:g} us: p50 {:.0f}, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f} us; {} of {} "
       "deadlines missed\n",
-      1e6 * r.period, 1e6 * p.p50, 1e6 * p.p99, 1e6 * p.p99_9, 1e6 * p.worst, p.missed, p.periods);
+      1e6 * r.period, 1e6 * p.p50, 1e6 * p.p99, 1e6 * p.p99_9, 1e6 * p.worst, p.missed,
+      p.missed + p.periods);
+  if (missed_share(p) > kMuchMissed)
+    fmt::print(
+        stderr,
+        "note: {:.1f} % of the deadlines were missed: the hand was slower than its rows say\n",
+        100 * missed_share(p));
 }
 
 // What the loop of a device was not permitted.
@@ -87,9 +101,12 @@ int record_verb(const Arguments& a) {
   const Scene toleranced = a.scene.load();
   std::optional<HandDevice> device;
   HandSettings settings;
-  if (!a.device.empty()) {
+  if (a.with_device) {
     device = open_device(a.device);
     settings = hand_settings(a, *device, toleranced);
+    if (device->transport && device->has_force() && a.profile.empty())
+      fmt::print(stderr, "note: no --profile: the device is taken to be a {}\n",
+                 settings.profile.name);
   }
   const bool simulated = !device && a.operator_ == "simulated";
   if ((device || simulated) && a.supervise)
@@ -115,10 +132,10 @@ int record_verb(const Arguments& a) {
   Json list = Json::array();
   std::size_t inserted = 0, infeasible = 0;
   bool lost = false;
-  Progress progress("recording", static_cast<std::size_t>(a.episodes));
-  for (int i = 0; i < a.episodes && !interrupted() && !lost; ++i) {
+  std::optional<Progress> progress;  // where no keys are asked for
+  if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
+  for (int i = 0; i < a.episodes && !interrupted() && !lost;) {
     const int number = claim_episode(a.out, next);
-    next = number + 1;
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     const Scene& scene = *drawn.scene;
@@ -145,7 +162,10 @@ int record_verb(const Arguments& a) {
     list.push_back(episode_json(*r));
     if (!a.json) tell(*r);
     std::fflush(stdout);
-    progress(static_cast<std::size_t>(i) + 1);
+    if (r->discarded) continue;  // the operator takes it again
+    next = number + 1;
+    ++i;
+    if (progress) (*progress)(static_cast<std::size_t>(i));
   }
   if (a.json)
     print_json({{"scene", toleranced.name},
@@ -204,23 +224,27 @@ void add_record(CLI::App& app, Run& run) {
                                   "Who holds the fibre: \"simulated\", or a controller file")
                      ->capture_default_str()
                      ->type_name("simulated|FILE");
-  verb->add_option("--device", a->device,
-                   "Hold the fibre yourself, with the first usable device or that of a path; or "
-                   "try it with a simulated hand on a fake one")
-      ->excludes(person)
-      ->type_name("auto|PATH|fake:spacemouse|fake:pid");
+  auto* device =
+      verb->add_option(
+              "--device", a->device,
+              "Hold the fibre yourself, with the first usable device or that of a path; or "
+              "try it with a simulated hand on a fake one")
+          ->excludes(person)
+          ->type_name("auto|PATH|fake:spacemouse|fake:pid");
   verb->add_option("--profile", a->profile,
                    "What a device with force can do: a profile, or the name of one that ships "
-                   "(haptic/README.md)")
-      ->capture_default_str()
+                   "(haptic/README.md); a pen where it is not said")
+      ->needs(device)
       ->type_name("NAME|FILE");
   verb->add_flag(
-      "--coupled", a->coupled,
-      "Hold the fibre through a virtual coupling: softer contacts, and stable with every "
-      "scene");
+          "--coupled", a->coupled,
+          "Hold the fibre through a virtual coupling: softer contacts, and stable with every "
+          "scene")
+      ->needs(device);
   verb->add_option("--gain", a->gain,
-                   "How far or fast the device moves the hand, of the usual (capture/README.md)")
+                   "How far or fast the device moves the hand, of the usual (haptic/README.md)")
       ->capture_default_str()
+      ->needs(device)
       ->check(number_between(0.01, 100));
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
@@ -234,7 +258,10 @@ void add_record(CLI::App& app, Run& run) {
                  "Put a supervisor around the controller: limits, retreat and retry");
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
-  verb->callback([a, &run] { run = [a] { return record_verb(*a); }; });
+  verb->callback([a, device, &run] {
+    a->with_device = device->count() > 0;
+    run = [a] { return record_verb(*a); };
+  });
 }
 
 void add_recover(CLI::App& app, Run& run) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <array>
 #include <filesystem>
 
 #include "app/verb.hpp"
@@ -69,7 +70,13 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
                                        const EpisodePlace& place, Keys& keys) {
   if (keys.there()) {
     fmt::print(stderr, "{}: space starts it, q ends the recording\n", episode_name(place.number));
-    if (keys.wait_for(" q") != ' ') {
+    // What the device reports meanwhile is not of this episode.
+    std::array<std::uint8_t, 64> report;
+    const auto put_aside = [&] {
+      while (device.transport && device.transport->read(report, 0) > 0) {
+      }
+    };
+    if (keys.wait_for(" q", put_aside) != ' ') {
       unclaim(place);
       return std::nullopt;
     }
@@ -105,6 +112,8 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
         return discard || interrupted() ? Wish::stop : key == ' ' ? Wish::finish : Wish::go_on;
       });
   hand.reset();  // disables the motors before anything is asked
+  if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
+    fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");
   Recorded recorded{{}, end.outcome, end.summary, end.why, info.period, timing, 0, end.lost};
   recorder.flush();
   if (keys.there() && !discard && !interrupted()) {
@@ -115,6 +124,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     discard = key == 'd';
     if (key >= '1' && key <= '5') recorded.rating = key - '0';
   }
+  recorded.discarded = discard;
   if (discard || recorder.rows() == 0) {
     recorder.discard();
     return recorded;

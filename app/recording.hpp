@@ -18,7 +18,7 @@ struct Recorded {
   double period = 1e-3;              // of the loop [s]
   std::optional<LoopTiming> timing;  // of a device
   int rating = 0;
-  bool lost = false;
+  bool lost = false, discarded = false;
 };
 
 // The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose pair of parts fits.

@@ -1,5 +1,6 @@
 #include "capture/haptic_loop.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <chrono>
@@ -24,11 +25,12 @@ class TimedDevice : public Device {
   TimedDevice(Device& device, PeriodClock& clock, const std::atomic<Wish>& wish)
       : device_(device), clock_(clock), wish_(wish) {}
   HandSample read(double t) override {
-    clock_.wait();
+    stood_still_ = clock_.wait() > kStandstill || stood_still_;
     HandSample sample = device_.read(t);
-    sample.finished = sample.finished || wish_ == Wish::finish;
+    sample.finished = sample.finished || stood_still_ || wish_ == Wish::finish;
     return sample;
   }
+  bool stood_still() const noexcept { return stood_still_; }
   void render(const HandWrench& wrench) override { device_.render(wrench); }
   const Mapping* mapping() const noexcept override { return device_.mapping(); }
 
@@ -36,6 +38,7 @@ class TimedDevice : public Device {
   Device& device_;
   PeriodClock& clock_;
   const std::atomic<Wish>& wish_;
+  bool stood_still_ = false;
 };
 
 }  // namespace
@@ -51,6 +54,11 @@ Json loop_json(const LoopTiming& timing, double period) {
           {"missed", p.missed},
           {"sched_fifo", timing.scheduling_error == 0},
           {"memory_locked", timing.locking_error == 0}};
+}
+
+double missed_share(const PeriodStatistics& periods) noexcept {
+  const double missed = static_cast<double>(periods.missed);
+  return missed / std::max(1.0, missed + static_cast<double>(periods.periods));
 }
 
 TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
@@ -79,8 +87,13 @@ TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
           },
           [&] { return full || wanted == Wish::stop; }, feedback);
       device.render(HandWrench::Zero());
-      if (full) result.end.why = "the disk was too slow";
       result.timing.periods = clock.statistics();
+      if (timed.stood_still()) {
+        result.end.outcome = Outcome::interrupted;
+        result.end.why = "the loop stood still";
+      } else if (full) {
+        result.end.why = "rows came faster than they could be written";
+      }
     } catch (...) {
       trouble = std::current_exception();
     }

@@ -29,6 +29,9 @@ enum class Wish {
   stop     // `interrupted`
 };
 
+// Deadlines that were missed, of those that there should have been [-].
+double missed_share(const PeriodStatistics& periods) noexcept;
+
 struct TimedEpisode {
   EpisodeEnd end;
   LoopTiming timing;
@@ -37,8 +40,10 @@ struct TimedEpisode {
 // Runs `run_episode` in time: `device.read` is called once per period [s]. `record` and `wish` are
 // called in this thread, some hundred times per second; where `record` throws, the loop ends
 // without force and the exception goes on. Rows that wait for the disk: kRing at most, or the
-// episode ends as `interrupted`. Throws what the device throws.
+// episode ends as `interrupted`; and so it does where the loop stood still for kStandstill, after
+// which the time of the rows would not be that of the hand. Throws what the device throws.
 inline constexpr std::size_t kRing = 8192;
+inline constexpr double kStandstill = 0.1;  // [s]
 TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                          double period, ForceFeedback* feedback,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,

@@ -4,6 +4,8 @@
 
 namespace ferrule {
 
+constexpr const char* kNotFinite = "the hand's pose is not a finite number";
+
 EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                        double period, const std::function<void(const RowVector&)>& record,
                        const std::function<bool()>& stop, ForceFeedback* feedback) {
@@ -42,9 +44,11 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
     const StepResult result =
         step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0.0 : period);
     if (result.status == StepStatus::bad_command)
-      return {Outcome::invalid_output, watch.summary(), {}};
-    const HandWrench felt = scaling.wrench_to_hand(sensor.read(result.forces.holder, period));
-    device.render(feedback ? feedback->feel(t, sample.age, felt) : felt);
+      return {Outcome::invalid_output, watch.summary(), kNotFinite};
+    const HandWrench reading = scaling.wrench_to_hand(sensor.read(result.forces.holder, period));
+    device.render(feedback ? feedback->feel(t, sample.age,
+                                            scaling.wrench_to_hand(result.forces.holder), reading)
+                           : reading);
     if (feedback && feedback->fault())
       return {Outcome::interrupted, watch.summary(), feedback->fault()};
     state = result.state;
@@ -53,6 +57,7 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
     const std::optional<Outcome> now = watch.after(result);
     const HandSample next = device.read(static_cast<double>(n + 1) * period);
     const HandPose next_pose = holder(next.pose);
+    if (!next_pose.allFinite()) return {Outcome::invalid_output, watch.summary(), kNotFinite};
     const HandTwist command = (next_pose - pose) / period;
     row.segment<kPose>(kHandVelocity.begin) = velocity.transpose();
     row.segment<kPose>(kCommand.begin) = command.transpose();

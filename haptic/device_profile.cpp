@@ -8,6 +8,10 @@ namespace {
 
 constexpr ShippedFiles kProfiles = {"devices", "device profile", "one"};
 
+constexpr double kMost = 1e6;  // of any number: more is a slip of units
+const Rule kPositive = {0, kMost, true, false, "must be positive and at most 1e6"};
+const Rule kNotNegative = {0, kMost, false, false, "must be from 0 to 1e6"};
+
 }  // namespace
 
 DeviceProfile load_device_profile(const std::string& name_or_file) {
@@ -18,13 +22,14 @@ DeviceProfile load_device_profile(const std::string& name_or_file) {
   DeviceProfile profile;
   profile.name = f.text("name");
   profile.source = f.text("source");
-  profile.mass = f.number("mass_kg", rule::positive());
-  profile.damping = f.number("damping_N_s_m", rule::not_negative());
-  profile.coulomb = f.number("coulomb_N", rule::not_negative());
-  profile.resolution = 1e-6 * f.number("resolution_um", rule::not_negative());
-  profile.max_force = f.number("max_force_N", rule::positive());
-  profile.max_stiffness = f.number("max_stiffness_N_m", rule::positive());
-  profile.period = 1 / f.number("rate_Hz", rule::between(10, 1e5, "must be between 10 and 100000"));
+  profile.mass = f.number("mass_kg", kPositive);
+  profile.damping = f.number("damping_N_s_m", kNotNegative);
+  profile.coulomb = f.number("coulomb_N", kNotNegative);
+  profile.resolution = 1e-6 * f.number("resolution_um", kNotNegative);
+  profile.max_force = f.number("max_force_N", kPositive);
+  profile.max_stiffness = f.number("max_stiffness_N_m", kPositive);
+  profile.period =
+      1 / f.number("rate_Hz", rule::between(100, 1e5, "must be between 100 and 100000"));
   profile.delay_periods = static_cast<int>(f.integer("delay_periods", 0, 100));
   f.finish();
   return profile;

@@ -2,12 +2,14 @@
 //
 //   hold   pose of the hand -> pose of the holder: the same, or with a virtual coupling what that
 //          pulls along (haptic/virtual_coupling.hpp)
-//   feel   wrench of the fibre on the holder -> wrench for the motors: less the weight at rest,
+//   feel   wrench of the fibre on the holder -> wrench for the motors: less what there is at rest,
 //          through the coupling, the passivity controller (haptic/passivity.hpp) and the guard
 //          (haptic/force_guard.hpp)
 //
-// The weight is left out because it is often more than a device can do, and would keep the guard
-// waiting. Tilts and moments are not coupled. All in the hand's world.
+// At rest there is the weight of the fibre, often more than a device can do, and the bias of the
+// scene's force sensor, which the mean of the first kTare readings tells; either would keep the
+// guard waiting. A coupling pulls against the fibre itself; the sensor's errors are felt, and do
+// not move the holder. Tilts and moments are not coupled. All in the hand's world.
 #pragma once
 
 #include <optional>
@@ -20,6 +22,8 @@ namespace ferrule {
 
 class ForceFeedback {
  public:
+  static constexpr int kTare = 50;  // periods, without force
+
   // `coupling`: empty where the hand holds the fibre itself. `start`: where hand and holder begin;
   // `rest`: the wrench of the fibre there. `report_period`: as in GuardSettings.
   ForceFeedback(const DeviceProfile& device, const std::optional<Coupling>& coupling,
@@ -54,15 +58,21 @@ class ForceFeedback {
     return !fault_;
   }
 
-  // At time `now` [s] with a hand pose that is `age` [s] old, after `hold`.
-  HandWrench feel(double now, double age, const HandWrench& fibre) noexcept {
+  // At time `now` [s] with a hand pose that is `age` [s] old, after `hold`: the wrench of the
+  // fibre, and what the sensor reads of it.
+  HandWrench feel(double now, double age, const HandWrench& fibre,
+                  const HandWrench& reading) noexcept {
+    const HandWrench error = reading - fibre;
+    const bool taring = readings_ < kTare;
+    if (taring) bias_ += (error - bias_) / ++readings_;
     HandWrench wanted = fibre - rest_;
     fibre_ = wanted.head<3>();
     if (coupling_) wanted.head<3>() = coupling_->force();
+    wanted += error - bias_;
     wanted.head<3>() = passivity_.pass(hand_.head<3>(), wanted.head<3>());
     const HandWrench felt = guard_.pass(now, now - age, hand_, wanted);
     if (!fault_) fault_ = guard_.why();
-    const HandWrench acts = fault_ ? HandWrench(HandWrench::Zero()) : felt;
+    const HandWrench acts = fault_ || taring ? HandWrench(HandWrench::Zero()) : felt;
     passivity_.acts(acts.head<3>());
     return acts;
   }
@@ -74,6 +84,8 @@ class ForceFeedback {
  private:
   HandWrench rest_;
   HandPose hand_;
+  HandWrench bias_ = HandWrench::Zero();
+  int readings_ = 0;
   Eigen::Vector3d fibre_ = Eigen::Vector3d::Zero();  // on the holder, less its weight [N]
   std::optional<VirtualCoupling> coupling_;
   PassivityController passivity_;

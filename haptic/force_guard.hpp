@@ -28,6 +28,7 @@ struct GuardSettings {
   int quiet_periods = 5;
   double ramp = 2;            // [s], >= 0
   double max_hand_speed = 2;  // [m/s]: above it the hand has jumped
+  double max_turn_rate = 20;  // [rad/s]: the same of its tilts
   double report_period = 0;   // longest time between reports of a moving hand [s]; 0: `period`
 };
 
@@ -43,8 +44,10 @@ class ForceGuard {
     if (!(now - sampled_at <= 1.5 * settings_.period)) return "the hand's position is too old";
     const double most = std::max(settings_.period, settings_.report_period);
     const double since = std::clamp(now - moved_at_, settings_.period, most);
-    const double moved = seen_ ? (hand - hand_).head<3>().norm() : 0;
-    return moved <= settings_.max_hand_speed * since ? nullptr : "the hand jumped";
+    const HandPose moved = seen_ ? HandPose(hand - hand_) : HandPose(HandPose::Zero());
+    const bool jumped = !(moved.head<3>().norm() <= settings_.max_hand_speed * since &&
+                          moved.tail<2>().norm() <= settings_.max_turn_rate * since);
+    return jumped ? "the hand jumped" : nullptr;
   }
 
   // Once per period at time `now` [s]: the newest hand pose, taken at `sampled_at` [s], and the
@@ -60,7 +63,7 @@ class ForceGuard {
       quiet_ = 0;
       return HandWrench::Zero();
     }
-    if (!seen_ || hand.head<3>() != hand_.head<3>()) moved_at_ = now;
+    if (!seen_ || hand != hand_) moved_at_ = now;
     seen_ = true;
     hand_ = hand;
     const double force = wanted.head<3>().norm();

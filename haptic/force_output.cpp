@@ -33,6 +33,9 @@ ForceOutput::~ForceOutput() {
 }
 
 void ForceOutput::start() {
+  if (const double said = reports_.said_duration(kDuration); !(said >= 0.1 && said <= 0.2))
+    throw DeviceTrouble(transport_.info().path +
+                        ": cannot end an effect by itself after 100 to 200 ms");
   // Effects of a program that died here before are gone after a reset. Not every device takes one.
   try_write(reports_.control(PidControl::reset));
   for (; made_ < axes(); ++made_) {

@@ -17,8 +17,9 @@ class ForceOutput {
   static constexpr double kAgain = 0.03;     // between its starts [s]
 
   // Resets the device, makes the effects with zero force, and enables the actuators. `transport`
-  // must outlive this. Throws DeviceTrouble if the device has no force feedback, refuses a report,
-  // or has no room for the effects; then it has been left as `stop` leaves it.
+  // must outlive this. Throws DeviceTrouble if the device has no force feedback, no effects of 100
+  // to 200 ms, refuses a report, or has no room for the effects; then it has been left as `stop`
+  // leaves it.
   explicit ForceOutput(HidTransport& transport);
   ForceOutput(const ForceOutput&) = delete;
   ForceOutput& operator=(const ForceOutput&) = delete;

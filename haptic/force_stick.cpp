@@ -55,8 +55,10 @@ void ForceStick::render(const HandWrench& wrench) {
 // Many sticks report only when they move: until then the hand is where the scene starts.
 void ForceStick::find_origin() noexcept {
   for (const AxisPlace& place : axes_.places())
-    if (!origin_ && place.there && axes_.heard(place.field.report) >= 0)
+    if (!origin_ && place.there && axes_.heard(place.field.report) >= 0) {
       origin_ = mapping_.deflection(axes_.counts());
+      held_ = axes_.buttons();
+    }
 }
 
 }  // namespace ferrule

@@ -59,7 +59,7 @@ PeriodStatistics PeriodHistogram::statistics() const noexcept {
 PeriodClock::PeriodClock(double period) noexcept
     : period_(std::llround(period * 1e9)), histogram_(period) {}
 
-void PeriodClock::wait() noexcept {
+double PeriodClock::wait() noexcept {
   const std::int64_t done = now();
   if (deadline_ == 0) deadline_ = previous_ = done;
   deadline_ += period_;
@@ -70,8 +70,10 @@ void PeriodClock::wait() noexcept {
   }
   sleep_until(deadline_);
   const std::int64_t woke = now();
-  histogram_.add(static_cast<double>(woke - previous_) * 1e-9);
+  const double since = static_cast<double>(woke - previous_) * 1e-9;
+  histogram_.add(since);
   previous_ = woke;
+  return since;
 }
 
 PeriodStatistics PeriodClock::statistics() const noexcept {

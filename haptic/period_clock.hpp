@@ -37,8 +37,9 @@ class PeriodClock {
   explicit PeriodClock(double period) noexcept;  // [s], >= 1e-6
 
   // Sleeps until the next deadline; the first call sets it, one period from now. Deadlines that
-  // have gone by already count as missed and are left out. Does not allocate.
-  void wait() noexcept;
+  // have gone by already count as missed and are left out. Returns the time since the last wake-up
+  // [s]. Does not allocate.
+  double wait() noexcept;
 
   PeriodStatistics statistics() const noexcept;
 

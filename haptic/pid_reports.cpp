@@ -164,6 +164,12 @@ PidBlockLoad PidReports::block_load(std::span<const std::uint8_t> report) const 
   return {Status::success, static_cast<int>(*block)};
 }
 
+double PidReports::said_duration(double duration) const noexcept {
+  const HidField& time = *find_field(descriptor_, output, kDuration, kSetEffect);
+  const double per = per_second(time);
+  return static_cast<double>(std::llround(cut(time, duration * per))) / per;
+}
+
 HidReport PidReports::set_effect(int block, int axis, double duration) const noexcept {
   HidReport report = blank(output, set_effect_);
   choose(report, output, kSetEffect, kConstant);

@@ -53,6 +53,8 @@ class PidReports {
   // `duration` [s], cut to the field's range. Directions are polar, clockwise from -Y: X is 90
   // degrees, Y is 180. Where the device has no directions the axis itself is enabled.
   HidReport set_effect(int block, int axis, double duration) const noexcept;
+  // `duration` as the field of set_effect says it [s].
+  double said_duration(double duration) const noexcept;
   // `force` from -1 to 1 of what the device can do, cut there; NaN is 0.
   HidReport set_constant_force(int block, double force) const noexcept;
   HidReport operation(int block, PidOperation operation) const noexcept;

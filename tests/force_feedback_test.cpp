@@ -27,12 +27,14 @@ struct Loop {
     while (feedback.stage() != ForceGuard::Stage::engaged)
       period([](const HandPose&) { return 0; });
   }
+
   // One period against a fibre whose force along y follows from where its holder is.
   template <typename Fibre>
   HandWrench period(const Fibre& fibre, double stiffness = 0, double age = 0) {
     const HandPose holder = feedback.hold(hand, stiffness * Eigen::Matrix3d::Identity());
     time += T;
-    return feedback.feel(time, age, rest + along_y(fibre(holder)));
+    const HandWrench wrench = rest + along_y(fibre(holder));
+    return feedback.feel(time, age, wrench, wrench);
   }
 };
 
@@ -68,6 +70,27 @@ TEST(ForceFeedback, ThroughACouplingNothingFeelsStifferThanIt) {
   }
 }
 
+// The bias of the sensor, 3 N, is taken off; what its errors are beyond that is felt, and does not
+// move a holder.
+TEST(ForceFeedback, TheSensorsBiasIsTakenOffAndItsNoiseFelt) {
+  const DeviceProfile pen = load_device_profile("pen");
+  for (const bool coupled : {false, true}) {
+    ForceFeedback feedback(pen, coupled ? std::optional(stable_coupling(pen)) : std::nullopt,
+                           HandPose::Zero(), along_y(-1.2), 0);
+    const HandWrench fibre = along_y(-1.2);
+    HandWrench felt;
+    for (int n = 1; n <= 4000; ++n) {
+      const double noise = n % 2 ? 0.05 : -0.05;
+      EXPECT_EQ(feedback.hold(HandPose::Zero(), Eigen::Matrix3d::Zero()), HandPose::Zero());
+      felt = feedback.feel(n * T, 0, fibre, fibre + along_y(3 + noise));
+      if (n <= ForceFeedback::kTare) {
+        EXPECT_EQ(felt.norm(), 0);
+      }
+    }
+    EXPECT_CLOSE(felt[1], -0.05, 1e-9);
+  }
+}
+
 // Whatever cannot be trusted: no force in the same period, and none after it.
 TEST(ForceFeedback, AFaultTakesTheForceAwayForGood) {
   const auto three = [](const HandPose&) { return 3.0; };
@@ -92,12 +115,13 @@ TEST(ForceFeedback, AFaultTakesTheForceAwayForGood) {
     }
     {
       Loop loop(coupling);
-      HandWrench felt = loop.period([](const HandPose&) { return INFINITY; });
-      if (coupled) {  // it reaches the holder in the next period
-        EXPECT_LE(felt.norm(), loop.device.max_force);
-        felt = loop.period(three);
-      }
+      const HandWrench felt = loop.period([](const HandPose&) { return INFINITY; });
       expect_fault(loop, felt, "not a finite number");
+    }
+    {
+      Loop loop(coupling);
+      loop.hand[4] += 0.03;
+      expect_fault(loop, loop.period(three), "jumped");
     }
     {
       Loop loop(coupling);

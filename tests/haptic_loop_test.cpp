@@ -21,7 +21,7 @@ Scene quick() {
 // to it at one of them; and what it was told.
 class PushingHand : public Device {
  public:
-  enum class Event { none, not_a_number, jump, silence, loss, trouble };
+  enum class Event { none, not_a_number, jump, silence, loss, trouble, standstill };
   Event event = Event::none;
   int at = -1, periods = 1 << 30;
   std::atomic<int> reads = 0;
@@ -42,6 +42,8 @@ class PushingHand : public Device {
     if (event == Event::not_a_number) sample.pose[2] = NAN;
     if (event == Event::jump) sample.pose[1] += 0.01;
     if (event == Event::silence) sample.age = (n - at + 1) * T;
+    if (event == Event::standstill && n == at)
+      std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * kStandstill));
     if (event == Event::loss) sample.lost = sample.finished = true;
     return sample;
   }
@@ -101,7 +103,8 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
   for (const auto& [event, why] : {std::pair{Event::not_a_number, "not a finite number"},
                                    {Event::jump, "jumped"},
                                    {Event::silence, "too old"},
-                                   {Event::loss, "lost"}}) {
+                                   {Event::loss, "lost"},
+                                   {Event::standstill, "stood still"}}) {
     PushingHand hand(scene);
     hand.event = event;
     hand.at = kAt;
@@ -116,6 +119,20 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
     EXPECT_EQ(hand.felt.back(), 0) << why;
     for (const RowVector& row : kept.rows) ASSERT_TRUE(row.allFinite());
   }
+}
+
+// Without force there is no guard, and a pose that is not finite is no row.
+TEST(HapticLoop, ADeviceWithoutForceThatIsNotFiniteKeepsItsRows) {
+  const Scene scene = quick();
+  PushingHand hand(scene);
+  hand.event = PushingHand::Event::not_a_number;
+  hand.at = 100;
+  Kept kept;
+  const TimedEpisode episode = run(scene, hand, std::ref(kept));
+  EXPECT_EQ(episode.end.outcome, Outcome::invalid_output);
+  EXPECT_NE(episode.end.why.find("not a finite number"), std::string::npos);
+  ASSERT_EQ(kept.rows.size(), 99u);
+  for (const RowVector& row : kept.rows) ASSERT_TRUE(row.allFinite());
 }
 
 TEST(HapticLoop, TroubleOfTheDeviceComesThrough) {
@@ -158,7 +175,7 @@ TEST(HapticLoop, ADiskThatStandsEndsTheEpisode) {
       },
       go_on);
   EXPECT_EQ(episode.end.outcome, Outcome::interrupted);
-  EXPECT_NE(episode.end.why.find("disk"), std::string::npos);
+  EXPECT_NE(episode.end.why.find("written"), std::string::npos);
   EXPECT_GE(rows, kRing);
   EXPECT_EQ(hand.felt.back(), 0);
 }

@@ -12,7 +12,7 @@ import unittest
 import h5py
 import numpy
 
-from case import PROGRAM, Case, ferrule, main
+from case import PROGRAM, SOURCE, Case, ferrule, main
 
 
 class Devices(Case):
@@ -122,7 +122,7 @@ class Devices(Case):
                                                    "--set scaling.hand_force_N=", "--coupled"])
         self.assertFalse(os.path.exists(out))
         # The scaling that it names is stable.
-        told = ferrule(*record, "fake:pid").stderr.split("--set ")[1].split(";")[0]
+        told = ferrule(*record, "fake:pid").stderr.split("--set ")[1].split(". ")[0]
         short = ["--set", "start.distance_um=5", "--set", "success.depth_um=3",
                  "--set", "start.lateral_sd_um=0", "--set", "start.tilt_sd_mrad=0"]
         self.done(*record, "fake:pid", "--set", told, *short)
@@ -133,6 +133,11 @@ class Devices(Case):
             self.assertAlmostEqual(coupling["stiffness_N_m"], 2000)
         self.done("replay", out + "/episode_0003.h5", "--verify")
         self.refused(2, *record, "fake:spacemouse", "--coupled", says=["--coupled", "force"])
+        pen = json.load(open(SOURCE + "/data/devices/pen.json"))
+        with open(self.path("ice.json"), "w") as file:
+            json.dump({**pen, "coulomb_N": 0}, file)
+        self.refused(2, *record, "fake:pid", "--coupled", "--profile", self.path("ice.json"),
+                     says=["no coupling is stable", "friction"])
         self.refused(3, *record, "fake:pid", "--profile", "nothing", says=["nothing", "pen"])
 
     def at_terminal(self, keys, *arguments):
@@ -172,12 +177,12 @@ class Devices(Case):
             "record", "--scene", "demo", "--device", "fake:pid", "--episodes", 9, "--out", out)
         self.assertEqual(code, 0)
         files = sorted(os.listdir(out))
-        self.assertEqual(files, ["episode_0001.h5", "episode_0004.h5"])
+        self.assertEqual(files, ["episode_0001.h5", "episode_0002.h5"])  # discarded ones again
         with h5py.File(out + "/episode_0001.h5") as f:
             self.assertEqual(f.attrs["rating"], 4)
             self.assertEqual(f.attrs["outcome"], b"stopped_short")
             self.assertGreater(f["data/demo_0"].attrs["num_samples"], 100)
-        with h5py.File(out + "/episode_0004.h5") as f:
+        with h5py.File(out + "/episode_0002.h5") as f:
             self.assertNotIn("rating", f.attrs)
         for file in files:
             self.done("replay", out + "/" + file, "--verify")
@@ -218,6 +223,9 @@ class Devices(Case):
                      says=["--device", "--operator"])
         self.refused(2, "record", "--device", "fake:else", *out, says=["fake:spacemouse"])
         self.refused(2, "record", "--device", "fake:pid", "--gain", 0, *out, says=["--gain"])
+        for option in (["--gain", 2], ["--coupled"], ["--profile", "pen"]):
+            self.refused(2, "record", *option, *out, says=[option[0], "--device"])
+        self.assertIn(ferrule("record", "--device", "", *out).returncode, (2, 4))
         self.refused(2, "devices", "--test", "fake:else", says=["fake:spacemouse"])
         self.refused(2, "devices", "--seconds", 1, says=["--test"])
 
