@@ -148,7 +148,7 @@ int test_verb(const Arguments& a) {
         fmt::print("  force X {:+.2f} Y {:+.2f}", device.stick->force()[0],
                    device.stick->force()[1]);
       fmt::print("{}", terminal ? "" : "\n");
-      std::fflush(stdout);
+      if (std::fflush(stdout) != 0) break;  // nobody reads it
       shown = t;
       reports_shown = device.axes->reports();
     }

@@ -49,7 +49,7 @@ int main(int argc, char** argv) {
   try {
     const int code = run();
     std::cout.flush();
-    if (!std::cout || std::fflush(stdout) != 0) {
+    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout)) {
       fmt::print(stderr, "ferrule: standard output cannot be written\n");
       return kFileTrouble;
     }

@@ -102,6 +102,7 @@ void watch_for_interrupt() {
     if (job && before.sa_handler == SIG_IGN) continue;  // nohup
     sigaction(which, &action, nullptr);
   }
+  ::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of writing
 }
 
 bool interrupted() noexcept {

@@ -82,6 +82,15 @@ class Devices(Case):
             self.assertIn("reports/s", text)
             self.assertEqual("force X" in text, device == "fake:pid")
 
+    def test_a_reader_that_goes_away_ends_the_test_of_a_device(self):
+        run = subprocess.Popen([PROGRAM, "devices", "--test", "fake:pid"], stdout=subprocess.PIPE,
+                               stderr=subprocess.PIPE, text=True)
+        self.assertIn("fake:pid", run.stdout.readline())
+        run.stdout.close()
+        self.assertEqual(run.wait(timeout=60), 3)
+        self.assertEqual(run.stderr.read().count("\n"), 1)
+        run.stderr.close()
+
     def test_ctrl_c_ends_the_test_of_a_device(self):
         run = subprocess.Popen([PROGRAM, "devices", "--test", "fake:pid"], stdout=subprocess.PIPE,
                                text=True)
