@@ -5,6 +5,7 @@
 
 #include "sim/insertion.hpp"
 #include "sim/random.hpp"
+#include "sim/sampled_run.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 
