@@ -11,8 +11,6 @@
 
 namespace ferrule {
 
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
 struct Holder {
   Matrix5 stiffness = Matrix5::Zero();     // [N/m, N/rad, N m/rad], positive definite
   Wrench weight = Wrench::Zero();          // load of gravity on the end's coordinates [N, N m]

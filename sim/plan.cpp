@@ -29,7 +29,8 @@ const std::vector<double> kInertialSteps = {1e-3, 1e-4, 2e-5, 1e-5, 5e-6};
 constexpr double kShare = 0.2;  // of the tolerance that all that is left out may take
 constexpr double kShareWhereItSticks = 1e-4;
 constexpr double kShareOfFidelity = 0.2;
-constexpr double kMeasured = 0.3;  // of the tolerance that the chosen model may miss by
+constexpr double kShareOfInertia = 0.8;  // which it may change where it is left out unmeasured
+constexpr double kMeasured = 0.3;        // of the tolerance that the chosen model may miss by
 
 Scene changed(const Scene& scene, const std::function<void(Json&)>& change) {
   Json document = scene.document;
@@ -57,7 +58,9 @@ Plan make_plan(const Scene& scene, double tolerance) {
   const double mass = scene.world.holder.mass.topLeftCorner<3, 3>().norm();
   const double soft = scene.world.holder.compliance();
   const double inertia = mass * kPeakOfMinimumJerk * scene.limits.speed / kSpeedingUp;
-  const bool rings = !stated && inertia * soft / c > tolerance;
+  const double slow = inertia * soft / c;  // what leaving it out changes
+  const bool rings = !stated && slow > kShareOfInertia * tolerance;
+  const double room = stated || rings ? tolerance : tolerance - slow;  // for all else
   const bool to_be_inertial = rings || scene.world.dynamics == Dynamics::inertial;
   const std::vector<double>& steps = to_be_inertial     ? kInertialSteps
                                      : scene.world.drag ? kDragSteps
@@ -117,7 +120,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
   for (const int i : order) {
     if (most[static_cast<std::size_t>(i)] == 0) continue;  // not seen: it may act elsewhere
     const double more = changes(most[static_cast<std::size_t>(i)]);
-    if (spent + more > (sticks ? kShareWhereItSticks : kShare) * tolerance) break;
+    if (spent + more > (sticks ? kShareWhereItSticks : kShare) * room) break;
     spent += more;
     left_out.push_back(i);
   }
@@ -141,16 +144,24 @@ Plan make_plan(const Scene& scene, double tolerance) {
       d["step_s"] = longest_step;
     });
   };
-  const auto measured = [&](const Scene& reduced) {
+  // The largest error in any probe, or the first beyond `enough`.
+  const auto measured = [&](const World& reduced, double enough) {
     double worst = 0;
-    for (std::size_t k = 0; k < probes.size(); ++k) {
+    for (std::size_t k = 0; k < probes.size() && worst <= enough; ++k) {
       const Probe& p = probes[k];
-      const SampledRun r = sample_run(reduced.world, p.start, p.hand, INFINITY);
+      const SampledRun r = sample_run(reduced, p.start, p.hand, INFINITY);
       worst = std::max(worst, run_error(r, exact[k], p.hand, world));
-      if (worst > kMeasured * tolerance) break;
     }
     return worst;
   };
+
+  // How wrong the full model's own step is, the next longer one tells. Where that is too much, no
+  // step of the list is fine enough to leave anything out beside it.
+  double full_error = 0;
+  if (steps.size() > 1)
+    full_error = measured(
+        candidate({}, fidelities.back(), world.dynamics, steps[steps.size() - 2]).world, INFINITY);
+  const bool fine_enough = full_error <= kMeasured * room;
 
   std::array<double, kSurfaceTerms> wrong{};
   const auto choose_fidelity = [&](const std::vector<int>& without) {
@@ -159,7 +170,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
           fidelity_error(candidate(without, f, world.dynamics, 1e-3).world,
                          candidate(without, fidelities.back(), world.dynamics, 1e-3).world, states);
       if (changes(wrong[0] + wrong[1] + wrong[2]) <=
-          (sticks ? kShareWhereItSticks : kShareOfFidelity) * tolerance)
+          (sticks ? kShareWhereItSticks : kShareOfFidelity) * room)
         return f;
     }
     return fidelities.back();
@@ -170,7 +181,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
   bool found = false;
   double error = INFINITY;
   for (const bool everything : {false, true}) {
-    if (everything && left_out.empty()) continue;
+    if (!fine_enough || (everything && left_out.empty())) continue;
     const std::vector<int> without = everything ? std::vector<int>{} : left_out;
     const Fidelity f = choose_fidelity(without);
     std::vector<std::pair<Dynamics, double>> ways;
@@ -178,8 +189,8 @@ Plan make_plan(const Scene& scene, double tolerance) {
     for (const double h : steps) ways.emplace_back(world.dynamics, h);
     for (const auto& [dynamics, longest] : ways) {
       chosen = candidate(without, f, dynamics, longest);
-      error = measured(chosen);
-      found = error <= kMeasured * tolerance;
+      error = measured(chosen.world, kMeasured * room);
+      found = error <= kMeasured * room;
       if (found) break;
     }
     if (found) {
@@ -194,16 +205,8 @@ Plan make_plan(const Scene& scene, double tolerance) {
     chosen = full;
   }
 
-  // How wrong the full model's own step is, the next longer one tells.
-  if (chosen.world.longest_step == steps.back() && steps.size() > 1) {
-    const World coarser =
-        candidate(left_out, fidelities.back(), world.dynamics, steps[steps.size() - 2]).world;
-    for (std::size_t k = 0; k < probes.size(); ++k) {
-      const Probe& p = probes[k];
-      const SampledRun r = sample_run(coarser, p.start, p.hand, INFINITY);
-      error = std::max(error, run_error(r, exact[k], p.hand, world));
-    }
-  }
+  if (chosen.world.longest_step == steps.back()) error = std::max(error, full_error);
+
   plan.tolerance = tolerance;
   plan.dynamics = chosen.world.dynamics;
   plan.step = chosen.world.longest_step;
@@ -228,10 +231,14 @@ Plan make_plan(const Scene& scene, double tolerance) {
       term.relative_error += closed_form_error(chosen.world.annulus);
     plan.terms.push_back(term);
   }
-  const bool keeps_inertia = plan.dynamics == Dynamics::inertial;
-  plan.terms.push_back({"inertia", keeps_inertia, keeps_inertia ? "second order (BDF2)" : "none",
-                        inertia, keeps_inertia ? 0 : changes(inertia), State()});
-  if (!keeps_inertia && !stated) plan.error_bound = std::max(plan.error_bound, changes(inertia));
+  if (!stated || inertial) {
+    // Where the scene has it, what leaving it out changes is measured.
+    const bool kept = plan.dynamics == Dynamics::inertial;
+    const double change = kept ? 0 : stated ? error : slow;
+    plan.terms.push_back(
+        {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia, change, State()});
+    if (!stated) plan.error_bound += change;
+  }
   plan.document = chosen.document;
   plan.document["planned_accuracy"] = tolerance;
   plan.document["planned_error_bound"] = plan.error_bound;

@@ -15,7 +15,8 @@
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
 // since there small forces decide where it comes to rest, and so for a coarser fidelity. What is
 // chosen is then run, and has to stay below a third of the tolerance in every probe. Without drag
-// and inertia nothing depends on time, and the step is that of control, 1 ms.
+// and inertia nothing depends on time, and the step is that of control, 1 ms. Where even the finest
+// two steps differ by more than that, the full model is the plan, and that difference its bound.
 #pragma once
 
 #include <string>
@@ -36,7 +37,9 @@ struct PlannedTerm {
 
 struct Plan {
   double tolerance;
-  std::vector<PlannedTerm> terms;  // those of the scene, in the order of kTermNames, then inertia
+  // Those of the scene, in the order of kTermNames, then inertia, unless the scene says that it is
+  // quasi-static.
+  std::vector<PlannedTerm> terms;
   Dynamics dynamics;
   double step;         // longest step in time [s]
   double force_scale;  // what force errors are relative to [N]
@@ -44,7 +47,7 @@ struct Plan {
   Json document;       // the planned scene
 };
 
-// `scene` without "accuracy"; 1e-6 <= tolerance <= 0.5. Deterministic; takes about a second.
+// `scene` without "accuracy"; 1e-6 <= tolerance <= 0.5. Deterministic; takes some seconds.
 // Throws BadInput if the tolerance is out of range.
 Plan make_plan(const Scene& scene, double tolerance);
 

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "sim/potential.hpp"
@@ -20,15 +19,18 @@ constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
 constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
+constexpr double kNearForce = 3e-7;       // relative to the same sum, and within so much of the
+constexpr double kNearMove = 2e-5;        // clearance: the last Newton step needs no evaluation
+constexpr double kShortMove = 0.1;        // of the clearance: as far as known forces tell
+constexpr double kStraight = 0.3;  // of the gradient, that known forces may be wrong by there
 
+// A search for the minimum: where it has got to.
 struct Minimum {
   Pose tip;
-  std::array<Potential, 2> tried;  // the one at the tip, and another
-  std::size_t best = 0;
+  Potential there;
+  PoseVector curvature = {};  // KnownForces::curvature
   int iterations = 0;
   bool converged = false;
-
-  const Potential& there() const noexcept { return tried[best]; }
 };
 
 // Residual of a gradient [N], tilts weighed by the length that makes both stiffnesses equal.
@@ -82,22 +84,54 @@ PoseVector newton_direction(const World& world, const Potential& here) noexcept 
   return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
 }
 
-Minimum minimise(const World& world, const Lagged& lagged, const Pose& start) noexcept {
-  Minimum found;
-  found.tip = start;
+// Where a search starts: where the forces that are known say that it ends, or where the fibre is.
+struct Start {
+  Pose tip;
+  bool foretold = false;
+  PoseVector move = {};
+  double slope = 0;  // of the energy along the move, < 0
+};
+
+Start foretell(const World& world, const Lagged& lagged, const State& state) noexcept {
+  const KnownForces& known = state.known;
+  Start start{state.tip};
+  if (!known.known || known.at != state.tip) return start;
+  Energy here = potential_at_start(world, lagged, known);
+  here.gradient += known.curvature;
+  if (!solve(here.hessian, here.gradient, start.move)) return start;
+  start.slope = start.move.dot(here.gradient);
+  const double way =
+      start.move.length() + start.move.t.norm() * (lagged.length + world.annulus.fibre_radius);
+  if (!(start.slope < 0 && way >= kResolution && way <= kShortMove * world.annulus.clearance()))
+    return start;
+  start.tip += start.move.full();
+  start.foretold = true;
+  return start;
+}
+
+// Newton's method with a line search, from where `found` is.
+void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept {
   const double clearance = world.annulus.clearance();
   const double radius = world.annulus.fibre_radius, lever = lagged.length + radius;
-  found.tried[0] = potential(world, lagged, start);
   for (; found.iterations < kMaxIterations; ++found.iterations) {
-    const Potential& here = found.there();
-    const double tolerance = kForceFloor + kForceTolerance * here.force_scale;
-    if (residual(world, here.gradient) <= tolerance) {
+    const Potential& here = found.there;
+    const double left = residual(world, here.gradient);
+    if (left <= kForceFloor + kForceTolerance * here.force_scale) {
       found.converged = true;
       break;
     }
     const PoseVector newton = newton_direction(world, here);
     const double turn = newton.t.norm() * lever;
-    if (newton.length() + turn < kResolution) {
+    const double way = newton.length() + turn;
+    if (way < kResolution) {
+      found.converged = true;
+      break;
+    }
+    if (left <= kNearForce * here.force_scale && way <= kNearMove * clearance) {
+      // What is left of the way is so short that the forces change along it as the Hessian says.
+      found.tip += newton.full();
+      Energy& bore = found.there.bore;
+      bore.gradient += bore.hessian.times(newton);
       found.converged = true;
       break;
     }
@@ -110,28 +144,26 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& start) no
     bool moved = false;
     for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
       const Pose trial = found.tip + fraction * direction;
-      Potential& there = found.tried[1 - found.best];
-      there = potential(world, lagged, trial);
+      const Potential there = potential(world, lagged, trial);
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
           1e-15 * (here.value_scale + here.force_scale * (found.tip.head<3>().norm() + radius));
       const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
-      const bool level = there.value <= here.value + rounding &&
-                         residual(world, there.gradient) < residual(world, here.gradient);
+      const bool level =
+          there.value <= here.value + rounding && residual(world, there.gradient) < left;
       if (lower || level) {
         moved = (trial.array() != found.tip.array()).any();
         found.tip = trial;
-        found.best = 1 - found.best;
+        found.there = there;
         break;
       }
     }
     if (!moved) break;
   }
-  return found;
 }
 
 // Contacts after a step: new ones stick where they are, slipping ones drag their stuck point along.
-void update_contacts(const Lagged& lagged, const Forces& now, State& state) noexcept {
+void update_contacts(const Lagged& lagged, const Contacts& now, State& state) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
     const bool was_closed = contact.closed;
@@ -181,6 +213,7 @@ void update_velocity(const Lagged& lagged, const Pose& tip, double dt, State& st
 bool flies_free(const World& world, const State& state, const Pose& hand) noexcept {
   if (world.dynamics == Dynamics::inertial) return false;
   const double reach = world.profile.lead_in_length + world.annulus.clearance();
+  if (!(std::min(state.tip[0], state.hand[0]) > reach)) return false;
   const double lever = world.annulus.fibre_radius;
   const Pose goal = hand + world.holder.sag;
   return std::min({state.tip[0], state.hand[0], goal[0]}) -
@@ -205,7 +238,7 @@ int substeps_for(const World& world, const State& state, const Pose& hand, doubl
 }
 
 // Did something begin or end, or did the end move by far more than the hand?
-bool is_event(const State& before, const Forces& now, EdgeSide side, const Pose& tip,
+bool is_event(const State& before, const Contacts& now, EdgeSide side, const Pose& tip,
               double travel) noexcept {
   for (std::size_t place = 0; place < kContactPlaces; ++place)
     if (before.contact[place].closed != now.contact[place].closed ||
@@ -221,31 +254,46 @@ void advance(const World& world, const Pose& command, double dt, int depth,
              StepResult& result) noexcept {
   State& state = result.state;
   Lagged lagged = lag(world, state, command, dt);
-  Minimum found;
-  if (world.dynamics == Dynamics::inertial && dt == 0) {  // holds still
-    found.tip = state.tip;
-    found.converged = true;
-    found.tried[0] = potential(world, lagged, found.tip);
-  } else {
-    found = minimise(world, lagged, state.tip);
+  const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
+  const Start start = holds_still ? Start{state.tip} : foretell(world, lagged, state);
+  Minimum found{start.tip, potential(world, lagged, start.tip)};
+  if (start.foretold) {
+    const PoseVector& gradient = found.there.gradient;
+    if (std::abs(start.move.dot(gradient)) <= -kStraight * start.slope) {
+      found.iterations = 1;
+      found.curvature = state.known.curvature;
+      found.curvature += gradient;
+    } else {  // they told wrong
+      found.tip = state.tip;
+      found.there = potential(world, lagged, state.tip);
+    }
   }
+  if (holds_still)
+    found.converged = true;
+  else
+    minimise(world, lagged, found);
   result.iterations += found.iterations;
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
     lagged = lag_again(world, state, lagged, found.tip);
     const int before = found.iterations;
-    found = minimise(world, lagged, found.tip);
+    found.iterations = 0;
+    found.there = potential(world, lagged, found.tip);
+    minimise(world, lagged, found);
     result.iterations += found.iterations;
     if (found.iterations == 0 && before == 0) break;
   }
-  const Forces now = forces(world, lagged, found.tip, found.there());
-  const Pose move = command - state.hand;
-  const double travel =
-      move.head<3>().norm() + move.tail<2>().norm() * (lagged.length + world.annulus.fibre_radius);
-  const bool search = !found.converged && depth < kMostHalvings && travel > 0;
-  const bool locate = depth < kMostEventHalvings && travel > world.event_travel &&
-                      is_event(state, now, lagged.contact.side, found.tip, travel);
-  if (search || locate) {
+  const Contacts now = contacts(world, lagged, found.tip, found.there);
+  const auto to_halve = [&]() noexcept {
+    const Pose move = command - state.hand;
+    const double travel = move.head<3>().norm() +
+                          move.tail<2>().norm() * (lagged.length + world.annulus.fibre_radius);
+    const bool search = !found.converged && depth < kMostHalvings && travel > 0;
+    const bool locate = depth < kMostEventHalvings && travel > world.event_travel &&
+                        is_event(state, now, lagged.contact.side, found.tip, travel);
+    return search || locate;
+  };
+  if ((!found.converged || std::isfinite(world.event_travel)) && to_halve()) {
     ++result.halvings;
     const Pose half = state.hand + 0.5 * (command - state.hand);
     advance(world, half, 0.5 * dt, depth + 1, result);
@@ -259,19 +307,21 @@ void advance(const World& world, const Pose& command, double dt, int depth,
   state.side = lagged.contact.side;
   update_contacts(lagged, now, state);
   state.bridge = now.bridge;
-  result.forces = now.breakdown;
+  const Energy& bore = found.there.bore;
+  state.known = {true, found.tip, bore.gradient, bore.hessian, found.curvature};
+  if (result.substeps > 0) result.forces = {};
+  forces(world, lagged, found.tip, found.there, result.forces);
   ++result.substeps;
 }
 
 }  // namespace
 
 StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept {
-  StepResult result;
-  result.state = state;
+  StepResult result{state, {}};
   if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
     result.status = StepStatus::bad_command;
     const Lagged lagged = lag(world, state, state.hand, 0);
-    result.forces = forces(world, lagged, state.tip, potential(world, lagged, state.tip)).breakdown;
+    forces(world, lagged, state.tip, potential(world, lagged, state.tip), result.forces);
     return result;
   }
   if (flies_free(world, state, hand)) {
@@ -280,6 +330,7 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     result.state.time = state.time + dt;
     result.state.bridge = false;
     result.state.contact = {};
+    result.state.known.known = false;
     result.forces.holder = world.holder.weight;
     result.forces.gravity = {{0, world.holder.weight[1], 0},
                              result.state.tip.head<3>() + world.holder.weight_arm};
