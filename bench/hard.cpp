@@ -99,16 +99,13 @@ HardRow pull_off(double lambda) {
     }
   double lost = 0;
   int branch = 0;
-  const double fine = (deep - apart) / 400000;
-  for (double D = apart; D < deep; D += fine) {
-    const auto v = curve.at(D, branch);
+  constexpr long kFine = 400000;
+  for (long i = 0; i < 2 * kFine; ++i) {
+    const bool in = i < kFine;
+    const double part = static_cast<double>(in ? i : 2 * kFine - 1 - i) + 0.5;
+    const auto v = curve.at(apart + (deep - apart) / kFine * part, branch);
     branch = v.branch;
-    lost += v.P * fine;
-  }
-  for (double D = deep; D > apart; D -= fine) {
-    const auto v = curve.at(D, branch);
-    branch = v.branch;
-    lost -= v.P * fine;
+    lost += (in ? v.P : -v.P) * (deep - apart) / kFine;
   }
   lost *= contact.force * contact.depth;
   // Near DMT the curve does not fold, and all that was turned over comes back.
