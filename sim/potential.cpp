@@ -224,7 +224,8 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& tip) n
 void forces(const World& world, const Lagged& lagged, const Pose& tip, const Potential& there,
             Breakdown& b) noexcept {
   const Vector3d end = tip.head<3>();
-  b.holder = world.holder.stiffness * (tip - lagged.hand);
+  const Pose stretch = tip - lagged.hand;
+  b.holder.noalias() = world.holder.stiffness * stretch;
   b.gravity = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
 
   const double length = -tip[0], inverse = 1 / length;

@@ -47,30 +47,41 @@ bool invert(const Matrix2d& m, Matrix2d& inverse) noexcept {
   return m(0, 0) > 0 && determinant > 0;
 }
 
-// Solves h d = -g by eliminating the tilts, then y and z; false where h is not positive definite.
-bool solve(const PoseMatrix& h, const PoseVector& g, PoseVector& d) noexcept {
-  Matrix2d over_tt, over_ee;
-  if (!invert(h.tt, over_tt)) return false;
-  const Matrix2d et_over_tt = h.et * over_tt;
-  const Vector2d xt_over_tt = over_tt * h.xt;
-  if (!invert(h.ee - et_over_tt * h.et.transpose(), over_ee)) return false;
-  const Vector2d xe = h.xe - et_over_tt * h.xt;
-  const Vector2d xe_over_ee = over_ee * xe;
-  const double xx = h.xx - xt_over_tt.dot(h.xt) - xe_over_ee.dot(xe);
-  if (!(xx > 0)) return false;
-  const Vector2d ge = g.e - et_over_tt * g.t;
-  const double x = -(g.x - xt_over_tt.dot(g.t) - xe_over_ee.dot(ge)) / xx;
-  const Vector2d e = -(over_ee * ge) - x * xe_over_ee;
-  const Vector2d t = -(over_tt * g.t) - x * xt_over_tt - et_over_tt.transpose() * e;
-  d = {x, e, t};
-  return true;
-}
+// A symmetric matrix with the tilts eliminated, then y and z: for solving h d = -g.
+class Eliminated {
+ public:
+  // False where h is not positive definite.
+  bool of(const PoseMatrix& h) noexcept {
+    if (!invert(h.tt, over_tt_)) return false;
+    et_over_tt_ = h.et * over_tt_;
+    xt_over_tt_ = over_tt_ * h.xt;
+    if (!invert(h.ee - et_over_tt_ * h.et.transpose(), over_ee_)) return false;
+    const Vector2d xe = h.xe - et_over_tt_ * h.xt;
+    xe_over_ee_ = over_ee_ * xe;
+    const double xx = h.xx - xt_over_tt_.dot(h.xt) - xe_over_ee_.dot(xe);
+    over_xx_ = 1 / xx;
+    return xx > 0;
+  }
+
+  PoseVector solve(const PoseVector& g) const noexcept {
+    const Vector2d ge = g.e - et_over_tt_ * g.t;
+    const double x = -(g.x - xt_over_tt_.dot(g.t) - xe_over_ee_.dot(ge)) * over_xx_;
+    const Vector2d e = -(over_ee_ * ge) - x * xe_over_ee_;
+    return {x, e, -(over_tt_ * g.t) - x * xt_over_tt_ - et_over_tt_.transpose() * e};
+  }
+
+ private:
+  Matrix2d over_tt_, over_ee_, et_over_tt_;
+  Vector2d xt_over_tt_, xe_over_ee_;
+  double over_xx_ = 0;
+};
 
 // The Newton direction; where the Hessian is not positive definite it is shifted by multiples of
 // the holder's stiffness until it is.
 PoseVector newton_direction(const World& world, const Potential& here) noexcept {
-  PoseVector newton;
-  if (solve(here.hessian, here.gradient, newton)) {
+  Eliminated hessian;
+  if (hessian.of(here.hessian)) {
+    const PoseVector newton = hessian.solve(here.gradient);
     const double slope = newton.dot(here.gradient);
     if (slope < 0 && std::isfinite(slope)) return newton;
   }
@@ -82,31 +93,6 @@ PoseVector newton_direction(const World& world, const Potential& here) noexcept 
     if (direction.allFinite() && direction.dot(gradient) < 0) return PoseVector(direction);
   }
   return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
-}
-
-// Where a search starts: where the forces that are known say that it ends, or where the fibre is.
-struct Start {
-  Pose tip;
-  bool foretold = false;
-  PoseVector move = {};
-  double slope = 0;  // of the energy along the move, < 0
-};
-
-Start foretell(const World& world, const Lagged& lagged, const State& state) noexcept {
-  const KnownForces& known = state.known;
-  Start start{state.tip};
-  if (!known.known || known.at != state.tip) return start;
-  Energy here = potential_at_start(world, lagged, known);
-  here.gradient += known.curvature;
-  if (!solve(here.hessian, here.gradient, start.move)) return start;
-  start.slope = start.move.dot(here.gradient);
-  const double way =
-      start.move.length() + start.move.t.norm() * (lagged.length + world.annulus.fibre_radius);
-  if (!(start.slope < 0 && way >= kResolution && way <= kShortMove * world.annulus.clearance()))
-    return start;
-  start.tip += start.move.full();
-  start.foretold = true;
-  return start;
 }
 
 // Newton's method with a line search, from where `found` is.
@@ -122,16 +108,7 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
     }
     const PoseVector newton = newton_direction(world, here);
     const double turn = newton.t.norm() * lever;
-    const double way = newton.length() + turn;
-    if (way < kResolution) {
-      found.converged = true;
-      break;
-    }
-    if (left <= kNearForce * here.force_scale && way <= kNearMove * clearance) {
-      // What is left of the way is so short that the forces change along it as the Hessian says.
-      found.tip += newton.full();
-      Energy& bore = found.there.bore;
-      bore.gradient += bore.hessian.times(newton);
+    if (newton.length() + turn < kResolution) {
       found.converged = true;
       break;
     }
@@ -160,6 +137,57 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
     }
     if (!moved) break;
   }
+}
+
+// Where the forces known from the last step say that this one ends.
+struct Foretold {
+  bool told = false;
+  Pose tip;
+  Eliminated hessian;
+  PoseVector move = {};
+  double slope = 0;  // of the energy along the move, < 0
+};
+
+// How far a move takes the end or the other end of the inserted length [m].
+double way_of(const World& world, const Lagged& lagged, const PoseVector& move) noexcept {
+  return move.length() + move.t.norm() * (lagged.length + world.annulus.fibre_radius);
+}
+
+Foretold foretell(const World& world, const Lagged& lagged, const State& state) noexcept {
+  const KnownForces& known = state.known;
+  Foretold end;
+  end.tip = state.tip;
+  if (!known.known || known.at != state.tip) return end;
+  Energy here = potential_at_start(world, lagged, known);
+  here.gradient += known.curvature;
+  if (!end.hessian.of(here.hessian)) return end;
+  end.move = end.hessian.solve(here.gradient);
+  end.slope = end.move.dot(here.gradient);
+  const double way = way_of(world, lagged, end.move);
+  if (!(end.slope < 0 && way >= kResolution && way <= kShortMove * world.annulus.clearance()))
+    return end;
+  end.tip += end.move.full();
+  end.told = true;
+  return end;
+}
+
+// Goes on from where forces known before told that the step ends, and their evaluation there. False
+// if they told wrong; converged if what is left of the way is so short that the forces change along
+// it as the Hessian says.
+bool follow(const World& world, const Lagged& lagged, const Foretold& end,
+            Minimum& found) noexcept {
+  const Potential& there = found.there;
+  if (!(std::abs(end.move.dot(there.gradient)) <= -kStraight * end.slope)) return false;
+  found.iterations = 1;
+  found.curvature += there.gradient;
+  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale)) return true;
+  const PoseVector rest = end.hessian.solve(there.gradient);
+  if (!(way_of(world, lagged, rest) <= kNearMove * world.annulus.clearance())) return true;
+  found.tip += rest.full();
+  Energy& bore = found.there.bore;
+  bore.gradient += bore.hessian.times(rest);
+  found.converged = true;
+  return true;
 }
 
 // Contacts after a step: new ones stick where they are, slipping ones drag their stuck point along.
@@ -224,10 +252,11 @@ bool flies_free(const World& world, const State& state, const Pose& hand) noexce
 int substeps_for(const World& world, const State& state, const Pose& hand, double dt) noexcept {
   const int fewest = static_cast<int>(
       std::clamp<double>(std::ceil(dt / world.longest_step * (1 - 1e-9)), 1, kMaxSubsteps));
-  const Pose move = hand - state.hand;
+  PoseVector move(hand);
+  move -= PoseVector(state.hand);
   const double clearance = world.annulus.clearance();
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
-  const double travel = move.head<3>().norm() + lever * move.tail<2>().norm();
+  const double travel = move.length() + lever * move.t.norm();
   if (travel <= 0.5 * clearance) return fewest;
   // Clear of the ferrule before and after: nothing on the way.
   const double nearest = std::min({state.tip[0], state.hand[0], hand[0]}) -
@@ -255,22 +284,19 @@ void advance(const World& world, const Pose& command, double dt, int depth,
   State& state = result.state;
   Lagged lagged = lag(world, state, command, dt);
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
-  const Start start = holds_still ? Start{state.tip} : foretell(world, lagged, state);
-  Minimum found{start.tip, potential(world, lagged, start.tip)};
-  if (start.foretold) {
-    const PoseVector& gradient = found.there.gradient;
-    if (std::abs(start.move.dot(gradient)) <= -kStraight * start.slope) {
-      found.iterations = 1;
-      found.curvature = state.known.curvature;
-      found.curvature += gradient;
-    } else {  // they told wrong
+  const Foretold end =
+      holds_still ? Foretold{false, state.tip, {}} : foretell(world, lagged, state);
+  Minimum found{end.tip, potential(world, lagged, end.tip), state.known.curvature};
+  if (!end.told || !follow(world, lagged, end, found)) {
+    found.curvature = {};
+    if (end.told) {
       found.tip = state.tip;
       found.there = potential(world, lagged, state.tip);
     }
   }
   if (holds_still)
     found.converged = true;
-  else
+  else if (!found.converged)
     minimise(world, lagged, found);
   result.iterations += found.iterations;
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
