@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "app/verb.hpp"
@@ -18,8 +19,8 @@ struct Arguments {
   bool json = false;
 };
 
-// A scene that models one of the terms, or with "" none.
-Scene with_only(const Plan& plan, const Scene& scene, const std::string& name) {
+// A world that models one of the terms, or with "" none.
+World with_only(const Plan& plan, const Scene& scene, const std::string& name) {
   Json document = plan.document;
   document.erase("planned_accuracy");
   for (auto& [law, value] : document["laws"].items()) {
@@ -27,17 +28,29 @@ Scene with_only(const Plan& plan, const Scene& scene, const std::string& name) {
     value = this_one ? scene.document["laws"][law] : Json();
   }
   document["dynamics"] = name == "inertia" ? "inertial" : "quasi_static";
-  return parse_scene(document, scene.name);
+  World world = parse_scene(document, scene.name).world;
+  if (name == "wall")
+    world.wall = scene.world.wall;
+  else
+    world.wall.reset();
+  return world;
 }
 
-// What a term adds to one evaluation of the potential [ns].
+// What a term adds to one evaluation of the potential, where it is strongest [ns]: both timed in
+// turns, so that neither is the one that was disturbed.
 double cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
-  const auto time = [&](const std::string& name) {
-    const World world = with_only(plan, scene, name).world;
+  constexpr int kTurns = 8;
+  const World with = with_only(plan, scene, term.name), without = with_only(plan, scene, "");
+  const auto time = [&](const World& world) {
     const Lagged lagged = lag(world, term.state, term.state.hand, plan.step);
-    return nanoseconds_per_call([&](long) { keep(potential(world, lagged, term.state.tip)); }, 2e6);
+    return nanoseconds_per_call([&](long) { keep(potential(world, lagged, term.state.tip)); }, 2e5);
   };
-  return std::max(0.0, time(term.name) - time(""));
+  double most = time(with), least = time(without);
+  for (int turn = 1; turn < kTurns; ++turn) {
+    most = std::min(most, time(with));
+    least = std::min(least, time(without));
+  }
+  return std::max(0.0, most - least);
 }
 
 int plan_scene(const Arguments& a) {
@@ -80,9 +93,11 @@ int plan_scene(const Arguments& a) {
   }
   fmt::print(
       "{}, steps of {:g} ms. What is left out changes the result by at most {:.2g}.\n"
+      "For a hand sampled at 1 kHz: where the fibre snaps or sticks, finer sampling ends "
+      "elsewhere.\n"
       "Error bound {:.2g} of the clearance, and of {:.4g} uN in force; asked for: {:g}{}\n",
-      dynamics, 1e3 * plan.step, bound_left_out, plan.error_bound, 1e6 * plan.force_scale,
-      plan.tolerance, holds ? "" : ": NOT REACHED");
+      dynamics, 1e3 * plan.step, std::min(bound_left_out, plan.error_bound), plan.error_bound,
+      1e6 * plan.force_scale, plan.tolerance, holds ? "" : ": NOT REACHED");
   return holds ? kDone : kFailed;
 }
 

@@ -76,11 +76,12 @@ class Coordinate {
   }
 
  private:
-  // Where values from the start on in direction `sign` cease to be allowed; infinite if nowhere.
+  // Where values from the start on in direction `sign` cease to be allowed; infinite if not within a
+  // factor of a thousand, and 0 if not that near to it: farther than a parameter is moved.
   double edge(const std::function<bool(double)>& allowed, double sign) const {
     const double size = std::max(std::abs(start_), 1e-3);
-    if (sign * start_ < 0 && allowed(1e-9 * start_) && !allowed(-1e-9 * start_)) return 0;
-    double inside = start_, outside = start_ + sign * 1e6 * size;
+    if (sign * start_ < 0 && allowed(1e-3 * start_) && !allowed(-1e-3 * start_)) return 0;
+    double inside = start_, outside = start_ + sign * 1e3 * size;
     if (allowed(outside)) return sign * INFINITY;
     for (int i = 0; i < 60; ++i) {
       const double middle = 0.5 * (inside + outside);

@@ -13,11 +13,9 @@ ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& 
   const EdgeDepth d = edge_depth(world.profile, x_rim, radial.eccentricity + r);
 
   ContactDepth depth;
-  depth.point << tip[0], tip.segment<2>(1) + r * radial.normal;
   if (side.side == EdgeSide::face) {
     if (d.throat() <= 0) return depth;
     depth.value = d.face;
-    depth.normal = Vector3d::UnitX();
     depth.lean = -r * side.outward;
     depth.slope = -Vector3d::UnitX();
     return depth;
@@ -28,7 +26,6 @@ ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& 
   const double tangent = on_cone ? world.profile.lead_in_tangent : 0;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent);
   const double sine = tangent * cosine;
-  depth.normal = sine * Vector3d::UnitX() - cosine * across(radial.normal);
   depth.lean = -r * side.outward;
   depth.slope << -sine, cosine * radial.normal;
   depth.curve = cosine * radial.curving;
@@ -40,11 +37,8 @@ ContactDepth side_depth(const World& world, const ContactSide& side, const Pose&
   ContactDepth depth;
   if (!side.side_can_touch || tip[0] >= 0) return depth;
   const double arm = -tip[0];
-  const Vector2d e = eccentricity(tip, arm);
-  const Radial radial(e, world.annulus.clearance());
+  const Radial radial(eccentricity(tip, arm), world.annulus.clearance());
   depth.value = radial.eccentricity - world.annulus.clearance();
-  depth.normal << radial.normal.dot(tip.tail<2>()), -radial.normal;
-  depth.point = across(e);
   depth.arm = {arm, -1};
   depth.slope.tail<2>() = radial.normal;
   depth.curve = radial.curving;
@@ -68,6 +62,15 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const Pose& tip) noexcept {
   return {end_depth(world, side, tip), side_depth(world, side, tip)};
+}
+
+Vector3d contact_point(const World& world, ContactPlace place, const Pose& tip) noexcept {
+  if (place == kSide) return across(eccentricity(tip, -tip[0]));
+  const Vector2d e = tip.segment<2>(1);
+  const Vector2d n = Radial(e, world.annulus.clearance()).normal;
+  Vector3d point;
+  point << tip[0], e + world.annulus.fibre_radius * n;
+  return point;
 }
 
 }  // namespace ferrule

@@ -13,8 +13,9 @@
 
 namespace ferrule {
 
-// Eccentricity |e| of the fibre's axis, smoothed to sqrt(e^2 + (c/1000)^2) where its direction is
-// undefined on the bore's axis, with derivatives by the vector e.
+// Eccentricity |e| of the fibre's axis, with derivatives by the vector e. On the bore's axis, where
+// its direction is undefined, it is smoothed: within s = c/1000 of the axis it is
+// s (3 + 6 q - q^2)/8, q = (e/s)^2, which goes over into |e| with two derivatives.
 inline constexpr double kRadialSmoothing = 1e-3;  // of the clearance
 
 struct Radial {
@@ -23,12 +24,15 @@ struct Radial {
   Matrix2d curving;     // d normal / de [1/m]
 
   Radial(const Vector2d& e, double clearance) noexcept {
-    const double smooth = kRadialSmoothing * clearance;
-    eccentricity = std::sqrt(e.squaredNorm() + smooth * smooth);
-    const double inverse = 1 / eccentricity;
-    normal = inverse * e;
-    curving = -inverse * normal * normal.transpose();
-    curving.diagonal().array() += inverse;
+    const double smooth = kRadialSmoothing * clearance, squared = e.squaredNorm();
+    const bool off_axis = squared >= smooth * smooth;
+    const double inverse = 1 / (off_axis ? std::sqrt(squared) : smooth);
+    const double q = off_axis ? 1 : squared * inverse * inverse;
+    eccentricity = off_axis ? std::sqrt(squared) : smooth * (3 + q * (6 - q)) / 8;
+    const double turn = inverse * (1.5 - 0.5 * q);  // 1/|e| off the axis
+    normal = turn * e;
+    curving = -inverse * inverse * inverse * e * e.transpose();
+    curving.diagonal().array() += turn;
   }
 };
 
@@ -36,14 +40,16 @@ struct Radial {
 // + lean.tilt, eccentricity at `arm`), with its derivatives by that.
 struct ContactDepth {
   double value = -INFINITY;
-  Arm arm;                             // fixed to the ferrule only where d does not depend on x
-  Vector2d lean = Vector2d::Zero();    // [m]
-  Vector3d slope = Vector3d::Zero();   // [-]
-  Matrix2d curve = Matrix2d::Zero();   // by the eccentricity [1/m]
-  Vector3d normal = Vector3d::Zero();  // from the ferrule into the fibre, unit
-  // Where the contact acts, to first order in the tilts: so that the wrench of `normal` there is
-  // minus the gradient.
-  Vector3d point = Vector3d::Zero();
+  Arm arm;                            // fixed to the ferrule only where d does not depend on x
+  Vector2d lean = Vector2d::Zero();   // [m]
+  Vector3d slope = Vector3d::Zero();  // [-]
+  Matrix2d curve = Matrix2d::Zero();  // by the eccentricity [1/m]
+
+  // From the ferrule into the fibre, unit.
+  Vector3d normal(const Vector2d& tilt) const noexcept {
+    const Vector2d n = slope.tail<2>();
+    return arm.per_x == 0 ? Vector3d(-slope) : Vector3d(n.dot(tilt), -n.x(), -n.y());
+  }
 
   // Adds an energy of the depth, given its derivatives by that.
   void add_to(Energy& total, const Vector2d& tilt, double force, double stiffness) const noexcept {
@@ -70,6 +76,10 @@ ContactSide contact_side(const World& world, const State& state) noexcept;
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const Pose& tip) noexcept;
+
+// Where the contact at `place` acts, to first order in the tilts: so that the wrench of its normal
+// there is minus the gradient of its depth.
+Vector3d contact_point(const World& world, ContactPlace place, const Pose& tip) noexcept;
 
 // A vector across the bore in three dimensions.
 inline Vector3d across(const Vector2d& n) noexcept {

@@ -9,7 +9,6 @@
 
 namespace ferrule {
 
-using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 
 // Eccentricity of the fibre's axis at arm s behind the end [m]: the vector from the bore's axis.
@@ -22,63 +21,6 @@ inline Vector2d eccentricity(const Pose& tip, double s) noexcept {
 struct Arm {
   double length = 0;  // [m]
   double per_x = 0;
-};
-
-// A vector of five in the blocks of a pose: x, across e = (y, z), tilts t. (Blocks of two that are
-// always read as they were written are what a processor forwards from store to load at once.)
-struct PoseVector {
-  double x = 0;
-  Vector2d e = Vector2d::Zero(), t = Vector2d::Zero();
-
-  PoseVector() = default;
-  PoseVector(double x_, const Vector2d& e_, const Vector2d& t_) noexcept : x(x_), e(e_), t(t_) {}
-  explicit PoseVector(const Pose& p) noexcept : x(p[0]), e(p[1], p[2]), t(p[3], p[4]) {}
-
-  Pose full() const noexcept {
-    Pose p;
-    p << x, e, t;
-    return p;
-  }
-  double dot(const PoseVector& other) const noexcept {
-    return x * other.x + e.dot(other.e) + t.dot(other.t);
-  }
-  // Length of its first three components: of a force or a move of the end.
-  double length() const noexcept { return std::sqrt(x * x + e.squaredNorm()); }
-};
-
-// A symmetric 5x5 matrix in the blocks of a pose: x, across e = (y, z), tilts t.
-struct PoseMatrix {
-  double xx = 0;
-  Vector2d xe = Vector2d::Zero(), xt = Vector2d::Zero();
-  Matrix2d ee = Matrix2d::Zero(), et = Matrix2d::Zero(), tt = Matrix2d::Zero();
-
-  PoseMatrix() = default;
-  explicit PoseMatrix(const Matrix5& m) noexcept
-      : xx(m(0, 0)),
-        xe(m.block<1, 2>(0, 1).transpose()),
-        xt(m.block<1, 2>(0, 3).transpose()),
-        ee(m.block<2, 2>(1, 1)),
-        et(m.block<2, 2>(1, 3)),
-        tt(m.block<2, 2>(3, 3)) {}
-
-  PoseMatrix& operator+=(const PoseMatrix& m) noexcept {
-    xx += m.xx;
-    xe += m.xe;
-    xt += m.xt;
-    ee += m.ee;
-    et += m.et;
-    tt += m.tt;
-    return *this;
-  }
-  Matrix5 full() const noexcept {
-    Matrix5 m;
-    m << xx, xe.transpose(), xt.transpose(), xe, ee, et, xt, et.transpose(), tt;
-    return m;
-  }
-  PoseVector times(const PoseVector& p) const noexcept {
-    return {xx * p.x + xe.dot(p.e) + xt.dot(p.t), p.x * xe + ee * p.e + et * p.t,
-            p.x * xt + et.transpose() * p.e + tt * p.t};
-  }
 };
 
 struct Energy {

@@ -1,6 +1,7 @@
 #include "sim/holder.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 
@@ -31,6 +32,10 @@ double Holder::bending_stress(const Pose& tip, const Pose& hand) const noexcept 
   const Vector2d at_end = w.tail<2>(), at_gripper = at_end - free_length * w.segment<2>(1);
   const double moment = std::max(at_end.norm(), at_gripper.norm());
   return moment * fibre_radius / second_moment(fibre_radius);
+}
+
+double Holder::compliance() const noexcept {
+  return Matrix5(stiffness.inverse()).topLeftCorner<3, 3>().norm();
 }
 
 Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibre, double young,

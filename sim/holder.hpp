@@ -11,8 +11,6 @@
 
 namespace ferrule {
 
-using Matrix5 = Eigen::Matrix<double, 5, 5>;
-
 struct Holder {
   Matrix5 stiffness = Matrix5::Zero();     // [N/m, N/rad, N m/rad], positive definite
   Wrench weight = Wrench::Zero();          // load of gravity on the end's coordinates [N, N m]
@@ -29,6 +27,9 @@ struct Holder {
   // Largest bending stress [Pa] in the free length when its end is at `tip`, E r |curvature|: at
   // the holder or at the end. 0 for a rigid hand, which does not bend.
   double bending_stress(const Pose& tip, const Pose& hand) const noexcept;
+
+  // How far a newton may move the end [m/N].
+  double compliance() const noexcept;
 };
 
 // The rigid hand of the paper: a virtual coupling of given stiffness [N/m] and [N m/rad] to the end

@@ -6,22 +6,17 @@
 // limits.speed and change speed in 0.1 s; insertion to the success depth, sideways pushes, tilting
 // and withdrawal, as long as the force at the holder stays below limits.force.
 //
-// Error of a run against the full model, sample by sample at 1 kHz, the larger of
-//   |tip - tip_full| over the clearance
-//   |F - F_full| of the holder over the largest |F_full| of that run, or over the force that moves
-//   the
-//     holder by a clearance where that is more
-// The full model steps as control does: without drag and inertia it too takes a step per hand
-// sample of 1 ms, which is the input and no approximation. Where the fibre snaps or sticks, hands
-// sampled more finely end elsewhere; the bound does not speak of that.
-// An event, such as a snap into contact, is resolved to one sample in time; where it comes later,
-// the hand's travel until it comes, over the clearance, counts as the error.
+// Errors are those of sim/sampled_run.hpp, at 1 kHz. The full model steps as control does: without
+// drag and inertia it too takes a step per hand sample of 1 ms, which is the input and no
+// approximation. Where the fibre snaps or sticks, hands sampled more finely end elsewhere; the
+// bound does not speak of that.
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
 // since there small forces decide where it comes to rest, and so for a coarser fidelity. What is
 // chosen is then run, and has to stay below a third of the tolerance in every probe. Without drag
-// and inertia nothing depends on time, and the step is that of control, 1 ms.
+// and inertia nothing depends on time, and the step is that of control, 1 ms. Where even the finest
+// two steps differ by more than that, the full model is the plan, and that difference its bound.
 #pragma once
 
 #include <string>
@@ -42,7 +37,9 @@ struct PlannedTerm {
 
 struct Plan {
   double tolerance;
-  std::vector<PlannedTerm> terms;  // those of the scene, in the order of kTermNames, then inertia
+  // Those of the scene, in the order of kTermNames, then inertia, unless the scene says that it is
+  // quasi-static.
+  std::vector<PlannedTerm> terms;
   Dynamics dynamics;
   double step;         // longest step in time [s]
   double force_scale;  // what force errors are relative to [N]
@@ -50,22 +47,8 @@ struct Plan {
   Json document;       // the planned scene
 };
 
-// `scene` without "accuracy"; 1e-6 <= tolerance <= 0.5. Deterministic; takes about a second.
+// `scene` without "accuracy"; 1e-6 <= tolerance <= 0.5. Deterministic; takes some seconds.
 // Throws BadInput if the tolerance is out of range.
 Plan make_plan(const Scene& scene, double tolerance);
-
-// One run along given hand poses, a sample per millisecond.
-struct SampledRun {
-  std::vector<Vector3d> tip;    // [m]
-  std::vector<Vector3d> force;  // at the holder [N]
-};
-// The first sample is the state at hand[0]. The run ends early where the holder's force, weight
-// apart, exceeds `force_limit` [N].
-SampledRun sample_run(const World& world, const State& start, const std::vector<Pose>& hand,
-                      double force_limit);
-
-// The error defined above, over the samples of the shorter run.
-double run_error(const SampledRun& run, const SampledRun& full, const std::vector<Pose>& hand,
-                 const World& world);
 
 }  // namespace ferrule

@@ -70,15 +70,40 @@ struct AxialDrag {
   }
 };
 
+// Holder, weight, inertia, drag and friction: what a step adds to the forces in the bore.
+void add_step(Energy& total, const World& world, const Lagged& lagged, const Pose& tip) noexcept {
+  PoseVector move(tip);
+  move -= lagged.from;
+  const PoseVector pull = lagged.stiffness.times(move);
+  const double sprung = 0.5 * move.dot(pull), loaded = lagged.load.dot(move);
+  total.value += sprung - loaded;
+  total.value_scale += sprung + std::abs(loaded);
+  total.force_scale += pull.length() + lagged.load_scale;
+  total.gradient += pull;
+  total.gradient -= lagged.load;
+  total.hessian += lagged.stiffness;
+  if (lagged.axial_drag > 0) {
+    const AxialDrag axial(lagged, tip);
+    total.value += axial.energy;
+    total.value_scale += axial.energy;
+    total.force_scale += std::abs(axial.force);
+    total.gradient.x -= axial.force;
+    total.hessian.xx += axial.stiffness;
+  }
+  for (const LaggedFriction& friction : lagged.friction)
+    if (friction.acts) add_friction(total, world, lagged, friction, tip);
+}
+
 void lag_drag(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
   if (!world.drag || dt == 0 || lagged.contact.side == EdgeSide::face) return;
   const double middle = 0.5 * lagged.length, spread = lagged.length / std::sqrt(60.0);
   const Vector2d e = eccentricity(state.tip, middle);
   const double radius = e.norm();
-  lagged.axial_drag = drag(*world.drag, world.annulus, radius, 1).axial / dt;
+  const double length = lagged.length > 0 ? lagged.length : 1;
+  const DragCoefficients c = drag(*world.drag, world.annulus, radius, length);
+  lagged.axial_drag = c.axial / (length * dt);
   lagged.drag_arm = {middle - spread, middle + spread};
   if (lagged.length == 0) return;
-  const DragCoefficients c = drag(*world.drag, world.annulus, radius, lagged.length);
   const Vector2d n = radius > 0 ? Vector2d(e / radius) : Vector2d(Vector2d::UnitX());
   const Matrix2d across =
       c.tangential * Matrix2d::Identity() + (c.radial - c.tangential) * n * n.transpose();
@@ -116,9 +141,10 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
   lagged.hand = hand;
   lagged.from = PoseVector(state.tip);
   lagged.stiffness = PoseMatrix(world.holder.stiffness);
-  const Pose held = world.holder.stiffness * (hand - state.tip);
-  lagged.load = PoseVector(held + world.holder.weight);
-  lagged.load_scale = held.head<3>().norm() + std::abs(world.holder.weight[1]);
+  const PoseVector weight(world.holder.weight), away(hand - state.tip);
+  lagged.load = lagged.stiffness.times(away);
+  lagged.load_scale = lagged.load.length() + std::abs(weight.e.x());
+  lagged.load += weight;
   lagged.length = std::min(state.inserted_length(), world.profile.length);
   lagged.contact = contact_side(world, state);
   lagged.bridge = state.bridge;
@@ -138,7 +164,7 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
     const double a = friction_radius(world, depths[place].value, contact.branch);
     if (!(a > 0)) continue;
     LaggedFriction& friction = lagged.friction[place];
-    const Vector3d& n = depths[place].normal;
+    const Vector3d n = depths[place].normal(state.tip.tail<2>());
     friction.acts = true;
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
@@ -150,83 +176,78 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
   return lagged;
 }
 
-Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
-  Potential total{{}, {}, contact_depths(world, lagged.contact, tip), {}, {}};
-  const PoseVector end(tip);
-  const PoseVector move(end.x - lagged.from.x, end.e - lagged.from.e, end.t - lagged.from.t);
-  total.gradient = lagged.stiffness.times(move);
-  const double sprung = 0.5 * move.dot(total.gradient), loaded = lagged.load.dot(move);
-  total.value = sprung - loaded;
-  total.value_scale = sprung + std::abs(loaded);
-  total.force_scale = total.gradient.length() + lagged.load_scale;
-  total.gradient = {total.gradient.x - lagged.load.x, total.gradient.e - lagged.load.e,
-                    total.gradient.t - lagged.load.t};
-  total.hessian = lagged.stiffness;
-
-  const bool inserted = lagged.contact.side_can_touch;
-  if (inserted) add_surface_forces(total, total.surface, world, lagged.length, lagged.bridge, tip);
-  if (world.meniscus && inserted && tip[0] < 0) {
-    const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
-    total.value += pull * tip[0];
-    total.value_scale -= pull * tip[0];
-    total.gradient.x += pull;
-    total.force_scale += pull;
-  }
-
-  if (lagged.axial_drag > 0) {
-    const AxialDrag axial(lagged, tip);
-    total.value += axial.energy;
-    total.value_scale += axial.energy;
-    total.force_scale += std::abs(axial.force);
-    total.gradient.x -= axial.force;
-    total.hessian.xx += axial.stiffness;
-  }
-
-  for (int place = 0; place < kContactPlaces; ++place) {
-    const auto at = static_cast<std::size_t>(place);
-    const ContactDepth& depth = total.depth[at];
-    if (lagged.friction[at].acts) add_friction(total, world, lagged, lagged.friction[at], tip);
-    if (depth.value == -INFINITY) continue;
-    const ContactForce push = total.push[at] = wall_force(world, depth.value);
-    const AdhesionForce pull = total.pull[at] = shared_adhesion(world, lagged, place, depth.value);
-    total.value += push.potential + pull.potential;
-    total.value_scale += push.potential + std::abs(pull.potential);
-    const double force = push.force + pull.force, stiffness = push.slope + pull.slope;
-    if (force == 0 && stiffness == 0) continue;
-    total.force_scale += push.force + std::abs(pull.force);
-    depth.add_to(total, end.t, force, stiffness);
-  }
+Energy potential_at_start(const World& world, const Lagged& lagged,
+                          const KnownForces& bore) noexcept {
+  Energy total;
+  total.gradient = bore.gradient;
+  total.gradient -= lagged.load;
+  total.hessian = bore.hessian;
+  total.hessian += lagged.stiffness;
+  if (lagged.axial_drag > 0) total.hessian.xx += AxialDrag(lagged, bore.at).stiffness;
+  for (const LaggedFriction& friction : lagged.friction)
+    if (friction.acts) add_friction(total, world, lagged, friction, bore.at);
   return total;
 }
 
-Forces forces(const World& world, const Lagged& lagged, const Pose& tip,
-              const Potential& there) noexcept {
-  Forces out;
-  Breakdown& b = out.breakdown;
+Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
+  Potential total;
+  Energy& bore = total.bore;
+  const bool inserted = lagged.contact.side_can_touch;
+  if (inserted) add_surface_forces(bore, total.surface, world, lagged.length, lagged.bridge, tip);
+  if (world.meniscus && inserted && tip[0] < 0) {
+    const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
+    bore.value += pull * tip[0];
+    bore.value_scale -= pull * tip[0];
+    bore.gradient.x += pull;
+    bore.force_scale += pull;
+  }
+  total.depth = contact_depths(world, lagged.contact, tip);
+  const Vector2d tilt = tip.tail<2>();
+  for (int place = 0; place < kContactPlaces; ++place) {
+    const auto at = static_cast<std::size_t>(place);
+    const ContactDepth& depth = total.depth[at];
+    if (depth.value == -INFINITY) continue;
+    const ContactForce push = total.push[at] = wall_force(world, depth.value);
+    const AdhesionForce pull = total.pull[at] = shared_adhesion(world, lagged, place, depth.value);
+    bore.value += push.potential + pull.potential;
+    bore.value_scale += push.potential + std::abs(pull.potential);
+    const double force = push.force + pull.force, stiffness = push.slope + pull.slope;
+    if (force == 0 && stiffness == 0) continue;
+    bore.force_scale += push.force + std::abs(pull.force);
+    depth.add_to(bore, tilt, force, stiffness);
+  }
+  static_cast<Energy&>(total) = bore;
+  add_step(total, world, lagged, tip);
+  return total;
+}
+
+void forces(const World& world, const Lagged& lagged, const Pose& tip, const Potential& there,
+            Breakdown& b) noexcept {
   const Vector3d end = tip.head<3>();
-  b.holder = world.holder.stiffness * (tip - lagged.hand);
+  const Pose stretch = tip - lagged.hand;
+  b.holder.noalias() = world.holder.stiffness * stretch;
   b.gravity = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
 
-  const double length = -tip[0];
+  const double length = -tip[0], inverse = 1 / length;
   const std::array<std::array<PointForce, 2>*, kSurfaceTerms> terms = {
       &b.van_der_waals, &b.electrostatic, &b.capillary};
   for (std::size_t i = 0; i < kSurfaceTerms && length > 0; ++i) {
     const PoseVector& g = there.surface[i];
-    const Vector2d mouth = -g.t / length;
+    const Vector2d mouth = -inverse * g.t;
     const Vector2d inside = -g.e - mouth;
     (*terms[i])[0] = {{-g.x, inside.x(), inside.y()}, end};
     (*terms[i])[1] = {across(mouth), end + Vector3d(length, length * tip[3], length * tip[4])};
   }
-  out.bridge = lagged.contact.side_can_touch && bridge_at(world, lagged.bridge, tip);
   if (world.meniscus && lagged.contact.side_can_touch && tip[0] < 0)
     b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, end};
   if (lagged.axial_drag > 0) {
     const double axial = 0.5 * AxialDrag(lagged, tip).force;
-    const Pose moved = tip - lagged.from.full();
+    PoseVector moved(tip);
+    moved -= lagged.from;
     for (std::size_t i = 0; i < 2; ++i) {
       const double arm = lagged.drag_arm[i];
       const Vector2d e = eccentricity(tip, arm);
-      const Vector2d sideways = -(lagged.drag_per_move * eccentricity(moved, arm));
+      const Vector2d sideways = -(lagged.drag_per_move * (moved.e + arm * moved.t));
       b.drag[i] = {{axial, sideways.x(), sideways.y()}, {tip[0] + arm, e.x(), e.y()}};
     }
   }
@@ -234,20 +255,33 @@ Forces forces(const World& world, const Lagged& lagged, const Pose& tip,
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = there.depth[at];
     if (depth.value == -INFINITY) continue;
-    b.wall[at] = {there.push[at].force * depth.normal, depth.point};
-    b.adhesion[at] = {there.pull[at].force * depth.normal, depth.point};
-    ContactState& contact = out.contact[at];
-    contact.closed = depth.value > 0 || there.pull[at].radius > 0;
-    contact.depth = contact.closed ? depth.value : 0.0;
-    contact.branch = there.pull[at].branch;
-    const double arm = place == kSide ? std::max(0.0, -tip[0]) : 0.0;
-    out.material[at] = material_point(world, lagged, tip, arm);
+    const Vector3d normal = depth.normal(tip.tail<2>());
+    const Vector3d point = contact_point(world, static_cast<ContactPlace>(place), tip);
+    b.wall[at] = {there.push[at].force * normal, point};
+    b.adhesion[at] = {there.pull[at].force * normal, point};
     const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
     b.friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
-                      {tip[0] + friction.arm, depth.point.y(), depth.point.z()}};
+                      {tip[0] + friction.arm, point.y(), point.z()}};
   }
-  return out;
+}
+
+Contacts contacts(const World& world, const Lagged& lagged, const Pose& tip,
+                  const Potential& there) noexcept {
+  Contacts now;
+  now.bridge = lagged.contact.side_can_touch && bridge_at(world, lagged.bridge, tip);
+  for (int place = 0; place < kContactPlaces; ++place) {
+    const auto at = static_cast<std::size_t>(place);
+    const double depth = there.depth[at].value;
+    if (depth == -INFINITY) continue;
+    ContactState& contact = now.contact[at];
+    contact.closed = depth > 0 || there.pull[at].radius > 0;
+    contact.depth = contact.closed ? depth : 0.0;
+    contact.branch = there.pull[at].branch;
+    const double arm = place == kSide ? std::max(0.0, -tip[0]) : 0.0;
+    now.material[at] = material_point(world, lagged, tip, arm);
+  }
+  return now;
 }
 
 }  // namespace ferrule

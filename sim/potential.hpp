@@ -60,9 +60,8 @@ struct Lagged {
 // or inertia is modelled.
 Lagged lag(const World& world, const State& state, const Pose& hand, double dt) noexcept;
 
-// The forces at a pose, term by term, and the contacts there (stuck points not moved).
-struct Forces {
-  Breakdown breakdown;
+// The contacts at a pose (stuck points not moved) and the bridge there.
+struct Contacts {
   std::array<ContactState, kContactPlaces> contact;
   // Material point that friction acts on [m].
   std::array<Vector3d, kContactPlaces> material = {Vector3d::Zero(), Vector3d::Zero()};
@@ -71,6 +70,7 @@ struct Forces {
 
 // The energy at a pose, with the parts of it that forces() needs.
 struct Potential : Energy {
+  Energy bore;  // surface forces, contacts and meniscus: what does not depend on the step itself
   SurfaceGradients surface;
   std::array<ContactDepth, kContactPlaces> depth;
   std::array<ContactForce, kContactPlaces> push;   // of the wall
@@ -80,8 +80,15 @@ struct Potential : Energy {
 // Where the step ends at `tip`. The energy is that of the step, up to a constant.
 Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept;
 
-// The same forces term by term; `there` is the potential at `tip`.
-Forces forces(const World& world, const Lagged& lagged, const Pose& tip,
-              const Potential& there) noexcept;
+// Its gradient and Hessian where the step starts, from those of the bore's part there.
+Energy potential_at_start(const World& world, const Lagged& lagged,
+                          const KnownForces& bore) noexcept;
+
+// The same forces term by term, into a breakdown of nothing; `there` is the potential at `tip`.
+void forces(const World& world, const Lagged& lagged, const Pose& tip, const Potential& there,
+            Breakdown& nothing_yet) noexcept;
+
+Contacts contacts(const World& world, const Lagged& lagged, const Pose& tip,
+                  const Potential& there) noexcept;
 
 }  // namespace ferrule

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <sstream>
 
 #include "sim/plan.hpp"
 #include "sim/shipped_files.hpp"
@@ -13,7 +14,21 @@ constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 
 constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
 constexpr double degree = std::numbers::pi / 180;
-constexpr int kUsualNodes = 5;  // of the quadrature along the insertion
+constexpr double kFarthest = 1e6;  // of a start [um]
+constexpr int kUsualNodes = 5;     // of the quadrature along the insertion
+
+// Ranges: wide, so that whatever is in them can be computed with.
+Rule range(double low, double high, const char* must_be) {
+  std::ostringstream text;
+  text << must_be << ", from " << low << " to " << high;
+  return rule::between(low, high, text.str());
+}
+Rule positive(double low, double high) {
+  return range(low, high, "must be positive");
+}
+Rule not_negative(double high) {
+  return range(0, high, "must not be negative");
+}
 
 Form read_form(JsonFields& law) {
   return law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
@@ -34,14 +49,14 @@ double read_contact_angle(JsonFields& law) {
 Capillary read_capillary(JsonFields f) {
   Capillary law;
   law.form = read_form(f);
-  law.surface_tension = f.number("surface_tension_N_m", rule::positive());
+  law.surface_tension = f.number("surface_tension_N_m", positive(1e-30, 100));
   law.contact_angle = read_contact_angle(f);
-  law.film = nano * f.number("film_nm", rule::positive());
+  law.film = nano * f.number("film_nm", positive(1e-3, 1e6));
   // Needed by the corrected form; the printed one may carry them along.
   if (law.form == Form::corrected || f.present("volume_per_length_m2"))
-    law.volume = f.number("volume_per_length_m2", rule::positive());
+    law.volume = f.number("volume_per_length_m2", positive(1e-20, 1e-6));
   if (law.form == Form::corrected || f.present("rupture_nm")) {
-    law.rupture = nano * f.number("rupture_nm", rule::positive());
+    law.rupture = nano * f.number("rupture_nm", positive(1e-3, 1e6));
     if (!(law.rupture > 2 * law.film))
       f.refuse("rupture_nm", "must be more than twice film_nm, where a bridge forms");
   }
@@ -53,17 +68,17 @@ Adhesion read_adhesion(JsonFields f, double modulus, double fibre_radius) {
   Adhesion law;
   law.form = read_form(f);
   const bool printed = law.form == Form::printed;
-  law.work_of_adhesion = f.number("work_of_adhesion_J_m2", rule::positive());
+  law.work_of_adhesion = f.number("work_of_adhesion_J_m2", positive(1e-9, 1e3));
   law.maugis_lambda =
       f.number("maugis_lambda", printed ? rule::between(0.12, 5.8, "must be from 0.12 to 5.8")
                                         : rule::between(0.01, 100, "must be from 0.01 to 100"));
   law.m = 1;
   if (printed || f.present("m"))
-    law.m = f.number("m", {1, INFINITY, false, true, "must be at least 1"});
+    law.m = f.number("m", rule::between(1, 1e3, "must be at least 1, at most 1000"));
   law.reduced_modulus = modulus;
   law.radius = fibre_radius;
   if (f.present("radius_um")) {
-    const double radius = micro * f.number("radius_um", rule::positive());
+    const double radius = micro * f.number("radius_um", positive(1e-3, 1e6));
     if (!printed) law.radius = radius;
   }
   f.finish();
@@ -77,12 +92,12 @@ Adhesion read_adhesion(JsonFields f, double modulus, double fibre_radius) {
 void read_laws(JsonFields laws, World& world, Friction friction, double modulus) {
   if (laws.has("van_der_waals")) {
     JsonFields f = laws.object("van_der_waals");
-    world.van_der_waals = {read_form(f), f.number("hamaker_J", rule::positive())};
+    world.van_der_waals = {read_form(f), f.number("hamaker_J", positive(1e-40, 1e-15))};
     f.finish();
   }
   if (laws.has("electrostatic")) {
     JsonFields f = laws.object("electrostatic");
-    world.electrostatic = {read_form(f), f.number("voltage_V", rule::not_negative())};
+    world.electrostatic = {read_form(f), f.number("voltage_V", not_negative(1e5))};
     f.finish();
   }
   if (laws.has("gravity")) {
@@ -97,18 +112,18 @@ void read_laws(JsonFields laws, World& world, Friction friction, double modulus)
   if (laws.has("friction")) {
     JsonFields f = laws.object("friction");
     friction.form = read_form(f);
-    friction.burgers = nano * f.number("burgers_nm", rule::positive());
+    friction.burgers = nano * f.number("burgers_nm", positive(1e-6, 1e3));
     f.finish();
     world.friction = friction;
   }
   if (laws.has("drag")) {
     JsonFields f = laws.object("drag");
-    world.drag = {only_corrected(f), f.number("viscosity_Pa_s", rule::positive())};
+    world.drag = {only_corrected(f), f.number("viscosity_Pa_s", positive(1e-30, 1e6))};
     f.finish();
   }
   if (laws.has("meniscus")) {
     JsonFields f = laws.object("meniscus");
-    world.meniscus = {only_corrected(f), f.number("surface_tension_N_m", rule::positive()),
+    world.meniscus = {only_corrected(f), f.number("surface_tension_N_m", positive(1e-30, 100)),
                       read_contact_angle(f)};
     f.finish();
   }
@@ -118,12 +133,12 @@ void read_laws(JsonFields laws, World& world, Friction friction, double modulus)
 Holder read_holder(JsonFields f, const World& world) {
   Holder holder;
   if (f.choice("type", {"rigid_hand", "elastic_fibre"}) == 0) {
-    holder = rigid_hand(f.number("stiffness_N_m", rule::positive()),
-                        f.number("tilt_stiffness_N_m_rad", rule::positive()), world.fibre,
+    holder = rigid_hand(f.number("stiffness_N_m", positive(1e-9, 1e9)),
+                        f.number("tilt_stiffness_N_m_rad", positive(1e-15, 1e9)), world.fibre,
                         world.fibre_young, world.gravity);
   } else {
-    holder = elastic_fibre(milli * f.number("free_length_mm", rule::positive()),
-                           f.number("gripper_stiffness_N_m", rule::positive()), world.fibre,
+    holder = elastic_fibre(milli * f.number("free_length_mm", positive(1e-3, 1e4)),
+                           f.number("gripper_stiffness_N_m", positive(1e-6, 1e9)), world.fibre,
                            world.fibre_young, world.gravity);
   }
   f.finish();
@@ -136,34 +151,33 @@ World read_world(JsonFields& scene) {
   Friction friction{};
 
   JsonFields fibre = scene.object("fibre");
-  const double fibre_diameter = fibre.number("diameter_um", rule::positive());
+  const double fibre_diameter = fibre.number("diameter_um", positive(1, 1e5));
   world.annulus.fibre_radius = 0.5 * micro * fibre_diameter;
   world.fibre.radius = world.annulus.fibre_radius;
-  world.fibre.density = fibre.number("density_kg_m3", rule::positive());
-  world.fibre_young = giga * fibre.number("young_GPa", rule::positive());
+  world.fibre.density = fibre.number("density_kg_m3", positive(1, 1e5));
+  world.fibre_young = giga * fibre.number("young_GPa", positive(1e-6, 1e4));
   const double fibre_poisson = fibre.number("poisson", poisson);
-  friction.shear_fibre = giga * fibre.number("shear_GPa", rule::positive());
-  world.fibre.length = milli * fibre.number("manipulated_length_mm", rule::positive());
+  friction.shear_fibre = giga * fibre.number("shear_GPa", positive(1e-6, 1e4));
+  world.fibre.length = milli * fibre.number("manipulated_length_mm", positive(1e-3, 1e4));
   fibre.finish();
 
   JsonFields ferrule = scene.object("ferrule");
-  const double bore_diameter = ferrule.number("bore_diameter_um", rule::positive());
+  const double bore_diameter = ferrule.number("bore_diameter_um", positive(1, 1e5));
   if (!(bore_diameter > fibre_diameter))
     ferrule.refuse("bore_diameter_um", "must be wider than the fibre (fibre.diameter_um = " +
                                            Json(fibre_diameter).dump() + ")");
   world.annulus.bore_radius = 0.5 * micro * bore_diameter;
   world.profile = {world.annulus.bore_radius, 0, 0,
-                   milli * ferrule.number("length_mm", rule::positive())};
-  const double ferrule_young = giga * ferrule.number("young_GPa", rule::positive());
+                   milli * ferrule.number("length_mm", positive(1e-3, 1e4))};
+  const double ferrule_young = giga * ferrule.number("young_GPa", positive(1e-6, 1e4));
   const double ferrule_poisson = ferrule.number("poisson", poisson);
-  friction.shear_ferrule = giga * ferrule.number("shear_GPa", rule::positive());
+  friction.shear_ferrule = giga * ferrule.number("shear_GPa", positive(1e-6, 1e4));
   ferrule.raw("lead_in");
   if (ferrule.has("lead_in")) {
     JsonFields lead_in = ferrule.object("lead_in");
-    Rule angle = rule::between(0, 180, "must be above 0 and below 180 degrees (full angle)");
-    angle.low_open = angle.high_open = true;
+    const Rule angle = rule::between(1, 179, "must be from 1 to 179 degrees (full angle)");
     const double tangent = std::tan(0.5 * degree * lead_in.number("angle_deg", angle));
-    const double diameter = lead_in.number("diameter_um", rule::positive());
+    const double diameter = lead_in.number("diameter_um", positive(1, 1e5));
     if (!(diameter > bore_diameter))
       lead_in.refuse("diameter_um", "must be wider than the bore (ferrule.bore_diameter_um = " +
                                         Json(bore_diameter).dump() + ")");
@@ -173,7 +187,7 @@ World read_world(JsonFields& scene) {
   }
   ferrule.finish();
 
-  world.annulus.roughness = nano * scene.number("roughness_nm", rule::not_negative());
+  world.annulus.roughness = nano * scene.number("roughness_nm", not_negative(1e5));
 
   const double modulus =
       reduced_modulus(world.fibre_young, fibre_poisson, ferrule_young, ferrule_poisson);
@@ -200,18 +214,19 @@ World read_world(JsonFields& scene) {
   if (scene.present("step_s"))
     world.longest_step = scene.number("step_s", rule::between(1e-7, 1, "must be from 1e-7 to 1"));
   if (scene.present("event_travel_nm"))
-    world.event_travel = nano * scene.number("event_travel_nm", rule::positive());
+    world.event_travel = nano * scene.number("event_travel_nm", positive(1e-6, 1e9));
   return world;
 }
 
 Tolerance read_tolerance(JsonFields f) {
   Tolerance t{};
-  t.fibre_sd = micro * f.number("fibre_diameter_sd_um", rule::not_negative());
-  const Vector2d bore = micro * f.pair("bore_diameter_um");
-  if (!(bore[0] > 0 && bore[1] >= bore[0]))
-    f.refuse("bore_diameter_um", "must be the smallest and the largest diameter, both positive");
-  t.bore_low = bore[0];
-  t.bore_high = bore[1];
+  t.fibre_sd = micro * f.number("fibre_diameter_sd_um", not_negative(1e3));
+  const Vector2d bore = f.pair("bore_diameter_um");
+  if (!(bore[0] >= 1 && bore[1] >= bore[0] && bore[1] <= 1e5))
+    f.refuse("bore_diameter_um",
+             "must be the smallest and the largest diameter, both positive, from 1 to 100000");
+  t.bore_low = micro * bore[0];
+  t.bore_high = micro * bore[1];
   f.finish();
   return t;
 }
@@ -221,11 +236,11 @@ ForceSensorModel read_sensor(JsonFields f) {
   const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
     if (f.present(key)) value = unit * f.number(key, rule);
   };
-  number("noise_uN", micro, rule::not_negative(), sensor.noise);
-  number("bias_uN", micro, rule::not_negative(), sensor.bias);
-  number("bandwidth_Hz", 1, rule::positive(), sensor.bandwidth);
-  number("resolution_uN", micro, rule::not_negative(), sensor.resolution);
-  number("moment_arm_mm", milli, rule::positive(), sensor.arm);
+  number("noise_uN", micro, not_negative(1e9), sensor.noise);
+  number("bias_uN", micro, not_negative(1e9), sensor.bias);
+  number("bandwidth_Hz", 1, positive(1e-3, 1e9), sensor.bandwidth);
+  number("resolution_uN", micro, not_negative(1e9), sensor.resolution);
+  number("moment_arm_mm", milli, positive(1e-6, 1e6), sensor.arm);
   f.finish();
   return sensor;
 }
@@ -242,9 +257,12 @@ Scene parse_scene(const Json& document, const std::string& file, Planning planni
   scene.world = read_world(fields);
 
   JsonFields start = fields.object("start");
-  scene.start.distance = micro * start.number("distance_um", rule::not_negative());
-  scene.start.lateral_mean = micro * start.pair("lateral_mean_um");
-  scene.start.lateral_sd = micro * start.number("lateral_sd_um", rule::not_negative());
+  scene.start.distance = micro * start.number("distance_um", not_negative(kFarthest));
+  const Vector2d mean = start.pair("lateral_mean_um");
+  if (!(mean.cwiseAbs().maxCoeff() <= kFarthest))
+    start.refuse("lateral_mean_um", "must be two numbers from -1e6 to 1e6");
+  scene.start.lateral_mean = micro * mean;
+  scene.start.lateral_sd = micro * start.number("lateral_sd_um", not_negative(kFarthest));
   scene.start.tilt_sd =
       milli * start.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"));
   start.finish();
@@ -253,34 +271,34 @@ Scene parse_scene(const Json& document, const std::string& file, Planning planni
   scene.sensor = read_sensor(fields.object("sensor"));
 
   JsonFields limits = fields.object("limits");
-  scene.limits.force = micro * limits.number("force_uN", rule::positive());
-  scene.limits.speed = micro * limits.number("speed_um_s", rule::positive());
+  scene.limits.force = micro * limits.number("force_uN", positive(1e-6, 1e12));
+  scene.limits.speed = micro * limits.number("speed_um_s", positive(1e-6, 1e9));
   Rule time = rule::between(0, 3600, "must be positive and at most 3600");
   time.low_open = true;
   scene.limits.time = limits.number("time_s", time);
   if (limits.present("proof_stress_GPa"))
-    scene.limits.proof_stress = giga * limits.number("proof_stress_GPa", rule::positive());
+    scene.limits.proof_stress = giga * limits.number("proof_stress_GPa", positive(1e-9, 1e6));
   limits.finish();
 
   JsonFields success = fields.object("success");
-  scene.success.depth = micro * success.number("depth_um", rule::positive());
+  scene.success.depth = micro * success.number("depth_um", positive(1e-6, 1e7));
   if (scene.success.depth > scene.world.profile.length)
     success.refuse("depth_um", "must not exceed the ferrule's length (ferrule.length_mm)");
   success.finish();
 
   JsonFields scaling = fields.object("scaling");
-  scene.scaling.hand_range = milli * scaling.number("hand_range_mm", rule::positive());
-  scene.scaling.tip_range = micro * scaling.number("tip_range_um", rule::positive());
-  scene.scaling.hand_force = scaling.number("hand_force_N", rule::positive());
-  scene.scaling.tip_force = micro * scaling.number("tip_force_uN", rule::positive());
+  scene.scaling.hand_range = milli * scaling.number("hand_range_mm", positive(1e-6, 1e6));
+  scene.scaling.tip_range = micro * scaling.number("tip_range_um", positive(1e-6, 1e6));
+  scene.scaling.hand_force = scaling.number("hand_force_N", positive(1e-9, 1e6));
+  scene.scaling.tip_force = micro * scaling.number("tip_force_uN", positive(1e-9, 1e12));
   scaling.finish();
   const ScalingRanges& r = scene.scaling;
   for (const double ratio : {r.hand_range / r.tip_range, r.hand_force / r.tip_force})
     if (!(ratio > 1e-12 && ratio < 1e12))
       fields.refuse("scaling", "the ranges of hand and tip must be within a factor of 1e12");
-  if (fields.present("planned_accuracy")) fields.number("planned_accuracy", rule::positive());
+  if (fields.present("planned_accuracy")) fields.number("planned_accuracy", positive(1e-6, 0.5));
   if (fields.present("planned_error_bound"))
-    fields.number("planned_error_bound", rule::not_negative());
+    fields.number("planned_error_bound", not_negative(1e9));
   const bool to_plan = fields.present("accuracy");
   const Rule accuracy = rule::between(1e-6, 0.5, "must be from 1e-6 to 0.5");
   const double tolerance = to_plan ? fields.number("accuracy", accuracy) : 0;

@@ -1,25 +1,12 @@
 // What changes while a fibre is inserted.
-//
-// The inserted end is a rigid rod with five degrees of freedom (roll does not matter):
-//   pose = (x, y, z, tilt_y, tilt_z)
-// with the centre of the end face at (x, y, z) [m] and the axis running from there towards the
-// holder through (x + s, y + s tilt_y, z + s tilt_z); tilts are small slopes [rad]. Frame: x out of
-// the bore, y up, z to the viewer; insertion is motion along -x; gravity is -y.
-// The wrench conjugate to it is (F_x, F_y, F_z [N], M_y, M_z [N m]), M_y the moment that raises
-// tilt_y.
 #pragma once
 
-#include <Eigen/Core>
 #include <array>
 
 #include "sim/ferrule_profile.hpp"
+#include "sim/pose.hpp"
 
 namespace ferrule {
-
-using Pose = Eigen::Matrix<double, 5, 1>;
-using Wrench = Eigen::Matrix<double, 5, 1>;
-using Eigen::Vector2d;
-using Eigen::Vector3d;
 
 // The two places where the fibre can touch: the rim of its end (on the bore wall, the lead-in cone
 // or the front face) and its side (on the rim of the bore's mouth).
@@ -30,6 +17,17 @@ struct ContactState {
   double depth = 0;                   // penetration of mean surfaces [m], where closed
   Vector3d stuck = Vector3d::Zero();  // where the contact's material point is stuck [m]
   int branch = 0;                     // of the adhesion's curve (sim/maugis.hpp)
+};
+
+// Surface and contact forces at the pose a step ended at, for the next one to start its search from
+// (sim/step.cpp). They follow from the rest of the state: without them a step takes an evaluation
+// more.
+struct KnownForces {
+  bool known = false;
+  Pose at = Pose::Zero();  // [m, rad]
+  PoseVector gradient;     // of their energy [N, N m]
+  PoseMatrix hessian;      // [N/m, N/rad, N m/rad]
+  PoseVector curvature;    // what the last move changed the gradient by beyond the Hessian
 };
 
 struct State {
@@ -44,6 +42,7 @@ struct State {
   Pose tip_before = Pose::Zero();       // [m, rad]
   Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
   double dt_before = 0;                 // [s]
+  KnownForces known;                    // no part of a row
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }

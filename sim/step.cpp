@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "sim/potential.hpp"
@@ -20,15 +19,18 @@ constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
 constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
+constexpr double kNearForce = 3e-7;       // relative to the same sum, and within so much of the
+constexpr double kNearMove = 2e-5;        // clearance: the last Newton step needs no evaluation
+constexpr double kShortMove = 0.1;        // of the clearance: as far as known forces tell
+constexpr double kStraight = 0.3;  // of the gradient, that known forces may be wrong by there
 
+// A search for the minimum: where it has got to.
 struct Minimum {
   Pose tip;
-  std::array<Potential, 2> tried;  // the one at the tip, and another
-  std::size_t best = 0;
+  Potential there;
+  PoseVector curvature = {};  // KnownForces::curvature
   int iterations = 0;
   bool converged = false;
-
-  const Potential& there() const noexcept { return tried[best]; }
 };
 
 // Residual of a gradient [N], tilts weighed by the length that makes both stiffnesses equal.
@@ -45,30 +47,41 @@ bool invert(const Matrix2d& m, Matrix2d& inverse) noexcept {
   return m(0, 0) > 0 && determinant > 0;
 }
 
-// Solves h d = -g by eliminating the tilts, then y and z; false where h is not positive definite.
-bool solve(const PoseMatrix& h, const PoseVector& g, PoseVector& d) noexcept {
-  Matrix2d over_tt, over_ee;
-  if (!invert(h.tt, over_tt)) return false;
-  const Matrix2d et_over_tt = h.et * over_tt;
-  const Vector2d xt_over_tt = over_tt * h.xt;
-  if (!invert(h.ee - et_over_tt * h.et.transpose(), over_ee)) return false;
-  const Vector2d xe = h.xe - et_over_tt * h.xt;
-  const Vector2d xe_over_ee = over_ee * xe;
-  const double xx = h.xx - xt_over_tt.dot(h.xt) - xe_over_ee.dot(xe);
-  if (!(xx > 0)) return false;
-  const Vector2d ge = g.e - et_over_tt * g.t;
-  const double x = -(g.x - xt_over_tt.dot(g.t) - xe_over_ee.dot(ge)) / xx;
-  const Vector2d e = -(over_ee * ge) - x * xe_over_ee;
-  const Vector2d t = -(over_tt * g.t) - x * xt_over_tt - et_over_tt.transpose() * e;
-  d = {x, e, t};
-  return true;
-}
+// A symmetric matrix with the tilts eliminated, then y and z: for solving h d = -g.
+class Eliminated {
+ public:
+  // False where h is not positive definite.
+  bool of(const PoseMatrix& h) noexcept {
+    if (!invert(h.tt, over_tt_)) return false;
+    et_over_tt_ = h.et * over_tt_;
+    xt_over_tt_ = over_tt_ * h.xt;
+    if (!invert(h.ee - et_over_tt_ * h.et.transpose(), over_ee_)) return false;
+    const Vector2d xe = h.xe - et_over_tt_ * h.xt;
+    xe_over_ee_ = over_ee_ * xe;
+    const double xx = h.xx - xt_over_tt_.dot(h.xt) - xe_over_ee_.dot(xe);
+    over_xx_ = 1 / xx;
+    return xx > 0;
+  }
+
+  PoseVector solve(const PoseVector& g) const noexcept {
+    const Vector2d ge = g.e - et_over_tt_ * g.t;
+    const double x = -(g.x - xt_over_tt_.dot(g.t) - xe_over_ee_.dot(ge)) * over_xx_;
+    const Vector2d e = -(over_ee_ * ge) - x * xe_over_ee_;
+    return {x, e, -(over_tt_ * g.t) - x * xt_over_tt_ - et_over_tt_.transpose() * e};
+  }
+
+ private:
+  Matrix2d over_tt_, over_ee_, et_over_tt_;
+  Vector2d xt_over_tt_, xe_over_ee_;
+  double over_xx_ = 0;
+};
 
 // The Newton direction; where the Hessian is not positive definite it is shifted by multiples of
 // the holder's stiffness until it is.
 PoseVector newton_direction(const World& world, const Potential& here) noexcept {
-  PoseVector newton;
-  if (solve(here.hessian, here.gradient, newton)) {
+  Eliminated hessian;
+  if (hessian.of(here.hessian)) {
+    const PoseVector newton = hessian.solve(here.gradient);
     const double slope = newton.dot(here.gradient);
     if (slope < 0 && std::isfinite(slope)) return newton;
   }
@@ -82,16 +95,14 @@ PoseVector newton_direction(const World& world, const Potential& here) noexcept 
   return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
 }
 
-Minimum minimise(const World& world, const Lagged& lagged, const Pose& start) noexcept {
-  Minimum found;
-  found.tip = start;
+// Newton's method with a line search, from where `found` is.
+void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept {
   const double clearance = world.annulus.clearance();
   const double radius = world.annulus.fibre_radius, lever = lagged.length + radius;
-  found.tried[0] = potential(world, lagged, start);
   for (; found.iterations < kMaxIterations; ++found.iterations) {
-    const Potential& here = found.there();
-    const double tolerance = kForceFloor + kForceTolerance * here.force_scale;
-    if (residual(world, here.gradient) <= tolerance) {
+    const Potential& here = found.there;
+    const double left = residual(world, here.gradient);
+    if (left <= kForceFloor + kForceTolerance * here.force_scale) {
       found.converged = true;
       break;
     }
@@ -110,28 +121,77 @@ Minimum minimise(const World& world, const Lagged& lagged, const Pose& start) no
     bool moved = false;
     for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
       const Pose trial = found.tip + fraction * direction;
-      Potential& there = found.tried[1 - found.best];
-      there = potential(world, lagged, trial);
+      const Potential there = potential(world, lagged, trial);
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
           1e-15 * (here.value_scale + here.force_scale * (found.tip.head<3>().norm() + radius));
       const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
-      const bool level = there.value <= here.value + rounding &&
-                         residual(world, there.gradient) < residual(world, here.gradient);
+      const bool level =
+          there.value <= here.value + rounding && residual(world, there.gradient) < left;
       if (lower || level) {
         moved = (trial.array() != found.tip.array()).any();
         found.tip = trial;
-        found.best = 1 - found.best;
+        found.there = there;
         break;
       }
     }
     if (!moved) break;
   }
-  return found;
+}
+
+// Where the forces known from the last step say that this one ends.
+struct Foretold {
+  bool told = false;
+  Pose tip;
+  Eliminated hessian;
+  PoseVector move = {};
+  double slope = 0;  // of the energy along the move, < 0
+};
+
+// How far a move takes the end or the other end of the inserted length [m].
+double way_of(const World& world, const Lagged& lagged, const PoseVector& move) noexcept {
+  return move.length() + move.t.norm() * (lagged.length + world.annulus.fibre_radius);
+}
+
+Foretold foretell(const World& world, const Lagged& lagged, const State& state) noexcept {
+  const KnownForces& known = state.known;
+  Foretold end;
+  end.tip = state.tip;
+  if (!known.known || known.at != state.tip) return end;
+  Energy here = potential_at_start(world, lagged, known);
+  here.gradient += known.curvature;
+  if (!end.hessian.of(here.hessian)) return end;
+  end.move = end.hessian.solve(here.gradient);
+  end.slope = end.move.dot(here.gradient);
+  const double way = way_of(world, lagged, end.move);
+  if (!(end.slope < 0 && way >= kResolution && way <= kShortMove * world.annulus.clearance()))
+    return end;
+  end.tip += end.move.full();
+  end.told = true;
+  return end;
+}
+
+// Goes on from where forces known before told that the step ends, and their evaluation there. False
+// if they told wrong; converged if what is left of the way is so short that the forces change along
+// it as the Hessian says.
+bool follow(const World& world, const Lagged& lagged, const Foretold& end,
+            Minimum& found) noexcept {
+  const Potential& there = found.there;
+  if (!(std::abs(end.move.dot(there.gradient)) <= -kStraight * end.slope)) return false;
+  found.iterations = 1;
+  found.curvature += there.gradient;
+  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale)) return true;
+  const PoseVector rest = end.hessian.solve(there.gradient);
+  if (!(way_of(world, lagged, rest) <= kNearMove * world.annulus.clearance())) return true;
+  found.tip += rest.full();
+  Energy& bore = found.there.bore;
+  bore.gradient += bore.hessian.times(rest);
+  found.converged = true;
+  return true;
 }
 
 // Contacts after a step: new ones stick where they are, slipping ones drag their stuck point along.
-void update_contacts(const Lagged& lagged, const Forces& now, State& state) noexcept {
+void update_contacts(const Lagged& lagged, const Contacts& now, State& state) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
     const bool was_closed = contact.closed;
@@ -181,6 +241,7 @@ void update_velocity(const Lagged& lagged, const Pose& tip, double dt, State& st
 bool flies_free(const World& world, const State& state, const Pose& hand) noexcept {
   if (world.dynamics == Dynamics::inertial) return false;
   const double reach = world.profile.lead_in_length + world.annulus.clearance();
+  if (!(std::min(state.tip[0], state.hand[0]) > reach)) return false;
   const double lever = world.annulus.fibre_radius;
   const Pose goal = hand + world.holder.sag;
   return std::min({state.tip[0], state.hand[0], goal[0]}) -
@@ -191,10 +252,11 @@ bool flies_free(const World& world, const State& state, const Pose& hand) noexce
 int substeps_for(const World& world, const State& state, const Pose& hand, double dt) noexcept {
   const int fewest = static_cast<int>(
       std::clamp<double>(std::ceil(dt / world.longest_step * (1 - 1e-9)), 1, kMaxSubsteps));
-  const Pose move = hand - state.hand;
+  PoseVector move(hand);
+  move -= PoseVector(state.hand);
   const double clearance = world.annulus.clearance();
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
-  const double travel = move.head<3>().norm() + lever * move.tail<2>().norm();
+  const double travel = move.length() + lever * move.t.norm();
   if (travel <= 0.5 * clearance) return fewest;
   // Clear of the ferrule before and after: nothing on the way.
   const double nearest = std::min({state.tip[0], state.hand[0], hand[0]}) -
@@ -205,7 +267,7 @@ int substeps_for(const World& world, const State& state, const Pose& hand, doubl
 }
 
 // Did something begin or end, or did the end move by far more than the hand?
-bool is_event(const State& before, const Forces& now, EdgeSide side, const Pose& tip,
+bool is_event(const State& before, const Contacts& now, EdgeSide side, const Pose& tip,
               double travel) noexcept {
   for (std::size_t place = 0; place < kContactPlaces; ++place)
     if (before.contact[place].closed != now.contact[place].closed ||
@@ -221,31 +283,43 @@ void advance(const World& world, const Pose& command, double dt, int depth,
              StepResult& result) noexcept {
   State& state = result.state;
   Lagged lagged = lag(world, state, command, dt);
-  Minimum found;
-  if (world.dynamics == Dynamics::inertial && dt == 0) {  // holds still
-    found.tip = state.tip;
-    found.converged = true;
-    found.tried[0] = potential(world, lagged, found.tip);
-  } else {
-    found = minimise(world, lagged, state.tip);
+  const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
+  const Foretold end =
+      holds_still ? Foretold{false, state.tip, {}} : foretell(world, lagged, state);
+  Minimum found{end.tip, potential(world, lagged, end.tip), state.known.curvature};
+  if (!end.told || !follow(world, lagged, end, found)) {
+    found.curvature = {};
+    if (end.told) {
+      found.tip = state.tip;
+      found.there = potential(world, lagged, state.tip);
+    }
   }
+  if (holds_still)
+    found.converged = true;
+  else if (!found.converged)
+    minimise(world, lagged, found);
   result.iterations += found.iterations;
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
     lagged = lag_again(world, state, lagged, found.tip);
     const int before = found.iterations;
-    found = minimise(world, lagged, found.tip);
+    found.iterations = 0;
+    found.there = potential(world, lagged, found.tip);
+    minimise(world, lagged, found);
     result.iterations += found.iterations;
     if (found.iterations == 0 && before == 0) break;
   }
-  const Forces now = forces(world, lagged, found.tip, found.there());
-  const Pose move = command - state.hand;
-  const double travel =
-      move.head<3>().norm() + move.tail<2>().norm() * (lagged.length + world.annulus.fibre_radius);
-  const bool search = !found.converged && depth < kMostHalvings && travel > 0;
-  const bool locate = depth < kMostEventHalvings && travel > world.event_travel &&
-                      is_event(state, now, lagged.contact.side, found.tip, travel);
-  if (search || locate) {
+  const Contacts now = contacts(world, lagged, found.tip, found.there);
+  const auto to_halve = [&]() noexcept {
+    const Pose move = command - state.hand;
+    const double travel = move.head<3>().norm() +
+                          move.tail<2>().norm() * (lagged.length + world.annulus.fibre_radius);
+    const bool search = !found.converged && depth < kMostHalvings && travel > 0;
+    const bool locate = depth < kMostEventHalvings && travel > world.event_travel &&
+                        is_event(state, now, lagged.contact.side, found.tip, travel);
+    return search || locate;
+  };
+  if ((!found.converged || std::isfinite(world.event_travel)) && to_halve()) {
     ++result.halvings;
     const Pose half = state.hand + 0.5 * (command - state.hand);
     advance(world, half, 0.5 * dt, depth + 1, result);
@@ -259,19 +333,21 @@ void advance(const World& world, const Pose& command, double dt, int depth,
   state.side = lagged.contact.side;
   update_contacts(lagged, now, state);
   state.bridge = now.bridge;
-  result.forces = now.breakdown;
+  const Energy& bore = found.there.bore;
+  state.known = {true, found.tip, bore.gradient, bore.hessian, found.curvature};
+  if (result.substeps > 0) result.forces = {};
+  forces(world, lagged, found.tip, found.there, result.forces);
   ++result.substeps;
 }
 
 }  // namespace
 
 StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept {
-  StepResult result;
-  result.state = state;
+  StepResult result{state, {}};
   if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
     result.status = StepStatus::bad_command;
     const Lagged lagged = lag(world, state, state.hand, 0);
-    result.forces = forces(world, lagged, state.tip, potential(world, lagged, state.tip)).breakdown;
+    forces(world, lagged, state.tip, potential(world, lagged, state.tip), result.forces);
     return result;
   }
   if (flies_free(world, state, hand)) {
@@ -280,6 +356,7 @@ StepResult step(const World& world, const State& state, const Pose& hand, double
     result.state.time = state.time + dt;
     result.state.bridge = false;
     result.state.contact = {};
+    result.state.known.known = false;
     result.forces.holder = world.holder.weight;
     result.forces.gravity = {{0, world.holder.weight[1], 0},
                              result.state.tip.head<3>() + world.holder.weight_arm};

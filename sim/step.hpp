@@ -5,6 +5,9 @@
 // fibre was, by Newton's method with a line search: the energy never rises, so no step size blows
 // up, and the fibre follows the branch it is on until that branch ends (snap-in, pull-off, slip).
 //
+// Where it ends is foretold from the forces known where the last step ended (KnownForces): a smooth
+// step takes one evaluation of the potential.
+//
 // A command that moves by more than half a clearance near the ferrule is followed in sub-steps of
 // that size, so that the fibre meets what lies on its way and does not jump over it.
 #pragma once

@@ -135,30 +135,39 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   // 2.
   const LocalLaw end(law, widest * widest);
   const double thinnest = law.clearance - widest;
+  const double at_edge = widest * (end.per_e[0] + end.per_e[1]), per_thinnest = 1 / thinnest;
+  PoseVector touching;
   const auto add_touching = [&](double from, double to) {
     if (!(to > from)) return;
     const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
-    const double steepest = half * widest * (end.per_e[0] + end.per_e[1]);
-    for (const double arm : {middle - half * kGaussTwo, middle + half * kGaussTwo}) {
-      const Radial at(eccentricity(tip, arm), 0);
-      const double over = at.eccentricity - widest, share = 1 - over / thinnest;
+    const double spread = kGaussTwo * half, steepest = half * at_edge;
+    for (const double arm : {middle - spread, middle + spread}) {
+      const Vector2d e = eccentricity(tip, arm);
+      const double radius = e.norm(), inverse = 1 / radius;
+      const double over = radius - widest, part = over * per_thinnest;
       const double value =
-          half * (end.value[0] + end.value[1]) + steepest * over * (1 - 0.5 * over / thinnest);
+          half * (end.value[0] + end.value[1]) + steepest * over * (1 - 0.5 * part);
+      const double force = steepest * (1 - part), per_e = force * inverse;
+      const double along = (per_e + steepest * per_thinnest) * inverse * inverse;
       total.value += value;
       total.value_scale += std::abs(value);
-      total.force_scale += std::abs(steepest * share);
-      total.add_across(
-          tilt, {arm, 0}, steepest * share * at.normal,
-          steepest * (share * at.curving - at.normal * at.normal.transpose() / thinnest));
-      for (std::size_t i = 0; i < 2; ++i) {
-        const Vector2d pull = half * widest * end.per_e[i] * share * at.normal;
-        by_term[terms[i]].e += pull;
-        by_term[terms[i]].t += arm * pull;
-      }
+      total.force_scale += std::abs(force);
+      const Vector2d pull = per_e * e;
+      Matrix2d curve = -along * e * e.transpose();
+      curve.diagonal().array() += per_e;
+      total.add_across(tilt, {arm, 0}, pull, curve);
+      touching.e += pull;
+      touching.t += arm * pull;
     }
   };
   add_touching(0, free.from);
   add_touching(free.to, length);
+  if (at_edge != 0)
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double share = widest * end.per_e[i] / at_edge;
+      by_term[terms[i]].e += share * touching.e;
+      by_term[terms[i]].t += share * touching.t;
+    }
   if (free.to > free.from) {
     const double part = free.to - free.from;
     const LineMean mean = line_mean(law, eccentricity(tip, free.from), eccentricity(tip, free.to));

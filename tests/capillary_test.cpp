@@ -2,7 +2,9 @@
 
 #include <numbers>
 
+#include "sim/surface_forces.hpp"
 #include "tests/compare.hpp"
+#include "tests/scenes.hpp"
 
 namespace ferrule {
 namespace {
@@ -63,6 +65,36 @@ TEST(Capillary, CorrectedFormsAndRupturesAtTwoDistances) {
   // The potential has no step at either distance.
   for (const auto& [h, bridge] : {std::pair(160e-9, false), {300e-9, true}})
     EXPECT_LT(std::abs(capillary(kBridge, kTableI, h - 1e-15, bridge).potential), 1e-13);
+}
+
+// Along a tilted fibre the force goes over into that of parallel axes, off the bore's axis exactly.
+TEST(Capillary, ForceIsContinuousInTheTilt) {
+  const World world =
+      testing::paper({"roughness_nm=5", "laws.van_der_waals=null", "laws.electrostatic=null",
+                      "laws.capillary.form=corrected", "laws.capillary.rupture_nm=2000"})
+          .world;
+  const double c = world.annulus.clearance(), length = 100e-6;
+  const auto pull = [&](double gap, double tilt) {
+    Pose tip;
+    tip << -length, gap - c, 0, tilt, 0;
+    Energy energy;
+    SurfaceGradients terms;
+    add_surface_forces(energy, terms, world, length, true, tip);
+    return -terms[kCapillary].e.x();
+  };
+  for (double gap = 1e-9; gap < 0.99 * c && gap < world.capillary->rupture; gap *= 1.3) {
+    const double parallel = length * capillary(*world.capillary, world.annulus, gap, true).force;
+    EXPECT_CLOSE(pull(gap, 0), parallel, 1e-12) << gap;
+    for (const double tilt : {1e-12, -1e-12, 1e-10, -1e-10})
+      EXPECT_CLOSE(pull(gap, tilt), parallel, 1e-12 + 2 * std::abs(tilt) * length / gap) << gap;
+  }
+  // Across the axis too, where the direction turns.
+  double before = pull(c - 5e-9, 0);
+  for (double gap = c - 5e-9; gap < c + 5e-9; gap += 1e-12) {
+    const double now = pull(gap, 1e-12);
+    EXPECT_LT(std::abs(now - before), 0.01 * std::abs(pull(c - 5e-9, 0))) << gap;
+    before = now;
+  }
 }
 
 }  // namespace

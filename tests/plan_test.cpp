@@ -5,6 +5,7 @@
 
 #include "sim/insertion.hpp"
 #include "sim/random.hpp"
+#include "sim/sampled_run.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 #if defined(__SANITIZE_ADDRESS__)
 constexpr std::uint64_t kScenes = 8;  // the same code, many times slower
 #else
-constexpr std::uint64_t kScenes = 120;
+constexpr std::uint64_t kScenes = 200;
 #endif
 
 // A scene with terms drawn from none to strong, any form, either holder.

@@ -99,7 +99,8 @@ TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 5)) {
     const Potential here = potential(world, c.lagged, c.tip);
-    const Breakdown b = forces(world, c.lagged, c.tip, here).breakdown;
+    Breakdown b;
+    forces(world, c.lagged, c.tip, here, b);
     const Wrench left = b.sum(c.tip) - b.holder + here.gradient.full();
     EXPECT_LT(left.head<3>().norm(), 1e-9 * here.force_scale);
     // Moments to first order in the tilts: arms of the radius times a tilt are left out.

@@ -1,5 +1,7 @@
 #include "sim/scene.hpp"
 
+#include "sim/insertion.hpp"
+#include "sim/step.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 
@@ -92,6 +94,57 @@ TEST(Scene, EveryKeyIsRequiredAndNamed) {
     }
   }
   EXPECT_GT(tried, 20);
+}
+
+// Drives a start of the scene in and sideways: everything that is computed on the way is finite.
+bool computes(const Scene& scene) {
+  State state = draw_start(scene, 3, 1);
+  const double c = scene.world.annulus.clearance();
+  Pose end = Pose::Zero();
+  end[0] = -std::min(scene.success.depth, 20e-6);
+  end[1] = 2 * c;
+  const Pose from = state.hand, to = end - scene.world.holder.sag;
+  for (int n = 1; n <= 12; ++n) {
+    const StepResult r = step(scene.world, state, from + n / 12.0 * (to - from), 1e-3);
+    state = r.state;
+    bool finite = to_row(state).allFinite() && r.forces.holder.allFinite();
+    for (const Vector3d& f : term_forces(r.forces)) finite = finite && f.allFinite();
+    if (!finite) return false;
+  }
+  return true;
+}
+
+TEST(Scene, EveryNumberIsRefusedInOneLineOrCanBeComputedWith) {
+  int refused = 0, computed = 0;
+  for (const auto& name : shipped_scenes()) {
+    const Json whole = load_scene(name).document;
+    const Json flat = whole.flatten();
+    for (const auto& [pointer, value] : flat.items()) {
+      if (!value.is_number()) continue;
+      const Json::json_pointer at(pointer);
+      for (const double extreme : {1e308, -1e308, 1e-300, 0.0}) {
+        Json document = whole;
+        document[at] = extreme;
+        // A table of adhesion takes milliseconds to make.
+        if (pointer.find("/laws/adhesion") != 0) document["laws"].erase("adhesion");
+        try {
+          EXPECT_TRUE(computes(parse_scene(document, name))) << name << pointer << extreme;
+          ++computed;
+        } catch (const BadInput& error) {
+          const std::string says = error.what();
+          EXPECT_EQ(says.find('\n'), std::string::npos) << says;
+          // Numbers of a list are named by their list.
+          const bool listed = whole[at.parent_pointer()].is_array();
+          const std::string key = listed ? at.parent_pointer().back() : at.back();
+          EXPECT_NE(says.find(key), std::string::npos) << says;
+          EXPECT_NE(says.find("must"), std::string::npos) << says;
+          ++refused;
+        }
+      }
+    }
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_GT(computed, 100);
 }
 
 TEST(Scene, MissingFileIsFileTrouble) {

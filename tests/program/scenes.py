@@ -78,6 +78,44 @@ class Scenes(Case):
             refused += not valid
         self.assertGreater(refused, 50)
 
+    def test_extreme_numbers_are_refused_or_computed_with(self):
+        paper = copy.deepcopy(self.paper)
+        for law in paper["laws"].values():
+            law["form"] = "corrected"
+        flat = []
+
+        def walk(node, path):
+            for key, value in node.items():
+                if isinstance(value, dict):
+                    walk(value, path + [key])
+                elif isinstance(value, (int, float)):
+                    flat.append(path + [key])
+
+        walk(paper, [])
+        computed = 0
+        for path in flat:
+            for value in (1e308, -1e308, 1e-300, 0):
+                scene = copy.deepcopy(paper)
+                place = scene
+                for key in path[:-1]:
+                    place = place[key]
+                place[path[-1]] = value
+                file = self.path("scene.json")
+                with open(file, "w") as out:
+                    json.dump(scene, out)
+                run = ferrule("forces", "--scene", file, "--gap-nm", 10, "--tilt-mrad", 0.1, "--json")
+                if run.returncode == 0:
+                    self.assertTrue(self.validator.is_valid(scene), path)
+                    self.assertNotIn("null", run.stdout.replace('"depth_nm": null', ""), (path, value))
+                    computed += 1
+                else:
+                    self.assertEqual(run.returncode, 2, run.stderr)
+                    self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+                    self.assertIn(path[-1], run.stderr)
+                    self.assertIn("must", run.stderr)
+        self.assertGreater(len(flat), 30)
+        self.assertGreater(computed, 10)
+
     def test_every_verb_takes_scene_and_set(self):
         for verb in ("forces", "record", "evaluate"):
             text = self.done(verb, "--help").stdout
