@@ -40,9 +40,10 @@ struct Entry {
       against_teacher{};  // empty for the teacher, and without feasible trials
 };
 
+// In another scene.
 struct Transfer {
   std::string scene, controller;
-  CampaignSummary summary;
+  CampaignSummary alone, supervised;
 };
 
 std::vector<TrialResult> campaign(const Arguments& a, const Scene& scene,
@@ -79,13 +80,17 @@ Contestant fitted(const Learner& learner, const DemonstrationSet& set) {
   return c;
 }
 
+CampaignSummary supervised_campaign(const Arguments& a, const Scene& scene,
+                                    const MakeController& make, const std::string& what) {
+  const SupervisorLimits limits = supervisor_limits(scene, scene_scaling(scene));
+  return summarise(campaign(a, scene, supervised(make, limits), what + ", supervised"));
+}
+
 Entry tried(const Arguments& a, const Scene& scene, const Contestant& c, const Demonstration& felt,
             const std::vector<Vector2d>& starts) {
   Entry e{c, ns_per_action(c, felt), campaign(a, scene, c.make, c.name), {}, {}, {}};
   e.alone = summarise(e.results);
-  e.supervised = summarise(
-      campaign(a, scene, supervised(c.make, supervisor_limits(scene, scene_scaling(scene))),
-               c.name + ", supervised"));
+  e.supervised = supervised_campaign(a, scene, c.make, c.name);
   e.rings = by_misalignment(e.results, starts);
   return e;
 }
@@ -258,18 +263,22 @@ int compare_verb(const Arguments& a) {
   std::vector<Transfer> transfer;
   for (const Scene& other : elsewhere) {
     if (!a.json)
-      fmt::print("\n{:<26}{}\n", fmt::format("in {}, fitted in {}", other.name, scene.name),
-                 kOutcomeColumns);
+      fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", other.name),
+                 kOutcomeColumns, kOutcomeColumns);
     const std::vector<Contestant> there = unlearned(other, set, a.skill, a.seed);
     for (std::size_t i = 0; i < contestants.size(); ++i) {
       if (interrupted()) return kInterrupted;
       const Contestant& c = i < there.size() ? there[i] : contestants[i];
-      const CampaignSummary s = summarise(campaign(a, other, c.make, other.name + ", " + c.name));
-      transfer.push_back({other.name, c.name, s});
+      const std::string what = other.name + ", " + c.name;
+      const Transfer t{other.name, c.name, summarise(campaign(a, other, c.make, what)),
+                       supervised_campaign(a, other, c.make, what)};
+      transfer.push_back(t);
       if (!a.json)
-        fmt::print("{:<26}{}{}\n", c.name, outcome_columns(s),
-                   s.feasible < s.trials ? fmt::format("  ({} infeasible)", s.trials - s.feasible)
-                                         : std::string());
+        fmt::print("{:<26}{}{}{}\n", c.name, outcome_columns(t.alone),
+                   outcome_columns(t.supervised),
+                   t.alone.feasible < t.alone.trials
+                       ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
+                       : std::string());
     }
   }
 
@@ -285,8 +294,9 @@ int compare_verb(const Arguments& a) {
     by_count.back().update(to_json(l.summary));
   }
   for (const Transfer& t : transfer) {
-    others.push_back({{"scene", t.scene}, {"controller", t.controller}});
-    others.back().update(to_json(t.summary));
+    others.push_back(
+        {{"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}});
+    others.back().update(to_json(t.alone));
   }
   print_json({{"scene", scene.name},
               {"demonstrations", set.demonstrations.size()},

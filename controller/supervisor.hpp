@@ -46,7 +46,7 @@ struct SupervisorLimits {
   double acceleration = 0;  // [m/s^2], > 0
   double stiffness = 0;     // k: the largest that is felt [N/m], > 0
   double lever = 0;         // at which a tilt counts as a motion [m], > 0
-  double margin = 0.2;      // of the force, kept free by braking [-], 0 to 1
+  double margin = 0.1;      // of the force, kept free by braking [-], 0 to 1
   double disagreement = 0;  // [m/s], > 0
   double jam_force = 0;     // [N], > 0
   double jam_window = 0.2;  // [s], > 0

@@ -223,7 +223,7 @@ TEST(Supervisor, KeepsTheForceWithinTheLimitInTheSimulator) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const Closed c = run(scene, kind, seed);
         EXPECT_LE(c.force, 1) << kind << " " << seed;
-        EXPECT_LE(c.caused, 0.8 + 1e-4) << kind << " " << seed;  // what it brakes for
+        EXPECT_LE(c.caused, 0.9 + 1e-4) << kind << " " << seed;  // what it brakes for
         EXPECT_LE(c.snapped, 0.02) << kind << " " << seed;
         EXPECT_LE(c.extremes.speed, 1 + 1e-12);
         EXPECT_LE(c.extremes.change, 1 + 1e-9);
@@ -232,8 +232,8 @@ TEST(Supervisor, KeepsTheForceWithinTheLimitInTheSimulator) {
 }
 
 // What is promised with a sensor that errs: the force it reads keeps the limit as above, so the
-// true one exceeds it by no more than is misread. The margin of a fifth is more than `bench`'s
-// sensor errs: there the true force keeps the limit.
+// true one exceeds it by no more than is misread at that moment. `bench`'s sensor, noise, drift and
+// lag together, is not that bad: there the true force itself keeps the limit.
 TEST(Supervisor, KeepsTheTrueForceWithinTheLimitBarWhatTheSensorMisreads) {
   const std::vector<std::string> quick = {"limits.time_s=5", "start.distance_um=20",
                                           "success.depth_um=20"};
@@ -249,14 +249,11 @@ TEST(Supervisor, KeepsTheTrueForceWithinTheLimitBarWhatTheSensorMisreads) {
         EXPECT_LE(c.extremes.change, 1 + 1e-9);
         EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
         EXPECT_LE(c.force, errs ? 1 + c.misread : 1) << kind << " " << seed;
-        if (!errs) {
-          EXPECT_LE(c.misread, 0.2) << kind << " " << seed;
-        }
         largest = std::max(largest, c.force);
         misread = std::max(misread, c.misread);
       }
-  EXPECT_GT(largest, 0.8);  // it was braked for
-  EXPECT_GT(misread, 0.2);  // and a sensor did err by more than the margin
+  EXPECT_GT(largest, 0.9);  // it was braked for
+  EXPECT_GT(misread, 0.1);  // and a sensor did err by more than the margin
 }
 
 // Perfectly smooth surfaces snap together and pull the fibre in with more than any limit. That is
@@ -270,7 +267,7 @@ TEST(Supervisor, AddsNothingToTheForceOfASnap) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const Closed c = run(load_scene("demo", smooth), Adversary::constant, seed);
     snaps += c.snaps;
-    EXPECT_LE(c.caused, 0.8 + 1e-4);
+    EXPECT_LE(c.caused, 0.9 + 1e-4);
     EXPECT_LE(c.extremes.change, 1 + 1e-9);
   }
   EXPECT_GT(snaps, 0u);
@@ -383,7 +380,7 @@ TEST(Supervisor, GoesBackTheWayItCameAndGivesUpAfterItsTries) {
     where += limits.period * v.head<3>();
   }
   const Supervision& done = *supervisor.supervision();
-  EXPECT_LE(largest, 0.8 * limits.force * (1 + 1e-9));
+  EXPECT_LE(largest, 0.9 * limits.force * (1 + 1e-9));
   ASSERT_TRUE(done.gave_up.has_value());
   EXPECT_EQ(*done.gave_up, Intervention::jam);
   EXPECT_EQ(done.interventions[static_cast<std::size_t>(Intervention::retreat)], 3u);
@@ -448,7 +445,7 @@ TEST(Supervisor, MakesConstantVelocityInsertMoreOften) {
   ASSERT_TRUE(kept.interventions.has_value());
   EXPECT_GE(kept.interventions->kinds[static_cast<std::size_t>(Intervention::retreat)].trials,
             kept.successes - alone.successes);
-  EXPECT_LE(kept.peak_force.p95, 0.8 * scene.limits.force * (1 + 1e-3));
+  EXPECT_LE(kept.peak_force.p95, 0.9 * scene.limits.force * (1 + 1e-3));
 }
 
 TEST(Supervisor, SummaryCountsByKindAndTrial) {

@@ -81,6 +81,9 @@ class Compare(Case):
                          [("ceres, linear", 4), ("ceres, insertion", 4)])
         self.assertEqual([(t["scene"], t["controller"]) for t in found["transfer"]],
                          [("tight", name) for name in rows])
+        for there in found["transfer"]:
+            self.assertEqual(there["trials"], TRIALS)
+            self.assertIn("interventions", there["supervised"])
         drawn = sorted(os.listdir(plots))
         self.assertEqual(len(drawn), 2 + len(rows))
         for name in drawn:
