@@ -1,7 +1,6 @@
 // ferrule bench: speed against error.
 #include <fmt/format.h>
 
-#include <filesystem>
 #include <map>
 
 #include "app/plot.hpp"
@@ -49,8 +48,7 @@ int speed_and_error(const Arguments& a) {
   const std::vector<SteppingRow> stepping = bench_stepping();
   const std::vector<ControllerRow> controllers = bench_controllers();
   if (!a.plot.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(a.plot, error);
+    make_plot_folder(a.plot);
     write_svg(a.plot + "/laws.svg",
               work_precision(
                   "Force laws: cost against error", "ns per evaluation", "largest relative error",

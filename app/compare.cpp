@@ -1,11 +1,12 @@
 // ferrule compare: every way to insert, on the same trials.
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include <filesystem>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 
 #include "app/campaign_table.hpp"
-#include "app/plot.hpp"
+#include "app/compare_plot.hpp"
 #include "app/verb.hpp"
 #include "bench/contest.hpp"
 #include "capture/episode.hpp"
@@ -23,132 +24,36 @@ struct Arguments {
   double skill = 0.8;
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
-  bool supervise = false, json = false;
+  bool json = false;
 };
 
 constexpr const char* kTeacher = "simulated operator";
 
-// Success by the distance of the start from the axis: eighths of the trials.
-struct Ring {
-  double from, to;  // [m]
-  std::size_t feasible, inserted;
-};
-
+// A contestant and its trials, alone and under the supervisor.
 struct Entry {
   Contestant contestant;
-  double ns = 0;  // per action
+  double ns;  // per action
   std::vector<TrialResult> results;
-  CampaignSummary summary{};
-  std::vector<Ring> rings{};
+  CampaignSummary alone, supervised;
+  std::vector<Ring> rings;
   std::optional<Comparison>
       against_teacher{};  // empty for the teacher, and without feasible trials
 };
 
-std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
-                                  const std::vector<Vector2d>& starts) {
-  constexpr std::size_t kRings = 8;
-  std::vector<std::size_t> order(starts.size());
-  for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return starts[a].norm() < starts[b].norm(); });
-  std::vector<Ring> rings;
-  for (std::size_t i = 0; i < kRings; ++i) {
-    const std::size_t begin = order.size() * i / kRings, end = order.size() * (i + 1) / kRings;
-    if (begin == end) continue;
-    Ring ring{starts[order[begin]].norm(), starts[order[end - 1]].norm(), 0, 0};
-    for (std::size_t k = begin; k < end; ++k) {
-      const Outcome outcome = results[order[k]].outcome;
-      ring.feasible += outcome != Outcome::infeasible;
-      ring.inserted += outcome == Outcome::inserted;
-    }
-    rings.push_back(ring);
-  }
-  return rings;
-}
-
-double share(std::size_t part, std::size_t all) {
-  return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : NAN;
-}
-
-Plot misalignment_plot(const std::vector<Entry>& entries) {
-  Axes axes{"distance of the start from the axis [um]", "inserted [%]", false, false, {}};
-  for (const Entry& e : entries) {
-    Series series{e.contestant.name, {}, {}, Series::points_on_line};
-    for (const Ring& ring : e.rings) {
-      series.x.push_back(0.5e6 * (ring.from + ring.to));
-      series.y.push_back(100 * share(ring.inserted, ring.feasible));
-    }
-    axes.series.push_back(series);
-  }
-  return {"Success against misalignment", {axes}};
-}
-
-Plot map_of(const Entry& entry, const std::vector<Vector2d>& starts) {
-  Series inserted{"inserted", {}, {}, Series::points}, failed{"not", {}, {}, Series::points};
-  for (std::size_t k = 0; k < starts.size(); ++k) {
-    if (entry.results[k].outcome == Outcome::infeasible) continue;
-    Series& series = entry.results[k].outcome == Outcome::inserted ? inserted : failed;
-    series.x.push_back(1e6 * starts[k].x());
-    series.y.push_back(1e6 * starts[k].y());
-  }
-  Axes axes{"start y [um]", "start z [um]", false, false, {inserted}};
-  if (!failed.x.empty()) axes.series.push_back(failed);
-  return {"Starts of the trials: " + entry.contestant.name, {axes}, 640, 640, true};
-}
-
-struct Learning {
-  std::string name;
-  std::size_t demonstrations;
-  CampaignSummary summary;
+// In another scene.
+struct Transfer {
+  std::string scene, controller;
+  CampaignSummary alone, supervised;
 };
 
-Plot learning_plot(const std::vector<Learning>& learning) {
-  Axes axes{"demonstrations", "inserted [%]", true, false, {}};
-  for (const Learning& l : learning) {
-    auto series = std::find_if(axes.series.begin(), axes.series.end(),
-                               [&](const Series& s) { return s.name == l.name; });
-    if (series == axes.series.end())
-      series = axes.series.insert(axes.series.end(), {l.name, {}, {}, Series::points_on_line});
-    series->x.push_back(static_cast<double>(l.demonstrations));
-    series->y.push_back(100 * l.summary.success_rate);
-  }
-  return {"Success against the number of demonstrations", {axes}};
-}
-
-std::string file_name(std::string name) {
-  std::replace(name.begin(), name.end(), ' ', '_');
-  return name;
-}
-
-std::string success_text(const CampaignSummary& s) {
-  return fmt::format("{:5.1f} ({:.1f} to {:.1f})", 100 * s.success_rate, 100 * s.wilson.low,
-                     100 * s.wilson.high);
-}
-
-void print_table(const std::vector<Entry>& entries) {
-  fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8}{:>23}{:>9}{:>10}{:>9}\n", "", "param.", "fit [s]",
-             "held out", "ns", "inserted [%], 95 %", "time [s]", "peak [uN]", "loss [dB]");
-  for (const Entry& e : entries) {
-    const Contestant& c = e.contestant;
-    fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8.0f}{:>23}{:>9.2f}{:>10.2f}{:>9.4f}\n", c.name,
-               c.parameters > 0 ? std::to_string(c.parameters) : "-",
-               c.parameters > 0 ? fmt::format("{:.2f}", c.fit_seconds) : "-",
-               c.held_out ? fmt::format("{:.4f}", 1e3 * *c.held_out) : "-", e.ns,
-               success_text(e.summary), e.summary.time.median, 1e6 * e.summary.peak_force.median,
-               e.summary.loss_dB.median);
-  }
-  if (entries.front().summary.interventions) {
-    fmt::print("\nsupervised: trials with interventions, retreats, gave up\n");
-    for (const Entry& e : entries) {
-      const InterventionSummary& i = *e.summary.interventions;
-      fmt::print("{:<26}{:>6}{:>8}{:>6}\n", e.contestant.name, i.trials,
-                 i.kinds[static_cast<std::size_t>(Intervention::retreat)].count,
-                 e.summary.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
-    }
-  }
-  fmt::print(
-      "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
-      "time and loss: medians of the inserted, peak force: median of all\n");
+std::vector<TrialResult> campaign(const Arguments& a, const Scene& scene,
+                                  const MakeController& make, const std::string& what) {
+  const auto begin = std::chrono::steady_clock::now();
+  const std::vector<TrialResult> results = run_campaign(
+      scene, scene_scaling(scene), make, a.seed, a.trials, a.threads, Progress(what, a.trials));
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, a.trials, took.count());
+  return results;
 }
 
 std::vector<Learner> chosen_learners(const Arguments& a) {
@@ -167,6 +72,122 @@ std::vector<std::string> learner_keys() {
   return keys;
 }
 
+Contestant fitted(const Learner& learner, const DemonstrationSet& set) {
+  Contestant c = learner.fit(set);
+  c.name = learner.name;
+  fmt::print(stderr, "{}: fitted to {} demonstrations in {:.1f} s\n", c.name,
+             set.demonstrations.size(), c.fit_seconds);
+  return c;
+}
+
+CampaignSummary supervised_campaign(const Arguments& a, const Scene& scene,
+                                    const MakeController& make, const std::string& what) {
+  const SupervisorLimits limits = supervisor_limits(scene, scene_scaling(scene));
+  return summarise(campaign(a, scene, supervised(make, limits), what + ", supervised"));
+}
+
+Entry tried(const Arguments& a, const Scene& scene, const Contestant& c, const Demonstration& felt,
+            const std::vector<Vector2d>& starts) {
+  Entry e{c, ns_per_action(c, felt), campaign(a, scene, c.make, c.name), {}, {}, {}};
+  e.alone = summarise(e.results);
+  e.supervised = supervised_campaign(a, scene, c.make, c.name);
+  e.rings = by_misalignment(e.results, starts);
+  return e;
+}
+
+// A number of a table; a dash where there is none.
+std::string cell(double x, int digits) {
+  return std::isfinite(x) ? fmt::format("{:.{}f}", x, digits) : "-";
+}
+
+std::string success_text(const CampaignSummary& s) {
+  return s.feasible > 0 ? fmt::format("{:5.1f} ({:.1f} to {:.1f})", 100 * s.success_rate,
+                                      100 * s.wilson.low, 100 * s.wilson.high)
+                        : "-";
+}
+
+std::string outcome_columns(const CampaignSummary& s) {
+  return fmt::format("{:>23}{:>9}{:>10}", success_text(s), cell(s.time.median, 2),
+                     cell(1e6 * s.peak_force.median, 2));
+}
+constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
+
+void print_tables(const std::vector<Entry>& entries) {
+  fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8}{}{:>10}\n", "", "param.", "fit [s]", "held out", "ns",
+             kOutcomeColumns, "loss [dB]");
+  for (const Entry& e : entries) {
+    const Contestant& c = e.contestant;
+    const bool learned = c.parameters > 0;
+    fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8.0f}{}{:>10}\n", c.name,
+               learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
+               cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
+               cell(e.alone.loss_dB.median, 4));
+  }
+  fmt::print(
+      "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
+      "time and loss: medians of the inserted, peak force: median of all\n\n"
+      "the same under the supervisor, and how often it intervened\n{:<26}{}{:>8}{:>8}{:>8}{:>9}\n",
+      "", kOutcomeColumns, "held", "jam", "retreat", "gave up");
+  for (const Entry& e : entries) {
+    if (!e.supervised.interventions) continue;
+    const auto count = [&](Intervention kind) {
+      return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
+    };
+    fmt::print("{:<26}{}{:>8}{:>8}{:>8}{:>9}\n", e.contestant.name, outcome_columns(e.supervised),
+               count(Intervention::held), count(Intervention::jam), count(Intervention::retreat),
+               e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
+  }
+  fmt::print("\n{:<26}{:>27}{:>10}{:>24}{:>24}\n", fmt::format("minus {}", kTeacher),
+             "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");
+  for (const Entry& e : entries) {
+    if (!e.against_teacher) continue;
+    const Comparison& d = *e.against_teacher;
+    const auto paired = [](const PairedMedian& p, double unit) {
+      return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
+                         cell(unit * p.interval.high, 2));
+    };
+    fmt::print("{:<26}{:>27}{:>10.2g}{:>24}{:>24}\n", e.contestant.name,
+               fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
+                           100 * d.interval.high),
+               d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
+  }
+  fmt::print("of the same trials, alone; time and peak force: medians of the differences\n");
+}
+
+Json to_json(const Entry& e) {
+  const Contestant& c = e.contestant;
+  Json row = {
+      {"controller", c.name},   {"parameters", c.parameters},
+      {"fit_s", c.fit_seconds}, {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
+      {"ns_per_action", e.ns},  {"supervised", to_json(e.supervised)}};
+  row.update(to_json(e.alone));
+  if (e.against_teacher) {
+    row["against_operator"] = Json::object();
+    add_json(*e.against_teacher, row["against_operator"]);
+  }
+  row["misalignment"] = Json::array();
+  for (const Ring& ring : e.rings)
+    row["misalignment"].push_back({{"from_um", 1e6 * ring.from},
+                                   {"to_um", 1e6 * ring.to},
+                                   {"feasible", ring.feasible},
+                                   {"inserted", ring.inserted}});
+  return row;
+}
+
+void draw(const std::string& folder, const std::vector<Entry>& entries,
+          const std::vector<Learning>& learning, const std::vector<Vector2d>& starts) {
+  std::vector<std::pair<std::string, std::vector<Ring>>> rings;
+  for (const Entry& e : entries) {
+    rings.emplace_back(e.contestant.name, e.rings);
+    std::string name = "map_";
+    for (const char c : e.contestant.name)
+      if (c != ',') name += c == ' ' ? '_' : c;
+    write_svg(folder + "/" + name + ".svg", failure_map(e.contestant.name, e.results, starts));
+  }
+  write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
+  if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
+}
+
 int compare_verb(const Arguments& a) {
   const Scene scene = a.scene.load();
   const Scaling scaling = scene_scaling(scene);
@@ -179,87 +200,39 @@ int compare_verb(const Arguments& a) {
         s.motion != scaling.motion || s.force != scaling.force)
       throw BadInput(other.name + ": scales the hand otherwise than " + scene.name +
                      "; what was learned there means nothing here");
-  if (!a.plot.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(a.plot, error);
-    if (error) throw FileTrouble(a.plot + ": cannot be made: " + error.message());
-  }
+  if (!a.plot.empty()) make_plot_folder(a.plot);
   watch_for_interrupt();
 
-  const auto campaign = [&](const Scene& where, const MakeController& make,
-                            const std::string& what) {
-    return run_campaign(where, scaling,
-                        a.supervise ? supervised(make, supervisor_limits(where, scaling)) : make,
-                        a.seed, a.trials, a.threads, Progress(what, a.trials));
-  };
   std::vector<Contestant> contestants = unlearned(scene, set, a.skill, a.seed);
-  std::vector<Learner> ways = chosen_learners(a);
-  for (auto learner = ways.begin(); learner != ways.end();) {
-    fmt::print(stderr, "fitting: {}\n", learner->name);
+  std::vector<Learner> ways;
+  for (const Learner& learner : chosen_learners(a)) {
+    if (interrupted()) return kInterrupted;
     try {
-      contestants.push_back(learner->fit(set));
+      contestants.push_back(fitted(learner, set));
+      ways.push_back(learner);
     } catch (const BadInput& error) {
-      if (!a.learners.empty())
-        throw BadInput(a.folder + ": " + learner->name + ": " + error.what());
-      fmt::print(stderr, "note: left out: {}\n", error.what());
-      learner = ways.erase(learner);
-      continue;
+      if (!a.learners.empty()) throw BadInput(a.folder + ": " + learner.name + ": " + error.what());
+      fmt::print(stderr, "note: {} is left out: {}\n", learner.name, error.what());
     }
-    contestants.back().name = learner->name;
-    ++learner;
   }
+
   std::vector<Vector2d> starts;
   for (std::size_t k = 0; k < a.trials; ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
   std::vector<Entry> entries;
   for (const Contestant& c : contestants) {
     if (interrupted()) return kInterrupted;
-    Entry e{c, ns_per_action(c, set.demonstrations.front()), campaign(scene, c.make, c.name)};
-    e.summary = summarise(e.results);
-    e.rings = by_misalignment(e.results, starts);
-    entries.push_back(std::move(e));
+    entries.push_back(tried(a, scene, c, set.demonstrations.front(), starts));
   }
   const Entry& teacher = *std::find_if(
       entries.begin(), entries.end(), [](const Entry& e) { return e.contestant.name == kTeacher; });
   for (Entry& e : entries)
-    if (&e != &teacher && e.summary.feasible > 0)
+    if (&e != &teacher && e.alone.feasible > 0)
       e.against_teacher = compare(e.results, teacher.results);
-
-  Json rows = Json::array();
-  for (const Entry& e : entries) {
-    const Contestant& c = e.contestant;
-    Json row = {{"controller", c.name},
-                {"parameters", c.parameters},
-                {"fit_s", c.fit_seconds},
-                {"held_out_mm_s", c.held_out ? Json(1e3 * *c.held_out) : Json(nullptr)},
-                {"ns_per_action", e.ns}};
-    row.update(to_json(e.summary));
-    if (e.against_teacher) {
-      row["against_operator"] = Json::object();
-      add_json(*e.against_teacher, row["against_operator"]);
-    }
-    Json misalignment = Json::array();
-    for (const Ring& ring : e.rings)
-      misalignment.push_back({{"from_um", 1e6 * ring.from},
-                              {"to_um", 1e6 * ring.to},
-                              {"feasible", ring.feasible},
-                              {"inserted", ring.inserted}});
-    row["misalignment"] = misalignment;
-    rows.push_back(row);
-  }
   if (!a.json) {
     fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
                set.demonstrations.size(), a.trials);
-    print_table(entries);
-    if (teacher.summary.feasible > 0)
-      fmt::print("\nagainst the {} on the same trials, percentage points (95 %), McNemar p\n",
-                 kTeacher);
-    for (const Entry& e : entries) {
-      if (!e.against_teacher) continue;
-      const Comparison& d = *e.against_teacher;
-      fmt::print("{:<26}{:>+7.1f} ({:+.1f} to {:+.1f})  p = {:.2g}\n", e.contestant.name,
-                 100 * d.difference, 100 * d.interval.low, 100 * d.interval.high, d.mcnemar_p);
-    }
+    print_tables(entries);
   }
 
   // Fewer demonstrations.
@@ -272,56 +245,66 @@ int compare_verb(const Arguments& a) {
     }
     for (const Learner& learner : ways) {
       if (interrupted()) return kInterrupted;
-      const Contestant c = learner.fit(first_of(set, count));
-      learning.push_back(
-          {learner.name, count,
-           summarise(campaign(scene, c.make, fmt::format("{}, {}", learner.name, count)))});
+      try {
+        const Contestant c = fitted(learner, first_of(set, count));
+        learning.push_back({c.name, count, summarise(campaign(a, scene, c.make, c.name))});
+      } catch (const BadInput& error) {
+        fmt::print(stderr, "note: {} is left out: {}\n", learner.name, error.what());
+      }
     }
   }
-  Json by_count = Json::array();
-  if (!learning.empty() && !a.json) fmt::print("\nfrom fewer demonstrations, inserted [%]\n");
-  for (const Learning& l : learning) {
-    Json row = {{"controller", l.name}, {"demonstrations", l.demonstrations}};
-    row.update(to_json(l.summary));
-    by_count.push_back(row);
-    if (!a.json) fmt::print("{:<26}{:>5}  {}\n", l.name, l.demonstrations, success_text(l.summary));
-  }
+  if (!learning.empty() && !a.json)
+    fmt::print("\n{:<26}{:>5}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
+  for (const Learning& l : learning)
+    if (!a.json)
+      fmt::print("{:<26}{:>5}{}\n", l.name, l.demonstrations, outcome_columns(l.summary));
 
   // Other scenes, without fitting again.
-  Json transfer = Json::array();
+  std::vector<Transfer> transfer;
   for (const Scene& other : elsewhere) {
-    if (!a.json) fmt::print("\nin {}, fitted in {}, inserted [%]\n", other.name, scene.name);
+    if (!a.json)
+      fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", other.name),
+                 kOutcomeColumns, kOutcomeColumns);
     const std::vector<Contestant> there = unlearned(other, set, a.skill, a.seed);
     for (std::size_t i = 0; i < contestants.size(); ++i) {
       if (interrupted()) return kInterrupted;
       const Contestant& c = i < there.size() ? there[i] : contestants[i];
-      const CampaignSummary s = summarise(campaign(other, c.make, other.name + ", " + c.name));
-      Json row = {{"scene", other.name}, {"controller", c.name}};
-      row.update(to_json(s));
-      transfer.push_back(row);
+      const std::string what = other.name + ", " + c.name;
+      const Transfer t{other.name, c.name, summarise(campaign(a, other, c.make, what)),
+                       supervised_campaign(a, other, c.make, what)};
+      transfer.push_back(t);
       if (!a.json)
-        fmt::print("{:<26}{}  {:.2f} s  {:.2f} uN{}\n", c.name, success_text(s), s.time.median,
-                   1e6 * s.peak_force.median,
-                   s.feasible < s.trials ? fmt::format("  ({} infeasible)", s.trials - s.feasible)
-                                         : std::string());
+        fmt::print("{:<26}{}{}{}\n", c.name, outcome_columns(t.alone),
+                   outcome_columns(t.supervised),
+                   t.alone.feasible < t.alone.trials
+                       ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
+                       : std::string());
     }
   }
 
   if (!a.plot.empty()) {
-    write_svg(a.plot + "/misalignment.svg", misalignment_plot(entries));
-    for (const Entry& e : entries)
-      write_svg(a.plot + "/map_" + file_name(e.contestant.name) + ".svg", map_of(e, starts));
-    if (!learning.empty()) write_svg(a.plot + "/demonstrations.svg", learning_plot(learning));
-    if (!a.json) fmt::print("\nplots are in {}\n", a.plot);
+    draw(a.plot, entries, learning, starts);
+    fmt::print(stderr, "plots are in {}\n", a.plot);
   }
-  if (a.json)
-    print_json({{"scene", scene.name},
-                {"demonstrations", set.demonstrations.size()},
-                {"trials", a.trials},
-                {"seed", a.seed},
-                {"rows", rows},
-                {"by_demonstrations", by_count},
-                {"transfer", transfer}});
+  if (!a.json) return kDone;
+  Json rows = Json::array(), by_count = Json::array(), others = Json::array();
+  for (const Entry& e : entries) rows.push_back(to_json(e));
+  for (const Learning& l : learning) {
+    by_count.push_back({{"controller", l.name}, {"demonstrations", l.demonstrations}});
+    by_count.back().update(to_json(l.summary));
+  }
+  for (const Transfer& t : transfer) {
+    others.push_back(
+        {{"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}});
+    others.back().update(to_json(t.alone));
+  }
+  print_json({{"scene", scene.name},
+              {"demonstrations", set.demonstrations.size()},
+              {"trials", a.trials},
+              {"seed", a.seed},
+              {"rows", rows},
+              {"by_demonstrations", by_count},
+              {"transfer", others}});
   return kDone;
 }
 
@@ -349,7 +332,6 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("--learners", a->learners, "Only these; all unless given")
       ->delimiter(',')
       ->check(CLI::IsMember(learner_keys()));
-  verb->add_flag("--supervise", a->supervise, "All under the supervisor");
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
       ->check(number_between(0, 1));

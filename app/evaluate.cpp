@@ -99,6 +99,13 @@ void add_json(const Comparison& c, Json& json) {
   json["difference_low"] = c.interval.low;
   json["difference_high"] = c.interval.high;
   json["mcnemar_p"] = c.mcnemar_p;
+  const auto paired = [](const PairedMedian& p, double unit) {
+    return Json{{"median", number_or_null(unit * p.median)},
+                {"low", number_or_null(unit * p.interval.low)},
+                {"high", number_or_null(unit * p.interval.high)}};
+  };
+  json["time_difference_s"] = paired(c.time, 1);
+  json["peak_force_difference_uN"] = paired(c.peak_force, 1e6);
 }
 
 std::string to_text(const std::string& who, const CampaignSummary& s) {

@@ -3,9 +3,7 @@
 
 #include "app/verb.hpp"
 #include "controller/c_header.hpp"
-#include "controller/controller_file.hpp"
 #include "controller/load_controller.hpp"
-#include "controller/policy_file.hpp"
 #include "learn/torch_policy.hpp"
 
 namespace ferrule {
@@ -20,15 +18,15 @@ int export_verb(const Arguments& a) {
   if (a.torchscript.empty() && a.header.empty())
     throw BadInput("export: give --torchscript FILE.pt, or --header FILE.h, or both");
   std::string script, header;
-  if (controller_method(a.controller) == Method::torch) {
-    const Policy policy = read_policy(a.controller).policy;
-    if (!a.torchscript.empty()) script = torchscript_bytes(policy);
-    header = c_header(policy, a.controller);
+  const std::variant<ControllerFile, PolicyFile> either = read_law_or_policy(a.controller);
+  if (const auto* network = std::get_if<PolicyFile>(&either)) {
+    if (!a.torchscript.empty()) script = torchscript_bytes(network->policy);
+    header = c_header(network->policy, a.controller);
   } else {
     if (!a.torchscript.empty())
       throw BadInput(a.controller +
                      ": is no network: --torchscript needs a controller of method torch");
-    header = c_header(read_controller(a.controller).law(), a.controller);
+    header = c_header(std::get<ControllerFile>(either).law(), a.controller);
   }
   Json written = Json::array();
   const auto write = [&](const std::string& file, const std::string& text) {

@@ -85,19 +85,24 @@ void print(const Chosen& chosen, const Identification& found) {
   const auto shown = [](double x) {
     return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
   };
-  for (const IdentifiedParameter& p : found.parameters)
+  for (std::size_t i = 0; i < found.parameters.size(); ++i) {
+    const IdentifiedParameter& p = found.parameters[i];
+    Eigen::RowVectorXd others = found.correlation.row(static_cast<Eigen::Index>(i)).cwiseAbs();
+    others[static_cast<Eigen::Index>(i)] = 0;
     fmt::print("{:<40} {:>12.6g} {:>12} {:>12} {:>12}{}\n", p.key, p.start, shown(p.value),
                shown(p.low), shown(p.high),
                p.told == Told::at_bound
                    ? fmt::format("  at its bound ({:.4g} to {:.4g}): start elsewhere with --set",
                                  p.lowest, p.highest)
-               : p.told == Told::open ? "  the recordings tell nothing about it"
-                                      : "");
+               : p.told == Told::fitted     ? ""
+               : others.maxCoeff() > kNoted ? "  another can stand for it"
+                                            : "  the recordings tell nothing about it");
+  }
   for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
     for (Eigen::Index j = 0; j < i; ++j)
       if (std::abs(found.correlation(i, j)) > kNoted)
         fmt::print(
-            "note: {} and {} can hardly be told apart (correlation {:.3f}); hold one fixed\n",
+            "note: {} and {} can hardly be told apart (correlation {:.4f}); hold one fixed\n",
             found.parameters[static_cast<std::size_t>(j)].key,
             found.parameters[static_cast<std::size_t>(i)].key, found.correlation(i, j));
   fmt::print("{} episodes, {} rows; force difference {:.4g} uN at the start, {:.4g} uN fitted\n",

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "sim/json_fields.hpp"
@@ -60,15 +61,19 @@ std::string script(const Plot& plot) {
       }
       s += "EOD\n";
       const char* colour = kColours[i % kColours.size()];
-      command +=
-          fmt::format("{}$d{}_{} using 1:2 {} lc rgb '{}' title {}", i ? ", " : "", p, i,
-                      series.style == Series::line             ? "with lines lw 2"
-                      : series.style == Series::points_on_line ? "with linespoints lw 1 pt 7 ps 0.6"
-                                                               : "with points pt 7 ps 0.35",
-                      colour, quoted(series.name));
+      const bool again = i >= kColours.size();  // the same colours, dashed or with rings
+      command += fmt::format(
+          "{}$d{}_{} using 1:2 {}{} lc rgb '{}' title {}", i ? ", " : "", p, i,
+          series.style == Series::line             ? "with lines lw 2"
+          : series.style == Series::points_on_line ? "with linespoints lw 1 ps 0.6"
+                                                   : "with points ps 0.35",
+          series.style == Series::line ? (again ? " dt 2" : "") : (again ? " pt 6" : " pt 7"),
+          colour, quoted(series.name));
     }
     s += fmt::format("{} logscale x\n{} logscale y\n", axes.log_x ? "set" : "unset",
                      axes.log_y ? "set" : "unset");
+    const auto bound = [](double y) { return std::isfinite(y) ? fmt::format("{}", y) : "*"; };
+    s += fmt::format("set yrange [{}:{}]\n", bound(axes.y_low), bound(axes.y_high));
     s += fmt::format("set xlabel {} noenhanced\nset ylabel {} noenhanced\n", quoted(axes.x_label),
                      quoted(axes.y_label));
     s += command + "\n";
@@ -103,6 +108,12 @@ std::string draw_svg(const Plot& plot) {
 
 void write_svg(const std::string& file, const Plot& plot) {
   write_text(file, draw_svg(plot));
+}
+
+void make_plot_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw FileTrouble(folder + ": cannot be made: " + error.message());
 }
 
 }  // namespace ferrule

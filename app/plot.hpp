@@ -1,6 +1,7 @@
 // Plots as SVG, drawn by gnuplot.
 #pragma once
 
+#include <cmath>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct Axes {
   std::string x_label, y_label;
   bool log_x = false, log_y = false;
   std::vector<Series> series;
+  double y_low = NAN, y_high = NAN;  // NaN: as the series need
 };
 
 struct Plot {
@@ -28,5 +30,7 @@ struct Plot {
 // Throws FileTrouble if gnuplot is not there or refuses.
 std::string draw_svg(const Plot& plot);
 void write_svg(const std::string& file, const Plot& plot);
+// Makes the folder that plots go to, unless it is there. Throws FileTrouble.
+void make_plot_folder(const std::string& folder);
 
 }  // namespace ferrule

@@ -214,7 +214,8 @@ void write_report(const std::string& file, const Report& r) {
   html +=
       "<h2>The fitted law</h2>\n<pre>" +
       escaped(
-          "v_x = -v_c (1 - exp(-t/t_r)) (1 - exp((d - d_e)/L)) / (1 + k |f|^2) + A_x f_x\n"
+          "v_x = -v_c r (1 - exp((d - d_e)/L)) / (1 + k |f|^2) + A_x f_x,  r = (s (2 - s))^2, s = "
+          "min(1, t/t_r)\n"
           "v_y = A_y f_y + b_y + c_y d\nv_z = A_z f_z + b_z + c_z d") +
       "</pre>\n<p>In the hand's world: f is the felt force relative to that at rest, d the depth "
       "of the hand past the entrance, t the time since the start.</p>\n" +

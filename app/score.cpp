@@ -1,4 +1,4 @@
-// ferrule score: how good each insertion of a session was, for trainers of operators.
+// ferrule score: how good each insertion of a folder was, for trainers of operators.
 #include "capture/score.hpp"
 
 #include <fmt/format.h>
@@ -53,7 +53,7 @@ Plot learning_curve(const std::vector<Scored>& all, const std::vector<Score>& sc
     for (const Score& s : scores) series.y.push_back(100 * s.parts[part]);
     parts.series.push_back(series);
   }
-  return {"Score over the session", {total, parts}, 860, 320};
+  return {"Score over the episodes", {total, parts}, 860, 320};
 }
 
 int score_verb(const Arguments& a) {
@@ -113,7 +113,7 @@ void add_score(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("score", "How good each recorded insertion was");
   auto a = std::make_shared<Arguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
-  verb->add_option("--plot", a->plot, "Draw score and parts over the session")
+  verb->add_option("--plot", a->plot, "Draw score and parts over the episodes")
       ->type_name("FILE.svg");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] { run = [a] { return score_verb(*a); }; });

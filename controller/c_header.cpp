@@ -73,7 +73,8 @@ static inline void ferrule_command(ferrule_state* s, const double wrench[5], dou
   const double* g = ferrule_gain;
 )";
   if (law.kind() == LawKind::insertion) {
-    body += R"(  const double ramp = 1 - exp(-time / g[1]);
+    body += R"(  const double since = time < g[1] ? time / g[1] : 1;
+  const double ramp = since * since * (2 - since) * (2 - since);
   const double approach = 1 - exp((depth - g[2]) / g[3]);
   const double slowed =
       1 + g[4] * (wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2]);

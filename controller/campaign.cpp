@@ -76,11 +76,15 @@ Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialRes
   if (a.size() != b.size())
     throw std::invalid_argument("compare: both must have the same number of trials");
   std::size_t only_a = 0, only_b = 0, feasible = 0;
+  std::vector<double> time, force;
   for (std::size_t k = 0; k < a.size(); ++k) {
-    feasible += a[k].outcome != Outcome::infeasible;
+    if (a[k].outcome == Outcome::infeasible) continue;
+    ++feasible;
     const bool in_a = a[k].outcome == Outcome::inserted, in_b = b[k].outcome == Outcome::inserted;
     only_a += in_a && !in_b;
     only_b += in_b && !in_a;
+    if (in_a && in_b) time.push_back(a[k].summary.time - b[k].summary.time);
+    force.push_back(a[k].summary.peak_force - b[k].summary.peak_force);
   }
   if (feasible == 0) throw std::invalid_argument("compare: no trial is feasible");
   const double n = static_cast<double>(feasible);
@@ -88,9 +92,14 @@ Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialRes
   // Bonett and Price 2012: Wald's interval with one discordant pair added on either side.
   const double p_a = (count_a + 1) / (n + 2), p_b = (count_b + 1) / (n + 2), d = p_a - p_b;
   const double half = 1.959963984540054 * std::sqrt((p_a + p_b - d * d) / (n + 2));
+  const auto paired = [](const std::vector<double>& differences) {
+    return PairedMedian{quantile(differences, 0.5), median_interval(differences)};
+  };
   return {(count_a - count_b) / n,
           {std::max(-1.0, d - half), std::min(1.0, d + half)},
-          mcnemar_p(only_a, only_b)};
+          mcnemar_p(only_a, only_b),
+          paired(time),
+          paired(force)};
 }
 
 }  // namespace ferrule

@@ -44,11 +44,19 @@ struct CampaignSummary {
 
 CampaignSummary summarise(const std::vector<TrialResult>& results);
 
+// Median of a - b over pairs, and its 95 % interval; NaN where there are no pairs, or too few.
+struct PairedMedian {
+  double median;
+  Interval interval;
+};
+
 // Two controllers on the same trials, the feasible ones.
 struct Comparison {
   double difference;  // success rate of a minus that of b
   Interval interval;  // 95 %, for paired trials
   double mcnemar_p;
+  PairedMedian time;        // over the trials in which both inserted [s]
+  PairedMedian peak_force;  // [N]
 };
 
 // Throws std::invalid_argument unless both have the same number of trials, some of them feasible.

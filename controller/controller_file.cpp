@@ -4,6 +4,7 @@ namespace ferrule {
 namespace {
 
 constexpr const char* kFormat = "ferrule controller";
+constexpr std::int64_t kFormatVersion = 2;  // in 1 the insertion law sped up otherwise
 
 std::vector<std::string> text_list(JsonFields& fields, const std::string& key) {
   const Json& value = fields.raw(key);
@@ -84,7 +85,7 @@ void write_controller(const std::string& file, const ControllerFile& c) {
                             {"low", number_or_null(c.gains[i].low)},
                             {"high", number_or_null(c.gains[i].high)}};
   Json json = {{"format", kFormat},
-               {"format_version", 1},
+               {"format_version", kFormatVersion},
                {"method", "ceres"},
                {"world", "hand"},
                {"law", name(c.kind)},
@@ -105,11 +106,14 @@ void write_controller(const std::string& file, const ControllerFile& c) {
 }
 
 ControllerFile read_controller(const std::string& file) {
-  const Json json = parse_json(read_text(file), file);
+  return parse_controller(parse_json(read_text(file), file), file);
+}
+
+ControllerFile parse_controller(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   ControllerFile c;
   fields.choice("format", {kFormat});
-  fields.integer("format_version", 1, 1);
+  fields.integer("format_version", kFormatVersion, kFormatVersion);
   fields.choice("method", {"ceres"});
   fields.choice("world", {"hand"});
   c.kind = kLaws[fields.choice("law", law_names())];

@@ -44,5 +44,7 @@ struct ControllerFile {
 void write_controller(const std::string& file, const ControllerFile& controller);
 // Throws FileTrouble, BadInput.
 ControllerFile read_controller(const std::string& file);
+// From the text of `file`. Throws BadInput.
+ControllerFile parse_controller(const Json& json, const std::string& file);
 
 }  // namespace ferrule

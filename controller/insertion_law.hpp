@@ -1,14 +1,16 @@
 // The parametric insertion law: an intended motion along -x and an admittance.
 //
-//   v_x = -v_c (1 - exp(-t / t_r)) (1 - exp((d - d_e) / L)) / (1 + k |f|^2) + A_x f_x
+//   v_x = -v_c r(t) (1 - exp((d - d_e) / L)) / (1 + k |f|^2) + A_x f_x,  r = (s (2 - s))^2,
+//                                                                        s = min(1, t / t_r)
 //   v_y = A_y f_y + b_y + c_y d
 //   v_z = A_z f_z + b_z + c_z d
 //
 // in the hand's world, with f the felt force relative to that at rest [N], d the depth of the hand
-// past the entrance [m] and t the time since the start [s]. It speeds up after the start, slows
-// down towards the end depth d_e and under force, and yields to force; b and c let it lean to one
-// side, more so deeper inside (operators press the fibre lightly onto the bore). With k = 0 and far
-// from both ends it is the linear admittance law.
+// past the entrance [m] and t the time since the start [s]. It speeds up after the start as a
+// minimum-jerk motion does (to its full speed at t_r), slows down towards the end depth d_e and
+// under force, and yields to force; b and c let it lean to one side, more so deeper inside
+// (operators press the fibre lightly onto the bore). With k = 0 and far from both ends it is the
+// linear admittance law.
 #pragma once
 
 #include <Eigen/Core>
@@ -41,7 +43,9 @@ template <class T>
 Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& force, double depth,
                                           double time) {
   using std::exp;
-  const T ramp = 1.0 - exp(-time / gain[1]);
+  T since = time / gain[1];
+  if (since > 1.0) since = T(1.0);
+  const T ramp = since * since * (2.0 - since) * (2.0 - since);
   const T approach = 1.0 - exp((depth - gain[2]) / gain[3]);
   const T slowed = 1.0 + gain[4] * force.squaredNorm();
   return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(),

@@ -1,19 +1,18 @@
 #include "controller/load_controller.hpp"
 
-#include "controller/controller_file.hpp"
-#include "controller/policy_file.hpp"
-
 namespace ferrule {
 
-Method controller_method(const std::string& file) {
+std::variant<ControllerFile, PolicyFile> read_law_or_policy(const std::string& file) {
   const Json json = parse_json(read_text(file), file);
-  return static_cast<Method>(JsonFields(json, file).choice("method", {"ceres", "torch"}));
+  if (JsonFields(json, file).choice("method", {"ceres", "torch"}) == 0)
+    return parse_controller(json, file);
+  return parse_policy(json, file);
 }
 
 MakeController load_controller(const std::string& file) {
-  return controller_method(file) == Method::ceres
-             ? controller_maker(read_controller(file).law())
-             : controller_maker(PolicyController(read_policy(file).policy));
+  const std::variant<ControllerFile, PolicyFile> either = read_law_or_policy(file);
+  if (const auto* law = std::get_if<ControllerFile>(&either)) return controller_maker(law->law());
+  return controller_maker(PolicyController(std::get<PolicyFile>(either).policy));
 }
 
 }  // namespace ferrule

@@ -2,15 +2,15 @@
 #pragma once
 
 #include <string>
+#include <variant>
 
-#include "controller/controller.hpp"
+#include "controller/controller_file.hpp"
+#include "controller/policy_file.hpp"
 
 namespace ferrule {
 
-enum class Method { ceres, torch };
-
-// The method that `file` names. Throws FileTrouble, BadInput.
-Method controller_method(const std::string& file);
+// The law or the policy of `file`. Throws FileTrouble, BadInput.
+std::variant<ControllerFile, PolicyFile> read_law_or_policy(const std::string& file);
 
 // What makes the controller of `file` for each trial. Throws FileTrouble, BadInput.
 MakeController load_controller(const std::string& file);

@@ -184,7 +184,10 @@ void write_policy(const std::string& file, const PolicyFile& p) {
 }
 
 PolicyFile read_policy(const std::string& file) {
-  const Json json = parse_json(read_text(file), file);
+  return parse_policy(parse_json(read_text(file), file), file);
+}
+
+PolicyFile parse_policy(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   PolicyFile p;
   Policy& policy = p.policy;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "controller/policy.hpp"
+#include "sim/json_fields.hpp"
 
 namespace ferrule {
 
@@ -52,5 +53,7 @@ struct PolicyFile {
 void write_policy(const std::string& file, const PolicyFile& policy);
 // Throws FileTrouble, BadInput.
 PolicyFile read_policy(const std::string& file);
+// From the text of `file`, with the weights beside it. Throws FileTrouble, BadInput.
+PolicyFile parse_policy(const Json& json, const std::string& file);
 
 }  // namespace ferrule

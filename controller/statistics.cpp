@@ -32,4 +32,17 @@ double quantile(std::vector<double> values, double q) {
   return values[below] + (place - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
+Interval median_interval(std::vector<double> values) {
+  constexpr double kTail = 0.025;
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  // The largest number of values outside on either side whose chance is no more than the tail.
+  const boost::math::binomial below(static_cast<double>(values.size()), 0.5);
+  std::size_t outside = 0;
+  while (outside < values.size() / 2 && cdf(below, static_cast<double>(outside)) <= kTail)
+    ++outside;
+  if (outside == 0) return {kNone, kNone};
+  std::sort(values.begin(), values.end());
+  return {values[outside - 1], values[values.size() - outside]};
+}
+
 }  // namespace ferrule

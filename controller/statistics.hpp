@@ -19,4 +19,8 @@ double mcnemar_p(std::size_t only_a, std::size_t only_b);
 // Quantile q of values (linear interpolation between order statistics, R's type 7); NaN if empty.
 double quantile(std::vector<double> values, double q);
 
+// 95 % interval of the median of what the values were drawn from, whatever its distribution:
+// between two of the values (those that the sign test would not reject). NaN for fewer than 6.
+Interval median_interval(std::vector<double> values);
+
 }  // namespace ferrule

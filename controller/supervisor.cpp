@@ -11,6 +11,9 @@ namespace {
 constexpr double kSlow = 0.1;      // of the speed: held by the force below it, no jam looked for
 constexpr double kAside = 0.1;     // of the force: a lateral force that tells where to go
 constexpr double kHugest = 1e100;  // components beyond are cut, so that their squares are finite
+constexpr double kToFullSpeed = 5e-3;  // [s]
+constexpr double kRounding = 1e-9;     // of the speed
+
 const double kGoldenAngle = std::numbers::pi * (3 - std::sqrt(5.0));  // 137.5 degrees
 
 // `v` no longer than `length`.
@@ -39,7 +42,7 @@ SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
   SupervisorLimits limits;
   limits.speed = scaling.motion * scene.limits.speed;
   limits.force = scaling.force * scene.limits.force;
-  limits.acceleration = limits.speed / 0.1;
+  limits.acceleration = limits.speed / kToFullSpeed;
   limits.stiffness = Eigen::SelfAdjointEigenSolver<Matrix5>(stiffness).eigenvalues().maxCoeff() *
                      scaling.force / scaling.motion;
   limits.lever = scaling.motion * holder.tilt_length;
@@ -212,7 +215,7 @@ HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d
   goal += cut(straining, braked) - straining;
   HandTwist v = velocity_ + cut(goal - velocity_, change);
   // On the way from one direction to another it may not brake as fast as it could: brake straight.
-  if (straining_part(v, force).norm() > braked) {
+  if (straining_part(v, force).norm() > braked + kRounding * fastest_) {
     const HandTwist now = straining_part(velocity_, force);
     v = velocity_ - cut(now, change);
   }

@@ -2,9 +2,9 @@
 // the limits, and does what a careful operator does where they lead nowhere.
 //
 // Limits, in the hand's world, for every period T and every wrapped controller:
-//   speed         |u| <= speed, u = (v, lever omega) the velocity with tilts counted at a lever
-//   [m/s] acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start force         the
-//   speed falls with what is left to the force it brakes for,
+//   speed         |u| <= speed, u = (v, lever omega): tilts count at a lever
+//   acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start
+//   force         the speed falls with what is left to the force it brakes for,
 //                 F_b = (1 - margin) force:  s^2 / (2 acceleration) + s T / 2 <= (F_b - |f|) / k,
 //                 k the largest stiffness that is felt: a hand that brakes with the acceleration
 //                 stops before F_b if the force rises by no more than k per metre.
@@ -46,7 +46,7 @@ struct SupervisorLimits {
   double acceleration = 0;  // [m/s^2], > 0
   double stiffness = 0;     // k: the largest that is felt [N/m], > 0
   double lever = 0;         // at which a tilt counts as a motion [m], > 0
-  double margin = 0.2;      // of the force, kept free by braking [-], 0 to 1
+  double margin = 0.1;      // of the force, kept free by braking [-], 0 to 1
   double disagreement = 0;  // [m/s], > 0
   double jam_force = 0;     // [N], > 0
   double jam_window = 0.2;  // [s], > 0
@@ -58,8 +58,9 @@ struct SupervisorLimits {
 };
 
 // Of a scene: its speed and force limits and its holder's stiffness; acceleration to full speed in
-// 0.1 s; a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the tip
-// a retreat of 20 um and offsets of 10 um.
+// 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any stage); a fifth of the speed as
+// disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and offsets
+// of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling);
 
 class Supervisor : public Controller {

@@ -12,35 +12,22 @@
 // * central differences with a step of 2 % (in the coordinate below), wide enough to average over
 //   jumps, in place of derivatives; rows that jump within the step are left out of the intervals;
 // * several starts: the scene's values, and the best two of 6 random points per parameter, first
-//   replayed in steps of 10 ms (fast, forces some nN off), then the best of them as recorded.
+//   replayed in steps of 10 ms (fast, forces some nN off), then the best of them as recorded, with
+//   the derivatives of the coarse replay.
 //
-// Each parameter is moved on a logarithmic scale of its distance from what the scene does not
-// allow (from zero for a work of adhesion, from the fibre's diameter for a bore's; with limits on
-// both sides, of the ratio of both distances; linearly without any) and is bounded to a factor of
-// 10 of that distance (or ratio) on either side of its start. Intervals: 95 %, learn/intervals.hpp,
-// on that scale; an end beyond a bound is NaN. A parameter is open, and has no value, where the
-// data tell nothing about it: no force changes by more than 1e-6 F_lim between its bounds, or the
-// interval reaches beyond both bounds, or another parameter can stand for it (correlation of the
-// errors above 0.99: hold one of the two fixed).
+// Each parameter is moved on the scale of learn/scene_number.hpp, to its bounds. Intervals: 95 %,
+// learn/intervals.hpp, on that scale; an end beyond a bound is NaN. A parameter is open, and has no
+// value, where the data tell nothing about it: no force changes by more than 1e-6 F_lim between its
+// bounds, or the interval reaches beyond both bounds, or another parameter can stand for it
+// (correlation of the errors above 0.99: hold one of the two fixed).
 #pragma once
 
 #include <string>
 #include <vector>
 
-#include "capture/episode.hpp"
+#include "learn/replays.hpp"
 
 namespace ferrule {
-
-// What identification needs of an episode.
-struct Recording {
-  std::string file;
-  double period;                                                     // between rows [s]
-  Eigen::Matrix<double, Eigen::Dynamic, 5, Eigen::RowMajor> hand;    // at the tip's scale [m, rad]
-  Eigen::Matrix<double, Eigen::Dynamic, 5, Eigen::RowMajor> wrench;  // at the holder [N, N m]
-};
-
-// Throws BadInput (scene not valid).
-Recording recording(const Episode& episode, const std::string& file);
 
 enum class Told { fitted, at_bound, open };
 const char* name(Told told) noexcept;  // "fitted", "at_bound", "open"

@@ -9,7 +9,8 @@
 namespace ferrule {
 namespace {
 
-constexpr double kHuber = 0.2;  // of the speed scale
+constexpr double kHuber = 0.2;      // of the speed scale
+constexpr std::size_t kStride = 5;  // of rows that tell starts apart
 
 // Unit that a gain of order one is multiplied by, and bounds of the scaled gain. Slowing and
 // yielding are not negative: a law that goes faster where it is pushed back is not passive.
@@ -48,11 +49,11 @@ struct Start {
 };
 
 std::vector<Start> starts(LawKind kind, const std::vector<Samples>& episodes,
-                          const LawScales& scales, Effort effort) {
+                          const LawScales& scales) {
   std::vector<Start> all;
   switch (kind) {
     case LawKind::insertion:
-      for (const double ramp : {0.2, 2.0})
+      for (const double ramp : {1.0, 5.0})
         for (const double length : {0.05, 0.5})
           all.push_back({{1, ramp, 1.1, length, 0.1, 0.01, 0.5, 0.5, 0, 0, 0, 0}, false});
       break;
@@ -61,7 +62,7 @@ std::vector<Start> starts(LawKind kind, const std::vector<Samples>& episodes,
       break;
     case LawKind::phased: {
       const std::vector<double> linear =
-          solve_law(LawKind::linear, episodes, scales, effort).scaled;
+          solve_law(LawKind::linear, episodes, scales, Effort::rough).scaled;
       for (const double length : {0.03, 0.3, 3.0}) {
         all.push_back({linear, true});
         all.back().scaled.push_back(length);
@@ -71,7 +72,7 @@ std::vector<Start> starts(LawKind kind, const std::vector<Samples>& episodes,
     }
     case LawKind::saturated: {
       const std::vector<double> phased =
-          solve_law(LawKind::phased, episodes, scales, effort).scaled;
+          solve_law(LawKind::phased, episodes, scales, Effort::rough).scaled;
       for (const auto& [dead_band, saturation] :
            {std::pair{0.0, 0.0}, {0.02, 0.1}, {0.02, 1.0}, {0.3, 0.1}}) {
         all.push_back({phased, true});
@@ -192,16 +193,23 @@ LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const 
                       Effort effort) {
   const std::vector<Scaled> gains = scaled_gains(kind, scales);
   LawSolution best{{}, {}, INFINITY, "no start", 0};
-  for (const Start& start : starts(kind, episodes, scales, effort)) {
-    if (start.scaled.size() != gains.size()) continue;  // the law within has no solution
-    LawSolution s = solve_from(kind, episodes, gains, scales.speed, start, true, effort);
-    if (s.cost < best.cost || best.scaled.empty()) best = std::move(s);
-  }
-  if (!std::isfinite(best.cost)) return best;
-
-  // Bounds slow the last digits down where the data hold a gain close to one; without them the
-  // solution may be reached, and is kept if it respects them.
-  if (effort == Effort::exact) {
+  if (effort == Effort::rough) {
+    for (const Start& start : starts(kind, episodes, scales)) {
+      if (start.scaled.size() != gains.size()) continue;  // the law within has no solution
+      LawSolution s = solve_from(kind, episodes, gains, scales.speed, start, true, effort);
+      if (s.cost < best.cost || best.scaled.empty()) best = std::move(s);
+    }
+    if (!std::isfinite(best.cost)) return best;
+  } else {
+    // The starts are told apart by fewer rows.
+    std::vector<Samples> fewer;
+    for (const Samples& episode : episodes) fewer.push_back(thinned(episode, kStride));
+    const LawSolution rough = solve_law(kind, fewer, scales, Effort::rough);
+    if (!std::isfinite(rough.cost)) return rough;
+    best = solve_from(kind, episodes, gains, scales.speed, {rough.scaled, true}, true, effort);
+    if (!std::isfinite(best.cost)) return best;
+    // Bounds slow the last digits down where the data hold a gain close to one; without them the
+    // solution may be reached, and is kept if it respects them.
     const LawSolution free =
         solve_from(kind, episodes, gains, scales.speed, {best.scaled, false}, false, effort);
     if (free.cost < best.cost && within_bounds(free.scaled, gains)) best = free;

@@ -2,6 +2,7 @@
 
 #include "capture/episode.hpp"
 #include "controller/insertion_law.hpp"
+#include "sim/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
@@ -42,6 +43,36 @@ TEST(Statistics, QuantilesInterpolateBetweenOrderStatistics) {
   EXPECT_TRUE(std::isnan(quantile({}, 0.5)));
 }
 
+// The ranks r of the sign test: the largest for which P(X <= r - 1) <= 0.025, X binomial (n, 1/2):
+// P(X <= 0) = 0.016 of 6, P(X <= 1) = 0.0195 of 9 and 0.011 of 10, P(X <= 5) = 0.021 of 20,
+// P(X <= 9) = 0.021 of 30.
+TEST(Statistics, IntervalsOfTheMedianLieBetweenTheRanksOfTheSignTest) {
+  for (const auto& [n, low, high] :
+       {std::tuple(6, 1, 6), {9, 2, 8}, {10, 2, 9}, {20, 6, 15}, {30, 10, 21}}) {
+    std::vector<double> values;
+    for (int k = 0; k < n; ++k) values.push_back((7 * k) % n + 1.0);  // 1 to n, not in order
+    EXPECT_EQ(median_interval(values).low, low) << n;
+    EXPECT_EQ(median_interval(values).high, high) << n;
+  }
+  EXPECT_TRUE(std::isnan(median_interval({1, 2, 3, 4, 5}).low));
+  EXPECT_TRUE(std::isnan(median_interval({}).high));
+}
+
+// At least 95 %, and not much more, of a distribution with a long tail.
+TEST(Statistics, IntervalsOfTheMedianHoldItAsOftenAsTheySay) {
+  int inside = 0;
+  constexpr int kSamples = 4000;
+  for (int s = 0; s < kSamples; ++s) {
+    RandomStream random(1, static_cast<std::uint64_t>(s), Draw::start);
+    std::vector<double> values(40);
+    for (double& v : values) v = -std::log(random.uniform());
+    const Interval i = median_interval(values);
+    inside += i.low <= std::log(2.0) && std::log(2.0) <= i.high;
+  }
+  EXPECT_GT(inside, 0.95 * kSamples);
+  EXPECT_LT(inside, 0.98 * kSamples);
+}
+
 TEST(Campaign, IsTheSameForAnyNumberOfThreads) {
   const Scene scene = quick();
   const Scaling scaling = scene_scaling(scene);
@@ -75,10 +106,17 @@ TEST(Campaign, ComparisonPairsTheTrials) {
   for (std::size_t k = 0; k < 10; ++k) {
     a[k].outcome = k < 8 ? Outcome::inserted : Outcome::jam;
     b[k].outcome = k % 2 ? Outcome::inserted : Outcome::force_limit;
+    a[k].summary.time = 10 + static_cast<double>(k % 4);
+    b[k].summary.time = a[k].summary.time + static_cast<double>(k % 4 == 1 ? 1 : 3);
+    a[k].summary.peak_force = 1e-6 * static_cast<double>(k);
   }
   const Comparison c = compare(a, b);
   EXPECT_CLOSE(c.difference, 0.3, 1e-12);
   EXPECT_CLOSE(c.mcnemar_p, mcnemar_p(4, 1), 1e-14);
+  EXPECT_CLOSE(c.time.median, -2, 1e-12);  // where both inserted: k = 1, 3, 5, 7
+  EXPECT_TRUE(std::isnan(c.time.interval.low));
+  EXPECT_CLOSE(c.peak_force.median, 4.5e-6, 1e-9);
+  EXPECT_CLOSE(c.peak_force.interval.high, 8e-6, 1e-9);
   b.pop_back();
   EXPECT_THROW(compare(a, b), std::invalid_argument);
 }

@@ -1,7 +1,7 @@
 #include "learn/fit_law.hpp"
 
-#include "sim/random.hpp"
 #include "tests/compare.hpp"
+#include "tests/demonstrations.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/temporary_folder.hpp"
@@ -9,46 +9,14 @@
 namespace ferrule {
 namespace {
 
-// Demonstrations of a known law at felt forces that are drawn, with velocity noise.
+// Demonstrations of an insertion law.
 DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes, double noise,
                            std::uint64_t seed = 1, int delay = 0) {
-  DemonstrationSet set;
-  set.scenes = {"synthetic"};
-  set.speed_scale = 6e-3;
-  for (int e = 0; e < episodes; ++e) {
-    RandomStream random(seed, static_cast<std::uint64_t>(e), Draw::operator_hand);
-    const int rows = 15000;
-    Demonstration d;
-    d.file = "episode " + std::to_string(e);
-    d.outcome = Outcome::inserted;
-    d.period = 1e-3;
-    d.speed_limit = set.speed_scale;
-    d.force.resize(rows, 3);
-    d.velocity.resize(rows, 3);
-    d.depth.resize(rows);
-    d.time.resize(rows);
-    Eigen::Vector3d phase, frequency;
-    for (int i = 0; i < 3; ++i) {
-      phase[i] = 6.28 * random.uniform();
-      frequency[i] = 0.5 + 2 * random.uniform();
-    }
-    double depth = -0.015;
-    double wander = 0;
-    for (int n = 0; n < rows; ++n) {
-      const double t = n * 1e-3;
-      for (int i = 0; i < 3; ++i) d.force(n, i) = 1.5 * std::sin(frequency[i] * t + phase[i]);
-      d.depth[n] = std::max(0.0, depth);
-      d.time[n] = t;
-      const Eigen::Vector3d felt = d.force.row(std::max(0, n - delay));
-      Eigen::Vector3d v = insertion_velocity(gains.data(), felt, d.depth[n], t);
-      depth -= v.x() * 1e-3;
-      // Noise that lasts, as a hand's does.
-      wander += -wander * 1e-3 / 0.3 + noise * std::sqrt(2e-3 / 0.3) * random.normal();
-      d.velocity.row(n) = (v + Eigen::Vector3d::Constant(wander)).transpose();
-    }
-    set.demonstrations.push_back(d);
-  }
-  return set;
+  return testing::demonstrations(
+      [&](const Eigen::Vector3d& force, double depth, double time) {
+        return insertion_velocity(gains.data(), force, depth, time);
+      },
+      6e-3, episodes, delay, noise, seed);
 }
 
 constexpr std::array<double, kGains> kLaw = {4.2e-3,  0.9,    0.017,  0.006, 0.12,  2e-4,

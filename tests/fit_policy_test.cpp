@@ -3,6 +3,7 @@
 #include "controller/campaign.hpp"
 #include "learn/relabel.hpp"
 #include "tests/compare.hpp"
+#include "tests/demonstrations.hpp"
 #include "tests/episodes.hpp"
 #include "tests/policies.hpp"
 #include "tests/scenes.hpp"
@@ -32,37 +33,9 @@ Eigen::Vector3d law(const Eigen::Vector3d& force, double depth) {
 
 // Demonstrations of it that answer `delay` ms late.
 DemonstrationSet demonstrations(int episodes, int delay, std::uint64_t seed = 1) {
-  DemonstrationSet set;
-  set.scenes = {"synthetic"};
-  set.speed_scale = 0.01;
-  for (int e = 0; e < episodes; ++e) {
-    RandomStream random(seed, static_cast<std::uint64_t>(e), Draw::operator_hand);
-    const int rows = 12000;
-    Demonstration d;
-    d.file = "episode " + std::to_string(e);
-    d.outcome = Outcome::inserted;
-    d.period = 1e-3;
-    d.speed_limit = set.speed_scale;
-    d.force.resize(rows, 3);
-    d.moment = Eigen::MatrixXd::Zero(rows, 2);
-    d.velocity.resize(rows, 3);
-    d.depth.resize(rows);
-    d.time.resize(rows);
-    Eigen::Vector3d phase, frequency;
-    for (int i = 0; i < 3; ++i) {
-      phase[i] = 6.28 * random.uniform();
-      frequency[i] = 0.5 + 3 * random.uniform();
-    }
-    for (int n = 0; n < rows; ++n) {
-      const double t = n * 1e-3;
-      for (int i = 0; i < 3; ++i) d.force(n, i) = 1.5 * std::sin(frequency[i] * t + phase[i]);
-      d.depth[n] = 0.03 * t / 12;
-      d.time[n] = t;
-      d.velocity.row(n) = law(d.force.row(std::max(0, n - delay)), d.depth[n]).transpose();
-    }
-    set.demonstrations.push_back(d);
-  }
-  return set;
+  return testing::demonstrations(
+      [](const Eigen::Vector3d& force, double depth, double) { return law(force, depth); }, 0.01,
+      episodes, delay, 0, seed);
 }
 
 PolicySettings quick() {

@@ -4,6 +4,7 @@
 #include "controller/controller_file.hpp"
 #include "controller/load_controller.hpp"
 #include "tests/compare.hpp"
+#include "tests/complaint.hpp"
 #include "tests/policies.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -60,22 +61,9 @@ TEST(PolicyFile, BrokenOnesAreRefusedWithTheirKey) {
   const std::string file = folder / "c.json";
   write_policy(file, testing::random_policy_file());
   const Json good = parse_json(read_text(file), file);
-  const auto complaint = [&](const char* pointer, const Json& value) {
-    Json bad = good;
-    bad[Json::json_pointer(pointer)] = value;
-    write_text(file, bad.dump());
-    try {
-      read_policy(file);
-    } catch (const BadInput& error) {
-      return std::string(error.what());
-    } catch (const FileTrouble& error) {
-      return "trouble: " + std::string(error.what());
-    }
-    return std::string();
-  };
   const auto says = [&](const char* pointer, const Json& value, const char* reason) {
-    EXPECT_NE(complaint(pointer, value).find(reason), std::string::npos)
-        << pointer << ": " << complaint(pointer, value);
+    const std::string said = testing::complaint(file, good, pointer, value, read_policy);
+    EXPECT_NE(said.find(reason), std::string::npos) << pointer << ": " << said;
   };
   says("/ensemble", 3, "members.2.layers.0.weight is missing");
   says("/ensemble", 1, "no such array in the controller");

@@ -144,10 +144,11 @@ struct Closed {
   double caused = 0;      // the same without what it rose by more than the motion explains
   double snapped = 0;     // the most it rose so in one period, over the limit
   std::size_t snaps = 0;  // periods in which it did
+  double misread = 0;     // the most the sensor read too little, over the limit
   Outcome outcome{};
 };
 
-// A supervised adversary in the simulator.
+// A supervised adversary in the simulator, feeling what the scene's sensor reads.
 Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   const Scaling scaling = scene_scaling(scene);
   const SupervisorLimits limits = supervisor_limits(scene, scaling);
@@ -155,8 +156,9 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   State state = draw_start(scene, seed, static_cast<std::uint64_t>(kind));
   InsertionWatch watch(scene, state);
   HandPose pose = scaling.motion_to_hand(state.hand);
+  ForceSensor sensor(scene.sensor, seed, static_cast<std::uint64_t>(kind));
   HandTwist v = HandTwist::Zero();
-  HandWrench rest;
+  HandWrench rest, read_rest;
   double before = 0, unexplained = 0;
   Closed closed;
   for (int n = 0;; ++n) {
@@ -165,7 +167,13 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
         step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0 : limits.period);
     state = result.state;
     const HandWrench wrench = scaling.wrench_to_hand(result.forces.holder);
-    if (n == 0) rest = wrench;
+    const HandWrench read =
+        scaling.wrench_to_hand(sensor.read(result.forces.holder, limits.period));
+    if (n == 0) {
+      rest = wrench;
+      read_rest = read;
+    }
+    const Eigen::Vector3d felt = (read - read_rest).head<3>();
     const Eigen::Vector3d force = (wrench - rest).head<3>();
     const HandTwist moved = levered(v, limits);
     const double rise = force.norm() - before - limits.stiffness * moved.norm() * limits.period;
@@ -175,14 +183,15 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
       unexplained += rise;
     }
     before = force.norm();
+    closed.misread = std::max(closed.misread, (before - felt.norm()) / limits.force);
     closed.force = std::max(closed.force, before / limits.force);
     closed.caused = std::max(closed.caused, (before - unexplained) / limits.force);
     if (const auto outcome = watch.after(result)) {
       closed.outcome = *outcome;
       return closed;
     }
-    v = supervisor.command({wrench - rest, hand_depth(pose), n * limits.period});
-    look(limits, force, moved, levered(v, limits), closed.extremes);
+    v = supervisor.command({read - read_rest, hand_depth(pose), n * limits.period});
+    look(limits, felt, moved, levered(v, limits), closed.extremes);
     if (supervisor.supervision()->gave_up) {
       closed.outcome = Outcome::gave_up;
       return closed;
@@ -214,12 +223,37 @@ TEST(Supervisor, KeepsTheForceWithinTheLimitInTheSimulator) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const Closed c = run(scene, kind, seed);
         EXPECT_LE(c.force, 1) << kind << " " << seed;
-        EXPECT_LE(c.caused, 0.8 + 1e-4) << kind << " " << seed;  // what it brakes for
+        EXPECT_LE(c.caused, 0.9 + 1e-4) << kind << " " << seed;  // what it brakes for
         EXPECT_LE(c.snapped, 0.02) << kind << " " << seed;
         EXPECT_LE(c.extremes.speed, 1 + 1e-12);
         EXPECT_LE(c.extremes.change, 1 + 1e-9);
         EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
       }
+}
+
+// What is promised with a sensor that errs: the force it reads keeps the limit as above, so the
+// true one exceeds it by no more than is misread at that moment. `bench`'s sensor, noise, drift and
+// lag together, is not that bad: there the true force itself keeps the limit.
+TEST(Supervisor, KeepsTheTrueForceWithinTheLimitBarWhatTheSensorMisreads) {
+  const std::vector<std::string> quick = {"limits.time_s=5", "start.distance_um=20",
+                                          "success.depth_um=20"};
+  std::vector<std::string> poor = quick;
+  for (const char* each : {"sensor.noise_uN=4", "sensor.bias_uN=8", "sensor.bandwidth_Hz=50"})
+    poor.push_back(each);
+  double largest = 0, misread = 0;
+  for (const bool errs : {false, true})
+    for (int kind = 0; kind < Adversary::kKinds; ++kind)
+      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+        const Closed c = run(load_scene("bench", errs ? poor : quick), kind, seed);
+        EXPECT_LE(c.extremes.speed, 1 + 1e-12);
+        EXPECT_LE(c.extremes.change, 1 + 1e-9);
+        EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
+        EXPECT_LE(c.force, errs ? 1 + c.misread : 1) << kind << " " << seed;
+        largest = std::max(largest, c.force);
+        misread = std::max(misread, c.misread);
+      }
+  EXPECT_GT(largest, 0.9);  // it was braked for
+  EXPECT_GT(misread, 0.1);  // and a sensor did err by more than the margin
 }
 
 // Perfectly smooth surfaces snap together and pull the fibre in with more than any limit. That is
@@ -233,7 +267,7 @@ TEST(Supervisor, AddsNothingToTheForceOfASnap) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     const Closed c = run(load_scene("demo", smooth), Adversary::constant, seed);
     snaps += c.snaps;
-    EXPECT_LE(c.caused, 0.8 + 1e-4);
+    EXPECT_LE(c.caused, 0.9 + 1e-4);
     EXPECT_LE(c.extremes.change, 1 + 1e-9);
   }
   EXPECT_GT(snaps, 0u);
@@ -275,7 +309,8 @@ TEST(Supervisor, LeavesAloneWhatKeepsTheLimits) {
 }
 
 TEST(Supervisor, StopsAsItMayAndEndsWhenWhatIsCommandedIsNotFinite) {
-  const SupervisorLimits limits = demo_limits();
+  SupervisorLimits limits = demo_limits();
+  limits.acceleration = limits.speed / 0.1;
   Supervisor supervisor(std::make_unique<Scripted>(
                             [&](double t) { return along(t < 0.5 ? -limits.speed : NAN, 0, 0); }),
                         limits);
@@ -345,7 +380,7 @@ TEST(Supervisor, GoesBackTheWayItCameAndGivesUpAfterItsTries) {
     where += limits.period * v.head<3>();
   }
   const Supervision& done = *supervisor.supervision();
-  EXPECT_LE(largest, 0.8 * limits.force * (1 + 1e-9));
+  EXPECT_LE(largest, 0.9 * limits.force * (1 + 1e-9));
   ASSERT_TRUE(done.gave_up.has_value());
   EXPECT_EQ(*done.gave_up, Intervention::jam);
   EXPECT_EQ(done.interventions[static_cast<std::size_t>(Intervention::retreat)], 3u);
@@ -410,7 +445,7 @@ TEST(Supervisor, MakesConstantVelocityInsertMoreOften) {
   ASSERT_TRUE(kept.interventions.has_value());
   EXPECT_GE(kept.interventions->kinds[static_cast<std::size_t>(Intervention::retreat)].trials,
             kept.successes - alone.successes);
-  EXPECT_LE(kept.peak_force.p95, 0.8 * scene.limits.force * (1 + 1e-3));
+  EXPECT_LE(kept.peak_force.p95, 0.9 * scene.limits.force * (1 + 1e-3));
 }
 
 TEST(Supervisor, SummaryCountsByKindAndTrial) {

@@ -1,0 +1,30 @@
+// What `ferrule compare` finds, drawn.
+#pragma once
+
+#include "app/plot.hpp"
+#include "bench/contest.hpp"
+
+namespace ferrule {
+
+// Trials whose starts are about as far from the axis: an eighth of all.
+struct Ring {
+  double from, to;  // distance of the start from the axis [m]
+  std::size_t feasible, inserted;
+};
+std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
+                                  const std::vector<Vector2d>& starts);
+
+// Success of a learner from the first `demonstrations`.
+struct Learning {
+  std::string name;
+  std::size_t demonstrations;
+  CampaignSummary summary;
+};
+
+Plot misalignment_plot(const std::vector<std::pair<std::string, std::vector<Ring>>>& controllers);
+Plot learning_plot(const std::vector<Learning>& learning);
+// The starts [m] of the trials of one controller, by whether it inserted.
+Plot failure_map(const std::string& controller, const std::vector<TrialResult>& results,
+                 const std::vector<Vector2d>& starts);
+
+}  // namespace ferrule

@@ -1,0 +1,78 @@
+#include "learn/replays.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace ferrule {
+namespace {
+
+constexpr double kEvery = 0.01;  // between rows compared [s]
+
+Eigen::Index stride(const Recording& r) {
+  return std::max<Eigen::Index>(1, std::lround(kEvery / r.period));
+}
+
+}  // namespace
+
+Recording recording(const Episode& episode, const std::string& file) {
+  const Scaling scaling = scene_scaling(parse_scene(parse_json(episode.info.scene, file), file));
+  Recording r{file, episode.info.period, episode.rows.middleCols<kPose>(kHandPose.begin),
+              episode.rows.middleCols<kPose>(kHolder.begin)};
+  for (Eigen::Index n = 0; n < r.hand.rows(); ++n)
+    r.hand.row(n) = scaling.motion_to_tip(r.hand.row(n).transpose()).transpose();
+  return r;
+}
+
+Replays::Replays(const std::vector<Recording>& recordings, const Scene& scene,
+                 const std::vector<SceneNumber>& numbers)
+    : recordings_(recordings), scene_(scene), numbers_(numbers) {
+  const double force = scene.limits.force, moment = force * scene.world.holder.tilt_length;
+  unit_ << force, force, force, moment, moment;
+  for (const Recording& r : recordings_) {
+    first_.push_back(rows_);
+    rows_ += (r.hand.rows() - 1) / stride(r) + 1;
+  }
+}
+
+std::pair<Eigen::Index, Eigen::Index> Replays::rows_of(std::size_t recording) const {
+  const Eigen::Index end = recording + 1 < first_.size() ? first_[recording + 1] : rows_;
+  return {first_[recording], end - first_[recording]};
+}
+
+bool Replays::residuals(const Eigen::MatrixXd& points, Steps steps, Eigen::MatrixXd& result) const {
+  std::vector<World> worlds;
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    Json document = scene_.document;
+    for (std::size_t i = 0; i < numbers_.size(); ++i)
+      document[numbers_[i].at()] = numbers_[i].value(points(static_cast<Eigen::Index>(i), p));
+    try {
+      worlds.push_back(parse_scene(document, scene_.name).world);
+    } catch (const BadInput&) {
+      return false;
+    }
+  }
+  result.resize(5 * rows_, points.cols());
+  tbb::parallel_for(std::size_t{0}, worlds.size() * recordings_.size(), [&](std::size_t job) {
+    const std::size_t p = job / recordings_.size(), r = job % recordings_.size();
+    const auto column = static_cast<Eigen::Index>(p);
+    replay(worlds[p], recordings_[r], steps, result.col(column).data() + 5 * first_[r]);
+  });
+  return true;
+}
+
+void Replays::replay(const World& world, const Recording& r, Steps steps, double* residual) const {
+  const Eigen::Index every = stride(r), by = steps == coarse ? every : 1;
+  State state = at_rest(world, r.hand.row(0).transpose() + world.holder.sag);
+  for (Eigen::Index n = 0; n < r.hand.rows(); n += by) {
+    const StepResult now = step(world, state, r.hand.row(n).transpose(),
+                                n == 0 ? 0.0 : static_cast<double>(by) * r.period);
+    state = now.state;
+    if (n % every != 0) continue;
+    Eigen::Map<Wrench> error(residual + 5 * (n / every));
+    error = (now.forces.holder - r.wrench.row(n).transpose()).cwiseQuotient(unit_);
+  }
+}
+
+}  // namespace ferrule

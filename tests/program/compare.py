@@ -1,0 +1,148 @@
+import json
+import math
+import os
+import xml.dom.minidom
+
+from case import Case, main
+
+# Short: 30 um instead of 270.
+SCENE = ["--set", "start.distance_um=20", "--set", "success.depth_um=10",
+         "--set", "start.lateral_sd_um=8"]
+TRIALS = 12
+
+
+def wilson(successes, trials):
+    z = 1.959963984540054
+    p = successes / trials
+    centre = (p + z * z / (2 * trials)) / (1 + z * z / trials)
+    half = z / (1 + z * z / trials) * math.sqrt(p * (1 - p) / trials + z * z / (4 * trials ** 2))
+    return max(0, centre - half), min(1, centre + half)
+
+
+class Compare(Case):
+    def setUp(self):
+        super().setUp()
+        self.out = self.path("out")
+        self.done("record", "--scene", "bench", *SCENE, "--episodes", 5, "--out", self.out)
+
+    def compared(self, *more):
+        return self.done("compare", self.out, *SCENE, "--trials", TRIALS, "--learners",
+                         "linear,insertion", *more)
+
+    def test_all_on_the_same_trials(self):
+        plots = self.path("plots")
+        run = self.compared("--json", "--demonstrations", "4,9", "--transfer", "tight", "--plot",
+                            plots)
+        self.assertIn("9 demonstrations asked for, 5 are there", run.stderr)
+        found = json.loads(run.stdout)
+        rows = {row["controller"]: row for row in found["rows"]}
+        self.assertEqual(list(rows), ["constant velocity", "tuned by hand",
+                                      "best demonstration again", "simulated operator",
+                                      "ceres, linear", "ceres, insertion"])
+        operator = rows["simulated operator"]
+        for name, row in rows.items():
+            for part in (row, row["supervised"]):
+                self.assertEqual(sum(part["outcomes"].values()), TRIALS)
+                self.assertEqual(part["feasible"], TRIALS)
+                self.assertEqual(part["outcomes"].get("inserted", 0), part["successes"])
+                low, high = wilson(part["successes"], TRIALS)
+                self.assertAlmostEqual(part["wilson_low"], low, delta=1e-12)
+                self.assertAlmostEqual(part["wilson_high"], high, delta=1e-12)
+            self.assertNotIn("interventions", row)
+            self.assertIn("retreat", row["supervised"]["interventions"])
+            self.assertEqual(sum(ring["feasible"] for ring in row["misalignment"]), TRIALS)
+            self.assertEqual(sum(ring["inserted"] for ring in row["misalignment"]),
+                             row["successes"])
+            self.assertGreater(row["ns_per_action"], 0)
+            fitted = name.startswith("ceres")
+            self.assertEqual(row["held_out_mm_s"] is not None, fitted)
+            self.assertEqual(row["parameters"],
+                             {"ceres, linear": 6, "ceres, insertion": 12}.get(name, 0))
+            if row is operator:
+                self.assertNotIn("against_operator", row)
+                continue
+            against = row["against_operator"]
+            self.assertAlmostEqual(against["difference"],
+                                   row["success_rate"] - operator["success_rate"], delta=1e-12)
+            self.assertLessEqual(against["difference_low"], against["difference"])
+            self.assertLessEqual(against["difference"], against["difference_high"])
+            force = against["peak_force_difference_uN"]
+            self.assertLessEqual(force["low"], force["median"])
+            self.assertLessEqual(force["median"], force["high"])
+
+        # The trials are those of evaluate.
+        alone = json.loads(self.done("evaluate", "--baseline", "constant-velocity", "--scene",
+                                     "bench", *SCENE, "--trials", TRIALS, "--json").stdout)
+        for key in ("successes", "outcomes", "time_s", "peak_force_uN", "loss_dB"):
+            self.assertEqual(alone[key], rows["constant velocity"][key])
+
+        self.assertEqual([(l["controller"], l["demonstrations"])
+                          for l in found["by_demonstrations"]],
+                         [("ceres, linear", 4), ("ceres, insertion", 4)])
+        self.assertEqual([(t["scene"], t["controller"]) for t in found["transfer"]],
+                         [("tight", name) for name in rows])
+        for there in found["transfer"]:
+            self.assertEqual(there["trials"], TRIALS)
+            self.assertIn("interventions", there["supervised"])
+        drawn = sorted(os.listdir(plots))
+        self.assertEqual(len(drawn), 2 + len(rows))
+        for name in drawn:
+            xml.dom.minidom.parse(os.path.join(plots, name))
+
+    def test_the_result_does_not_depend_on_threads(self):
+        def timeless(text):  # without what is measured by a clock
+            found = json.loads(text)
+            for row in found["rows"]:
+                del row["fit_s"], row["ns_per_action"]
+            return found
+        one, two = (timeless(self.compared("--json", "--threads", n).stdout) for n in (1, 2))
+        self.assertEqual(one, two)
+        table = self.compared().stdout
+        for part in ("under the supervisor", "McNemar", "minus simulated operator"):
+            self.assertIn(part, table)
+
+    def test_refusals(self):
+        self.refused(2, "compare", self.out, "--learners", "cubic", says=["cubic"])
+        self.refused(2, "compare", self.out, "--transfer", "paper",
+                     says=["paper", "scales the hand otherwise"])
+        self.refused(3, "compare", self.path("none"), says=["none"])
+        for n in (1, 2, 3):
+            os.remove(f"{self.out}/episode_000{n}.h5")
+        self.refused(2, "compare", self.out, "--learners", "linear",
+                     says=["linear", "too few demonstrations: 2"])
+
+    # Parts as they come: pairs that interfere are counted, and no failure of anybody.
+    def test_infeasible_pairs_are_no_failures(self):
+        narrow = ["--set", "tolerance.bore_diameter_um=[124.8,125.6]"]
+        found = json.loads(self.done("evaluate", "--baseline", "constant-velocity", "--scene",
+                                     "tolerance", *SCENE, *narrow, "--trials", 40, "--json").stdout)
+        infeasible = found["outcomes"]["infeasible"]
+        self.assertGreater(infeasible, 3)
+        self.assertLess(infeasible, 30)
+        self.assertEqual(found["feasible"], 40 - infeasible)
+        self.assertAlmostEqual(found["success_rate"], found["successes"] / found["feasible"],
+                               delta=1e-12)
+        self.assertAlmostEqual(found["wilson_low"],
+                               wilson(found["successes"], found["feasible"])[0], delta=1e-12)
+        none = ["--set", "tolerance.bore_diameter_um=[124,124.2]"]
+        found = json.loads(self.done("evaluate", "--baseline", "constant-velocity", "--scene",
+                                     "tolerance", *none, "--trials", 5, "--json").stdout)
+        self.assertEqual((found["feasible"], found["success_rate"]), (0, None))
+
+    def test_sensors_and_tolerances_that_cannot_be(self):
+        for setting, says in (("sensor.noise_uN=-1", "sensor.noise_uN = -1: must not be negative"),
+                              ("sensor.bias_uN=\"no\"", "sensor.bias_uN"),
+                              ("sensor.bandwidth_Hz=0", "sensor.bandwidth_Hz = 0: must be positive"),
+                              ("sensor.resolution_uN=-0.1", "sensor.resolution_uN"),
+                              ("sensor.moment_arm_mm=0", "sensor.moment_arm_mm"),
+                              ("sensor.noise_N=1", "unknown key"),
+                              ("tolerance={\"fibre_diameter_sd_um\":-1,\"bore_diameter_um\":[125,126]}",
+                               "tolerance.fibre_diameter_sd_um"),
+                              ("tolerance={\"fibre_diameter_sd_um\":0.1,\"bore_diameter_um\":[126,125]}",
+                               "tolerance.bore_diameter_um")):
+            self.refused(2, "evaluate", "--baseline", "constant-velocity", "--scene", "bench",
+                         "--set", setting, says=[says])
+
+
+if __name__ == "__main__":
+    main()
