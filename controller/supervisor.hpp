@@ -21,9 +21,8 @@
 // What leads nowhere:
 //   held          the force held it below a tenth of the speed for `patience`
 //   jam           over `jam_window` the force against motion along -x grew, is above `jam_force`,
-//   and
-//                 the tip advanced by less than half of what was commanded: the advance is that of
-//                 the encoder where it tells (inside the bore), less what the holder was compressed
+//                 and the tip advanced by less than half of what was commanded: the advance is that
+//                 of the encoder where it tells (in the bore), less what the holder was compressed
 //   disagreement  the controller's models disagreed by more than `disagreement` for `patience`;
 //                 while they do, it goes slower by their ratio
 // Then it goes back along the way it came by `retreat`, and tries again: after `held` and `jam`
