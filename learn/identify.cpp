@@ -76,8 +76,8 @@ class Coordinate {
   }
 
  private:
-  // Where values from the start on in direction `sign` cease to be allowed; infinite if not within a
-  // factor of a thousand, and 0 if not that near to it: farther than a parameter is moved.
+  // Where values from the start on in direction `sign` cease to be allowed; infinite if not within
+  // a factor of a thousand, and 0 if not that near to it: farther than a parameter is moved.
   double edge(const std::function<bool(double)>& allowed, double sign) const {
     const double size = std::max(std::abs(start_), 1e-3);
     if (sign * start_ < 0 && allowed(1e-3 * start_) && !allowed(-1e-3 * start_)) return 0;
