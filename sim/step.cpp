@@ -19,6 +19,7 @@ constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
 constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
+constexpr int kPatience = 5;              // iterations after which being near is enough
 constexpr double kNearForce = 3e-7;       // relative to the same sum, and within so much of the
 constexpr double kNearMove = 2e-5;        // clearance: the last Newton step needs no evaluation
 constexpr double kShortMove = 0.1;        // of the clearance: as far as known forces tell
@@ -131,7 +132,7 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
       found.converged = true;
       break;
     }
-    if (take_the_rest(world, lagged, newton, found)) break;
+    if (found.iterations >= kPatience && take_the_rest(world, lagged, newton, found)) break;
     // Far from everything the potential is a quadratic and any length is right; among surface
     // forces a step longer than the clearance tells nothing.
     const double reach = std::max(newton.e.norm(), turn);
