@@ -19,6 +19,7 @@ constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
 constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
+constexpr int kPatience = 5;              // iterations after which being near is enough
 constexpr double kNearForce = 3e-7;       // relative to the same sum, and within so much of the
 constexpr double kNearMove = 2e-5;        // clearance: the last Newton step needs no evaluation
 constexpr double kShortMove = 0.1;        // of the clearance: as far as known forces tell
@@ -95,6 +96,25 @@ PoseVector newton_direction(const World& world, const Potential& here) noexcept 
   return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
 }
 
+// How far a move takes the end or the other end of the inserted length [m].
+double way_of(const World& world, const Lagged& lagged, const PoseVector& move) noexcept {
+  return move.length() + move.t.norm() * (lagged.length + world.annulus.fibre_radius);
+}
+
+// Takes what is left of the way, where it is so short that the forces change along it as the
+// Hessian says; false where it is not.
+bool take_the_rest(const World& world, const Lagged& lagged, const PoseVector& rest,
+                   Minimum& found) noexcept {
+  Potential& there = found.there;
+  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale &&
+        way_of(world, lagged, rest) <= kNearMove * world.annulus.clearance()))
+    return false;
+  found.tip += rest.full();
+  there.bore.gradient += there.bore.hessian.times(rest);
+  found.converged = true;
+  return true;
+}
+
 // Newton's method with a line search, from where `found` is.
 void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept {
   const double clearance = world.annulus.clearance();
@@ -112,6 +132,7 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
       found.converged = true;
       break;
     }
+    if (found.iterations >= kPatience && take_the_rest(world, lagged, newton, found)) break;
     // Far from everything the potential is a quadratic and any length is right; among surface
     // forces a step longer than the clearance tells nothing.
     const double reach = std::max(newton.e.norm(), turn);
@@ -148,11 +169,6 @@ struct Foretold {
   double slope = 0;  // of the energy along the move, < 0
 };
 
-// How far a move takes the end or the other end of the inserted length [m].
-double way_of(const World& world, const Lagged& lagged, const PoseVector& move) noexcept {
-  return move.length() + move.t.norm() * (lagged.length + world.annulus.fibre_radius);
-}
-
 Foretold foretell(const World& world, const Lagged& lagged, const State& state) noexcept {
   const KnownForces& known = state.known;
   Foretold end;
@@ -172,21 +188,15 @@ Foretold foretell(const World& world, const Lagged& lagged, const State& state) 
 }
 
 // Goes on from where forces known before told that the step ends, and their evaluation there. False
-// if they told wrong; converged if what is left of the way is so short that the forces change along
-// it as the Hessian says.
+// if they told wrong.
 bool follow(const World& world, const Lagged& lagged, const Foretold& end,
             Minimum& found) noexcept {
   const Potential& there = found.there;
   if (!(std::abs(end.move.dot(there.gradient)) <= -kStraight * end.slope)) return false;
   found.iterations = 1;
   found.curvature += there.gradient;
-  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale)) return true;
-  const PoseVector rest = end.hessian.solve(there.gradient);
-  if (!(way_of(world, lagged, rest) <= kNearMove * world.annulus.clearance())) return true;
-  found.tip += rest.full();
-  Energy& bore = found.there.bore;
-  bore.gradient += bore.hessian.times(rest);
-  found.converged = true;
+  if (residual(world, there.gradient) <= kNearForce * there.force_scale)
+    take_the_rest(world, lagged, end.hessian.solve(there.gradient), found);
   return true;
 }
 
