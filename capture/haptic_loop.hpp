@@ -43,7 +43,7 @@ struct TimedEpisode {
 // episode ends as `interrupted`; and so it does where the loop stood still for kStandstill, after
 // which the time of the rows would not be that of the hand. Throws what the device throws.
 inline constexpr std::size_t kRing = 8192;
-inline constexpr double kStandstill = 0.1;  // [s]
+inline constexpr double kStandstill = 0.5;  // [s]; a device's own dead man's switch is faster
 TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                          double period, ForceFeedback* feedback,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
