@@ -131,7 +131,7 @@ int demo_verb(const Arguments& a) {
   for (std::size_t i = 0; i < report.recorded.size(); ++i) {
     const auto& [skill, recorded] = report.recorded[i];
     const double y = draw_start(scene, a.seed, i + 1).tip[1];
-    if (recorded.outcome != Outcome::inserted || skill < kSkills[1] || y > lowest) continue;
+    if (recorded.end.outcome != Outcome::inserted || skill < kSkills[1] || y > lowest) continue;
     lowest = y;
     report.shown = recorded.file;
   }

@@ -56,11 +56,11 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
 
 Json episode_json(const Recorded& r) {
   Json json = {{"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
-               {"outcome", name(r.outcome)},
-               {"time_s", r.summary.time},
-               {"peak_force_uN", 1e6 * r.summary.peak_force},
-               {"depth_um", 1e6 * r.summary.depth}};
-  if (!r.why.empty()) json["why"] = r.why;
+               {"outcome", name(r.end.outcome)},
+               {"time_s", r.end.summary.time},
+               {"peak_force_uN", 1e6 * r.end.summary.peak_force},
+               {"depth_um", 1e6 * r.end.summary.depth}};
+  if (!r.end.why.empty()) json["why"] = r.end.why;
   if (r.rating) json["rating"] = r.rating;
   if (r.timing) json["loop"] = loop_json(*r.timing, r.period);
   return json;
@@ -70,8 +70,9 @@ constexpr double kMuchMissed = 0.01;  // of the deadlines
 
 void tell(const Recorded& r) {
   fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
-             r.file.empty() ? "discarded" : r.file, name(r.outcome), r.summary.time,
-             1e6 * r.summary.peak_force, 1e6 * r.summary.depth, r.why.empty() ? "" : "  ", r.why);
+             r.file.empty() ? "discarded" : r.file, name(r.end.outcome), r.end.summary.time,
+             1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
+             r.end.why.empty() ? "" : "  ", r.end.why);
   if (!r.timing) return;
   const PeriodStatistics& p = r.timing->periods;
   fmt::print(
@@ -156,8 +157,8 @@ int record_verb(const Arguments& a) {
                           1.1 * scaling.motion * scene.success.depth);
       r = record_one(scene, start, hand, place);
     }
-    lost = r->lost;
-    inserted += !r->file.empty() && r->outcome == Outcome::inserted;
+    lost = r->end.lost;
+    inserted += !r->file.empty() && r->end.outcome == Outcome::inserted;
     if (r->timing && list.empty()) tell_refused(*r->timing);
     list.push_back(episode_json(*r));
     if (!a.json) tell(*r);

@@ -52,7 +52,7 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
       [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
       interrupted);
   recorder.info().why = end.why;
-  return {recorder.finish(end.outcome), end.outcome, end.summary, end.why, info.period, {}};
+  return {recorder.finish(end.outcome), end, info.period};
 }
 
 HandDevice open_device(const std::string& wanted) {
@@ -114,7 +114,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
   hand.reset();  // disables the motors before anything is asked
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
     fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");
-  Recorded recorded{{}, end.outcome, end.summary, end.why, info.period, timing, 0, end.lost};
+  Recorded recorded{{}, end, info.period, timing};
   recorder.flush();
   if (keys.there() && !discard && !interrupted()) {
     fmt::print(stderr,

@@ -12,13 +12,11 @@ namespace ferrule {
 
 struct Recorded {
   std::string file;  // empty: the operator discarded it, or it has no row
-  Outcome outcome;
-  InsertionSummary summary;
-  std::string why;                   // as EpisodeEnd
-  double period = 1e-3;              // of the loop [s]
-  std::optional<LoopTiming> timing;  // of a device
+  EpisodeEnd end;
+  double period = 1e-3;                // of the loop [s]
+  std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;
-  bool lost = false, discarded = false;
+  bool discarded = false;
 };
 
 // The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose pair of parts fits.

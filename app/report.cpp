@@ -142,9 +142,9 @@ std::string recorded_table(const Report& r) {
     std::vector<double> time, force;
     for (; i < r.recorded.size() && r.recorded[i].skill == skill; ++i, ++episodes) {
       const Recorded& one = r.recorded[i].recorded;
-      inserted += one.outcome == Outcome::inserted;
-      time.push_back(one.summary.time);
-      force.push_back(1e6 * one.summary.peak_force);
+      inserted += one.end.outcome == Outcome::inserted;
+      time.push_back(one.end.summary.time);
+      force.push_back(1e6 * one.end.summary.peak_force);
     }
     html += fmt::format(
         "<tr><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td><td class=n>{:.1f}</td>"

@@ -3,8 +3,11 @@
 #include "sim/held_stiffness.hpp"
 
 namespace ferrule {
+namespace {
 
 constexpr const char* kNotFinite = "the hand's pose is not a finite number";
+
+}  // namespace
 
 EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                        double period, const std::function<void(const RowVector&)>& record,

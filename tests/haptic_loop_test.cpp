@@ -22,12 +22,12 @@ Scene quick() {
 class PushingHand : public Device {
  public:
   enum class Event { none, not_a_number, jump, silence, loss, trouble, standstill };
-  Event event = Event::none;
-  int at = -1, periods = 1 << 30;
+  int periods = 1 << 30;
   std::atomic<int> reads = 0;
   std::vector<double> felt;  // |F| of each render [N]
 
-  explicit PushingHand(const Scene& scene) : scaling_(scene_scaling(scene)) {
+  explicit PushingHand(const Scene& scene, Event event = Event::none, int at = 0)
+      : scaling_(scene_scaling(scene)), event_(event), at_(at) {
     start_ = scaling_.motion_to_hand(draw_start(scene, 1, 1).hand);
     per_read_ = 0.5 * scaling_.motion * scene.limits.speed * T;
   }
@@ -37,20 +37,22 @@ class PushingHand : public Device {
     sample.pose = start_;
     sample.pose[0] -= n * per_read_;
     sample.finished = n >= periods;
-    if (n < at || event == Event::none) return sample;
-    if (event == Event::trouble) throw DeviceTrouble("the device burns");
-    if (event == Event::not_a_number) sample.pose[2] = NAN;
-    if (event == Event::jump) sample.pose[1] += 0.01;
-    if (event == Event::silence) sample.age = (n - at + 1) * T;
-    if (event == Event::standstill && n == at)
+    if (n < at_) return sample;
+    if (event_ == Event::trouble) throw DeviceTrouble("the device burns");
+    if (event_ == Event::not_a_number) sample.pose[2] = NAN;
+    if (event_ == Event::jump) sample.pose[1] += 0.01;
+    if (event_ == Event::silence) sample.age = (n - at_ + 1) * T;
+    if (event_ == Event::standstill && n == at_)
       std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * kStandstill));
-    if (event == Event::loss) sample.lost = sample.finished = true;
+    if (event_ == Event::loss) sample.lost = sample.finished = true;
     return sample;
   }
   void render(const HandWrench& wrench) override { felt.push_back(wrench.head<3>().norm()); }
 
  private:
   Scaling scaling_;
+  Event event_;
+  int at_;
   HandPose start_;
   double per_read_;
 };
@@ -105,9 +107,7 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
                                    {Event::silence, "too old"},
                                    {Event::loss, "lost"},
                                    {Event::standstill, "stood still"}}) {
-    PushingHand hand(scene);
-    hand.event = event;
-    hand.at = kAt;
+    PushingHand hand(scene, event, kAt);
     Kept kept;
     ForceFeedback feedback = force_feedback(scene, draw_start(scene, 1, 1), pen(), {}, 0);
     const TimedEpisode episode = run(scene, hand, std::ref(kept), go_on, &feedback);
@@ -124,9 +124,7 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
 // Without force there is no guard, and a pose that is not finite is no row.
 TEST(HapticLoop, ADeviceWithoutForceThatIsNotFiniteKeepsItsRows) {
   const Scene scene = quick();
-  PushingHand hand(scene);
-  hand.event = PushingHand::Event::not_a_number;
-  hand.at = 100;
+  PushingHand hand(scene, PushingHand::Event::not_a_number, 100);
   Kept kept;
   const TimedEpisode episode = run(scene, hand, std::ref(kept));
   EXPECT_EQ(episode.end.outcome, Outcome::invalid_output);
@@ -137,9 +135,7 @@ TEST(HapticLoop, ADeviceWithoutForceThatIsNotFiniteKeepsItsRows) {
 
 TEST(HapticLoop, TroubleOfTheDeviceComesThrough) {
   const Scene scene = quick();
-  PushingHand hand(scene);
-  hand.event = PushingHand::Event::trouble;
-  hand.at = 100;
+  PushingHand hand(scene, PushingHand::Event::trouble, 100);
   Kept kept;
   EXPECT_THROW(run(scene, hand, std::ref(kept)), DeviceTrouble);
   EXPECT_EQ(kept.rows.size(), 99u);  // a row is whole with the read after it

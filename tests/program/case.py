@@ -4,12 +4,15 @@ usage: GROUP.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
 """
 
 import glob
+import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
 import unittest
+
+import jsonschema
 
 PROGRAM, SOURCE, BUILD = map(os.path.abspath, sys.argv[1:4])
 QUICK = ["--set", "start.distance_um=10", "--set", "success.depth_um=8",
@@ -41,6 +44,12 @@ class Case(unittest.TestCase):
         self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
         for text in says:
             self.assertIn(text, run.stderr)
+
+    def schema_validator(self, name):
+        with open(SOURCE + "/data/" + name) as file:
+            schema = json.load(file)
+        jsonschema.Draft202012Validator.check_schema(schema)
+        return jsonschema.Draft202012Validator(schema)
 
     def record(self, out, *more, episodes=3):
         self.done("record", "--scene", "paper", *QUICK, "--episodes", episodes, "--out", out, *more)

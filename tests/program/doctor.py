@@ -1,7 +1,6 @@
 import glob
 import json
 
-import jsonschema
 
 from case import SOURCE, Case, ferrule, main
 
@@ -9,9 +8,7 @@ from case import SOURCE, Case, ferrule, main
 class Doctor(Case):
     def setUp(self):
         super().setUp()
-        self.schema = json.load(open(SOURCE + "/data/devices/device.schema.json"))
-        jsonschema.Draft202012Validator.check_schema(self.schema)
-        self.validator = jsonschema.Draft202012Validator(self.schema)
+        self.validator = self.schema_validator("devices/device.schema.json")
         self.pen = json.load(open(SOURCE + "/data/devices/pen.json"))
 
     def doctor(self, code, *arguments):

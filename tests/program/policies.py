@@ -9,10 +9,9 @@ import subprocess
 import tempfile
 
 import h5py
-import jsonschema
 import numpy
 
-from case import SOURCE, Case, ferrule, main
+from case import Case, ferrule, main
 
 
 class Policies(Case):
@@ -116,9 +115,7 @@ class Policies(Case):
         self.assertLess(result["baseline"]["mcnemar_p"], 1e-2)
 
     def test_files_are_of_the_schema_and_say_what_they_were_trained_on(self):
-        schema = json.load(open(SOURCE + "/data/controller.schema.json"))
-        jsonschema.Draft202012Validator.check_schema(schema)
-        validator = jsonschema.Draft202012Validator(schema)
+        validator = self.schema_validator("controller.schema.json")
         validator.validate(json.load(open(self.law)))
         self.needs_torch()
         controller, _ = self.read(self.file)
@@ -132,8 +129,7 @@ class Policies(Case):
 
     def test_schema_and_program_agree_on_broken_controllers(self):
         self.needs_torch()
-        validator = jsonschema.Draft202012Validator(
-            json.load(open(SOURCE + "/data/controller.schema.json")))
+        validator = self.schema_validator("controller.schema.json")
         good, paths, draw = json.load(open(self.file)), [], random.Random(2)
 
         def walk(node, path):

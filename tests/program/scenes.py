@@ -3,7 +3,6 @@ import glob
 import json
 import random
 
-import jsonschema
 
 from case import SOURCE, Case, ferrule, main
 
@@ -22,9 +21,7 @@ class Scenes(Case):
 
     def setUp(self):
         super().setUp()
-        self.schema = json.load(open(SOURCE + "/data/scenes/scene.schema.json"))
-        jsonschema.Draft202012Validator.check_schema(self.schema)
-        self.validator = jsonschema.Draft202012Validator(self.schema)
+        self.validator = self.schema_validator("scenes/scene.schema.json")
         self.paper = json.load(open(SOURCE + "/data/scenes/paper.json"))
 
     def program_takes(self, scene):
