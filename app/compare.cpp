@@ -188,25 +188,26 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
   if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
 }
 
-int compare_verb(const Arguments& a) {
-  const Scene scene = a.scene.load();
+// Scenes that scale the hand otherwise are refused: what was learned means nothing there.
+std::vector<Scene> other_scenes(const Arguments& a, const Scene& scene) {
   const Scaling scaling = scene_scaling(scene);
-  const DemonstrationSet set = load_demonstrations(a.folder);
-  if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
-  std::vector<Scene> elsewhere;
-  for (const std::string& name : a.transfer) elsewhere.push_back(load_scene(name));
-  for (const Scene& other : elsewhere)
-    if (const Scaling s = scene_scaling(other);
+  std::vector<Scene> others;
+  for (const std::string& name : a.transfer) {
+    others.push_back(load_scene(name));
+    if (const Scaling s = scene_scaling(others.back());
         s.motion != scaling.motion || s.force != scaling.force)
-      throw BadInput(other.name + ": scales the hand otherwise than " + scene.name +
+      throw BadInput(others.back().name + ": scales the hand otherwise than " + scene.name +
                      "; what was learned there means nothing here");
-  if (!a.plot.empty()) make_plot_folder(a.plot);
-  watch_for_interrupt();
+  }
+  return others;
+}
 
-  std::vector<Contestant> contestants = unlearned(scene, set, a.skill, a.seed);
+// Appends what each learner made of the demonstrations; returns those that could.
+std::vector<Learner> add_learned(const Arguments& a, const DemonstrationSet& set,
+                                 std::vector<Contestant>& contestants) {
   std::vector<Learner> ways;
   for (const Learner& learner : chosen_learners(a)) {
-    if (interrupted()) return kInterrupted;
+    if (interrupted()) break;
     try {
       contestants.push_back(fitted(learner, set));
       ways.push_back(learner);
@@ -215,27 +216,27 @@ int compare_verb(const Arguments& a) {
       fmt::print(stderr, "note: {} is left out: {}\n", learner.name, error.what());
     }
   }
+  return ways;
+}
 
-  std::vector<Vector2d> starts;
-  for (std::size_t k = 0; k < a.trials; ++k)
-    starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
+std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
+                              const std::vector<Contestant>& contestants, const Demonstration& felt,
+                              const std::vector<Vector2d>& starts) {
   std::vector<Entry> entries;
   for (const Contestant& c : contestants) {
-    if (interrupted()) return kInterrupted;
-    entries.push_back(tried(a, scene, c, set.demonstrations.front(), starts));
+    if (interrupted()) return entries;
+    entries.push_back(tried(a, scene, c, felt, starts));
   }
   const Entry& teacher = *std::find_if(
       entries.begin(), entries.end(), [](const Entry& e) { return e.contestant.name == kTeacher; });
   for (Entry& e : entries)
     if (&e != &teacher && e.alone.feasible > 0)
       e.against_teacher = compare(e.results, teacher.results);
-  if (!a.json) {
-    fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
-               set.demonstrations.size(), a.trials);
-    print_tables(entries);
-  }
+  return entries;
+}
 
-  // Fewer demonstrations.
+std::vector<Learning> from_fewer(const Arguments& a, const Scene& scene,
+                                 const DemonstrationSet& set, const std::vector<Learner>& ways) {
   std::vector<Learning> learning;
   for (const std::size_t count : a.demonstrations) {
     if (count > set.demonstrations.size()) {
@@ -244,7 +245,7 @@ int compare_verb(const Arguments& a) {
       continue;
     }
     for (const Learner& learner : ways) {
-      if (interrupted()) return kInterrupted;
+      if (interrupted()) return learning;
       try {
         const Contestant c = fitted(learner, first_of(set, count));
         learning.push_back({c.name, count, summarise(campaign(a, scene, c.make, c.name))});
@@ -253,58 +254,110 @@ int compare_verb(const Arguments& a) {
       }
     }
   }
-  if (!learning.empty() && !a.json)
-    fmt::print("\n{:<26}{:>5}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
-  for (const Learning& l : learning)
-    if (!a.json)
-      fmt::print("{:<26}{:>5}{}\n", l.name, l.demonstrations, outcome_columns(l.summary));
+  return learning;
+}
 
-  // Other scenes, without fitting again.
+void print_learning(const std::vector<Learning>& learning) {
+  if (learning.empty()) return;
+  fmt::print("\n{:<26}{:>5}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
+  for (const Learning& l : learning)
+    fmt::print("{:<26}{:>5}{}\n", l.name, l.demonstrations, outcome_columns(l.summary));
+}
+
+// What depends on the scene, as the operator does, is made for the other one.
+std::vector<Transfer> tried_there(const Arguments& a, const Scene& other,
+                                  const DemonstrationSet& set,
+                                  const std::vector<Contestant>& contestants) {
   std::vector<Transfer> transfer;
-  for (const Scene& other : elsewhere) {
-    if (!a.json)
-      fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", other.name),
-                 kOutcomeColumns, kOutcomeColumns);
-    const std::vector<Contestant> there = unlearned(other, set, a.skill, a.seed);
-    for (std::size_t i = 0; i < contestants.size(); ++i) {
-      if (interrupted()) return kInterrupted;
-      const Contestant& c = i < there.size() ? there[i] : contestants[i];
-      const std::string what = other.name + ", " + c.name;
-      const Transfer t{other.name, c.name, summarise(campaign(a, other, c.make, what)),
-                       supervised_campaign(a, other, c.make, what)};
-      transfer.push_back(t);
-      if (!a.json)
-        fmt::print("{:<26}{}{}{}\n", c.name, outcome_columns(t.alone),
-                   outcome_columns(t.supervised),
-                   t.alone.feasible < t.alone.trials
-                       ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
-                       : std::string());
-    }
+  const std::vector<Contestant> there = unlearned(other, set, a.skill, a.seed);
+  for (std::size_t i = 0; i < contestants.size() && !interrupted(); ++i) {
+    const Contestant& c = i < there.size() ? there[i] : contestants[i];
+    const std::string what = other.name + ", " + c.name;
+    transfer.push_back({other.name, c.name, summarise(campaign(a, other, c.make, what)),
+                        supervised_campaign(a, other, c.make, what)});
   }
+  return transfer;
+}
+
+// Of one scene.
+void print_transfer(const std::vector<Transfer>& transfer) {
+  fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", transfer.front().scene),
+             kOutcomeColumns, kOutcomeColumns);
+  for (const Transfer& t : transfer)
+    fmt::print("{:<26}{}{}{}\n", t.controller, outcome_columns(t.alone),
+               outcome_columns(t.supervised),
+               t.alone.feasible < t.alone.trials
+                   ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
+                   : std::string());
+}
+
+Json to_json(const Learning& l) {
+  Json row = {{"controller", l.name}, {"demonstrations", l.demonstrations}};
+  row.update(to_json(l.summary));
+  return row;
+}
+
+Json to_json(const Transfer& t) {
+  Json row = {
+      {"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}};
+  row.update(to_json(t.alone));
+  return row;
+}
+
+template <class Row>
+Json json_rows(const std::vector<Row>& rows) {
+  Json all = Json::array();
+  for (const Row& row : rows) all.push_back(to_json(row));
+  return all;
+}
+
+int compare_verb(const Arguments& a) {
+  const Scene scene = a.scene.load();
+  const DemonstrationSet set = load_demonstrations(a.folder);
+  if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
+  const std::vector<Scene> others = other_scenes(a, scene);
+  if (!a.plot.empty()) make_plot_folder(a.plot);
+  watch_for_interrupt();
+
+  std::vector<Contestant> contestants = unlearned(scene, set, a.skill, a.seed);
+  const std::vector<Learner> ways = add_learned(a, set, contestants);
+  std::vector<Vector2d> starts;
+  for (std::size_t k = 0; k < a.trials; ++k)
+    starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
+  if (interrupted()) return kInterrupted;
+  const std::vector<Entry> entries =
+      tried_here(a, scene, contestants, set.demonstrations.front(), starts);
+  if (interrupted()) return kInterrupted;
+  if (!a.json) {
+    fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
+               set.demonstrations.size(), a.trials);
+    print_tables(entries);
+  }
+
+  const std::vector<Learning> learning = from_fewer(a, scene, set, ways);
+  if (!a.json) print_learning(learning);
+
+  std::vector<Transfer> transfer;
+  for (const Scene& other : others) {
+    const std::vector<Transfer> there = tried_there(a, other, set, contestants);
+    if (interrupted()) return kInterrupted;
+    if (!a.json) print_transfer(there);
+    transfer.insert(transfer.end(), there.begin(), there.end());
+  }
+  if (interrupted()) return kInterrupted;
 
   if (!a.plot.empty()) {
     draw(a.plot, entries, learning, starts);
     fmt::print(stderr, "plots are in {}\n", a.plot);
   }
-  if (!a.json) return kDone;
-  Json rows = Json::array(), by_count = Json::array(), others = Json::array();
-  for (const Entry& e : entries) rows.push_back(to_json(e));
-  for (const Learning& l : learning) {
-    by_count.push_back({{"controller", l.name}, {"demonstrations", l.demonstrations}});
-    by_count.back().update(to_json(l.summary));
-  }
-  for (const Transfer& t : transfer) {
-    others.push_back(
-        {{"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}});
-    others.back().update(to_json(t.alone));
-  }
-  print_json({{"scene", scene.name},
-              {"demonstrations", set.demonstrations.size()},
-              {"trials", a.trials},
-              {"seed", a.seed},
-              {"rows", rows},
-              {"by_demonstrations", by_count},
-              {"transfer", others}});
+  if (a.json)
+    print_json({{"scene", scene.name},
+                {"demonstrations", set.demonstrations.size()},
+                {"trials", a.trials},
+                {"seed", a.seed},
+                {"rows", json_rows(entries)},
+                {"by_demonstrations", json_rows(learning)},
+                {"transfer", json_rows(transfer)}});
   return kDone;
 }
 

@@ -46,23 +46,232 @@ bool has_term(const World& w, int term) {
   return there[static_cast<std::size_t>(term)];
 }
 
+// The full model along its probes: what every reduced one is measured against.
+struct Reference {
+  const Scene& scene;
+  std::vector<Probe> probes;
+  std::vector<SampledRun> runs;       // of each probe
+  std::vector<State> inside;          // some of their states with the end in the bore
+  std::array<double, kTerms> most{};  // the largest force of each term [N]
+  std::array<State, kTerms> where;    // and where it was
+  double compliance;                  // of the holder [m/N]
+  double clearance;                   // [m]
+  double force_scale = INFINITY;      // what force errors are relative to [N]
+  bool sticks = false;                // or snaps
+
+  explicit Reference(const Scene& full);
+  // What a missing force [N] can change: the felt force, and where the end is [-].
+  double changes(double force) const {
+    return force * std::max(1 / force_scale, compliance / clearance);
+  }
+  // The largest error of a reduced model in any probe, or the first beyond `enough`.
+  double error(const World& reduced, double enough) const;
+};
+
+Reference::Reference(const Scene& full)
+    : scene(full),
+      compliance(full.world.holder.compliance()),
+      clearance(full.world.annulus.clearance()) {
+  const World& world = full.world;
+  for (std::uint64_t k = 0; k < probes_of(full); ++k) {
+    probes.push_back(make_probe(full, k));
+    const Probe& p = probes.back();
+    std::size_t sample = 0;
+    runs.push_back(sample_run(world, p.start, p.hand, full.limits.force,
+                              [&](const State& s, const Breakdown& b) {
+                                const auto forces = term_forces(b);
+                                for (std::size_t i = 0; i < kTerms; ++i)
+                                  if (forces[i].norm() > most[i]) {
+                                    most[i] = forces[i].norm();
+                                    where[i] = s;
+                                  }
+                                if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0)
+                                  inside.push_back(s);
+                              }));
+    force_scale = std::min(force_scale, largest_force(runs.back()));
+    sticks = sticks || snaps(runs.back(), p.hand, clearance);
+  }
+  sticks = sticks || most[kFrictionTerm] > 0 || world.drag;  // drag slows a snap down and hides it
+  force_scale = std::max(force_scale, clearance / compliance);
+}
+
+double Reference::error(const World& reduced, double enough) const {
+  double worst = 0;
+  for (std::size_t k = 0; k < probes.size() && worst <= enough; ++k) {
+    const Probe& p = probes[k];
+    const SampledRun r = sample_run(reduced, p.start, p.hand, INFINITY);
+    worst = std::max(worst, run_error(r, runs[k], p.hand, scene.world));
+  }
+  return worst;
+}
+
+// Terms that may be left out together, and what that changes at most.
+struct LeftOut {
+  std::vector<int> terms;
+  double change = 0;
+};
+
+LeftOut smallest_terms(const Reference& reference, double enough) {
+  const auto most = [&](int i) { return reference.most[static_cast<std::size_t>(i)]; };
+  std::vector<int> order;
+  for (int i = 0; i < kTerms; ++i)  // one that was not seen may act elsewhere
+    if (has_term(reference.scene.world, i) && i != kWallTerm && most(i) > 0) order.push_back(i);
+  std::sort(order.begin(), order.end(),
+            [&](int a, int b) { return std::pair(most(a), a) < std::pair(most(b), b); });
+  LeftOut out;
+  for (const int i : order) {
+    const double more = reference.changes(most(i));
+    if (out.change + more > enough) break;
+    out.change += more;
+    out.terms.push_back(i);
+  }
+  return out;
+}
+
+struct Fidelity {
+  bool closed_form;
+  int nodes;
+};
+// The cheapest first; the last is the full model's.
+constexpr std::array<Fidelity, 7> kFidelities = {
+    {{false, 1}, {true, 1}, {true, 2}, {true, 3}, {true, 5}, {true, 8}, {true, kFullNodes}}};
+
+// A model to choose.
+struct Reduced {
+  std::vector<int> without;
+  Fidelity fidelity;
+  Dynamics dynamics;
+  double step;  // longest [s]
+};
+
+Scene reduced_scene(const Scene& full, const Reduced& r) {
+  return changed(full, [&](Json& d) {
+    for (const int i : r.without) d["laws"][kTermNames[static_cast<std::size_t>(i)]] = nullptr;
+    d["quadrature"] = r.fidelity.nodes;
+    if (!r.fidelity.closed_form) d["tilted_axes"] = "quadrature";
+    d["dynamics"] = r.dynamics == Dynamics::inertial ? "inertial" : "quasi_static";
+    if (r.dynamics == Dynamics::quasi_static) d.erase("integrator");
+    d["step_s"] = r.step;
+  });
+}
+
+// The chosen model, with what it leaves out, coarsens and steps over.
+struct Choice {
+  Reduced model;
+  LeftOut left_out;
+  std::array<double, kSurfaceTerms> coarser{};  // largest errors of the fidelity [N]
+  double error;                                 // measured; infinite if nothing was good enough
+};
+
+// The cheapest fidelity of surface forces that is good enough, and its errors.
+Fidelity choose_fidelity(const Reference& reference, const std::vector<int>& without, double enough,
+                         std::array<double, kSurfaceTerms>& coarser) {
+  const auto world = [&](Fidelity f) {
+    return reduced_scene(reference.scene,
+                         {without, f, reference.scene.world.dynamics, kSamplePeriod})
+        .world;
+  };
+  const World finest = world(kFidelities.back());
+  for (const Fidelity& f : kFidelities) {
+    coarser = fidelity_error(world(f), finest, reference.inside);
+    if (reference.changes(coarser[0] + coarser[1] + coarser[2]) <= enough) return f;
+  }
+  return kFidelities.back();
+}
+
+// What may be spent, of the tolerance, and which steps there are to choose from.
+struct Room {
+  double tolerance;                  // for all but inertia that is left out unmeasured
+  bool try_quasi_static;             // in place of the full model's inertia
+  const std::vector<double>& steps;  // [s], the last is the full model's
+};
+
+// What is left out where that is good enough, else with every term; then the longest step.
+Choice choose(const Reference& reference, const Room& room) {
+  const World& world = reference.scene.world;
+  const double enough = kMeasured * room.tolerance;
+  const auto share = [&](double part) {
+    return (reference.sticks ? kShareWhereItSticks : part) * room.tolerance;
+  };
+  const Choice full{{{}, kFidelities.back(), world.dynamics, room.steps.back()}, {}, {}, INFINITY};
+
+  // How wrong the full model's own step is, the next longer one tells. Where that is too much, no
+  // step of the list is fine enough to leave anything out beside it.
+  double full_error = 0;
+  if (room.steps.size() > 1) {
+    Reduced longer = full.model;
+    longer.step = room.steps[room.steps.size() - 2];
+    full_error = reference.error(reduced_scene(reference.scene, longer).world, INFINITY);
+  }
+  Choice nothing_reduced = full;
+  nothing_reduced.error = full_error;
+  if (full_error > enough) return nothing_reduced;
+
+  std::vector<LeftOut> tries = {smallest_terms(reference, share(kShare))};
+  if (!tries.front().terms.empty()) tries.emplace_back();
+  for (const LeftOut& left_out : tries) {
+    Choice c = full;
+    c.left_out = left_out;
+    c.model.without = left_out.terms;
+    c.model.fidelity =
+        choose_fidelity(reference, left_out.terms, share(kShareOfFidelity), c.coarser);
+    std::vector<std::pair<Dynamics, double>> ways;
+    if (room.try_quasi_static) ways.emplace_back(Dynamics::quasi_static, room.steps.front());
+    for (const double step : room.steps) ways.emplace_back(world.dynamics, step);
+    for (const auto& [dynamics, step] : ways) {
+      c.model.dynamics = dynamics;
+      c.model.step = step;
+      c.error = reference.error(reduced_scene(reference.scene, c.model).world, enough);
+      if (c.error > enough) continue;
+      if (step == room.steps.back()) c.error = std::max(c.error, full_error);
+      return c;
+    }
+  }
+  return nothing_reduced;
+}
+
+std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice& choice,
+                                       const World& chosen) {
+  std::vector<PlannedTerm> terms;
+  for (int i = 0; i < kTerms; ++i) {
+    if (!has_term(reference.scene.world, i)) continue;
+    const auto at = static_cast<std::size_t>(i);
+    const std::vector<int>& without = choice.left_out.terms;
+    PlannedTerm term;
+    term.name = kTermNames[at];
+    term.kept = std::find(without.begin(), without.end(), i) == without.end();
+    term.fidelity = term.kept ? fidelity(chosen, i) : "none";
+    term.max_force = reference.most[at];
+    term.state = reference.where[at];
+    term.relative_error = 0;
+    if (!term.kept)
+      term.relative_error = reference.changes(term.max_force);
+    else if ((i == 0 || i == 1 || i == 3) && term.max_force > 0)
+      term.relative_error =
+          choice.coarser[i == 3 ? kCapillary : static_cast<SurfaceTerm>(i)] / term.max_force;
+    if (term.kept && i == 1 && electrostatic_in_closed_form(chosen))
+      term.relative_error += closed_form_error(chosen.annulus);
+    terms.push_back(term);
+  }
+  return terms;
+}
+
 }  // namespace
 
 Plan make_plan(const Scene& scene, double tolerance) {
   if (!(tolerance >= 1e-6 && tolerance <= 0.5))
     throw BadInput("accuracy = " + Json(tolerance).dump() + ": must be from 1e-6 to 0.5");
-  const double c = scene.world.annulus.clearance();
-  const bool stated = scene.document.contains("dynamics");
 
   // Inertia, where the scene does not say: the force that speeds the fibre up.
-  const double mass = scene.world.holder.mass.topLeftCorner<3, 3>().norm();
-  const double soft = scene.world.holder.compliance();
+  const bool stated = scene.document.contains("dynamics");
+  const Holder& holder = scene.world.holder;
+  const double mass = holder.mass.topLeftCorner<3, 3>().norm();
   const double inertia = mass * kPeakOfMinimumJerk * scene.limits.speed / kSpeedingUp;
-  const double slow = inertia * soft / c;  // what leaving it out changes
+  const double slow =  // what leaving it out changes
+      inertia * holder.compliance() / scene.world.annulus.clearance();
   const bool rings = !stated && slow > kShareOfInertia * tolerance;
-  const double room = stated || rings ? tolerance : tolerance - slow;  // for all else
-  const bool to_be_inertial = rings || scene.world.dynamics == Dynamics::inertial;
-  const std::vector<double>& steps = to_be_inertial     ? kInertialSteps
+  const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
+  const std::vector<double>& steps = inertial           ? kInertialSteps
                                      : scene.world.drag ? kDragSteps
                                                         : kTimeless;
   const Scene full = changed(scene, [&](Json& d) {
@@ -70,171 +279,29 @@ Plan make_plan(const Scene& scene, double tolerance) {
     d.erase("tilted_axes");
     d["quadrature"] = kFullNodes;
     if (rings) d["dynamics"] = "inertial";
-    if (to_be_inertial) d["integrator"] = "bdf2";
+    if (inertial) d["integrator"] = "bdf2";
     d["step_s"] = steps.back();
   });
-  const World& world = full.world;
-  const bool inertial = world.dynamics == Dynamics::inertial;
 
-  // The full model along the probes.
-  std::vector<Probe> probes;
-  std::vector<SampledRun> exact;  // of each probe
-  std::vector<State> states;
-  std::array<double, kTerms> most{};
-  std::array<State, kTerms> where;
-  double force_scale = INFINITY;
-  bool sticks = false;  // or snaps
-  for (std::uint64_t k = 0; k < probes_of(full); ++k) {
-    probes.push_back(make_probe(full, k));
-    const Probe& p = probes.back();
-    std::size_t sample = 0;
-    exact.push_back(sample_run(world, p.start, p.hand, scene.limits.force,
-                               [&](const State& s, const Breakdown& b) {
-                                 const auto forces = term_forces(b);
-                                 for (std::size_t i = 0; i < kTerms; ++i)
-                                   if (forces[i].norm() > most[i]) {
-                                     most[i] = forces[i].norm();
-                                     where[i] = s;
-                                   }
-                                 if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0)
-                                   states.push_back(s);
-                               }));
-    force_scale = std::min(force_scale, largest_force(exact.back()));
-    sticks = sticks || snaps(exact.back(), p.hand, c);
-  }
-  sticks = sticks || most[kFrictionTerm] > 0 || world.drag;  // drag slows a snap down and hides it
-  force_scale = std::max(force_scale, c / soft);
-  // What a force that is missing can change: the felt force, and where the end is.
-  const auto changes = [&](double force) { return force * std::max(1 / force_scale, soft / c); };
-
-  // What to leave out: the smallest terms, as long as all of them together are small enough.
-  std::vector<int> order;
-  for (int i = 0; i < kTerms; ++i)
-    if (has_term(world, i) && i != kWallTerm) order.push_back(i);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return std::pair(most[static_cast<std::size_t>(a)], a) <
-           std::pair(most[static_cast<std::size_t>(b)], b);
-  });
-  std::vector<int> left_out;
-  double spent = 0;
-  for (const int i : order) {
-    if (most[static_cast<std::size_t>(i)] == 0) continue;  // not seen: it may act elsewhere
-    const double more = changes(most[static_cast<std::size_t>(i)]);
-    if (spent + more > (sticks ? kShareWhereItSticks : kShare) * room) break;
-    spent += more;
-    left_out.push_back(i);
-  }
-
-  // The cheapest fidelity that is good enough, then the longest step, all of it measured.
-  struct Fidelity {
-    bool closed_form;
-    int nodes;
-  };
-  std::vector<Fidelity> fidelities = {{false, 1}};
-  for (const int nodes : {1, 2, 3, 5, 8, kFullNodes}) fidelities.push_back({true, nodes});
-  const auto candidate = [&](const std::vector<int>& without, Fidelity f, Dynamics dynamics,
-                             double longest_step) {
-    return changed(full, [&](Json& d) {
-      for (const int i : without) d["laws"][kTermNames[static_cast<std::size_t>(i)]] = nullptr;
-      d["quadrature"] = f.nodes;
-      if (!f.closed_form) d["tilted_axes"] = "quadrature";
-      d["dynamics"] = dynamics == Dynamics::inertial ? "inertial" : "quasi_static";
-      if (dynamics == Dynamics::quasi_static && !scene.document.contains("integrator"))
-        d.erase("integrator");
-      d["step_s"] = longest_step;
-    });
-  };
-  // The largest error in any probe, or the first beyond `enough`.
-  const auto measured = [&](const World& reduced, double enough) {
-    double worst = 0;
-    for (std::size_t k = 0; k < probes.size() && worst <= enough; ++k) {
-      const Probe& p = probes[k];
-      const SampledRun r = sample_run(reduced, p.start, p.hand, INFINITY);
-      worst = std::max(worst, run_error(r, exact[k], p.hand, world));
-    }
-    return worst;
-  };
-
-  // How wrong the full model's own step is, the next longer one tells. Where that is too much, no
-  // step of the list is fine enough to leave anything out beside it.
-  double full_error = 0;
-  if (steps.size() > 1)
-    full_error = measured(
-        candidate({}, fidelities.back(), world.dynamics, steps[steps.size() - 2]).world, INFINITY);
-  const bool fine_enough = full_error <= kMeasured * room;
-
-  std::array<double, kSurfaceTerms> wrong{};
-  const auto choose_fidelity = [&](const std::vector<int>& without) {
-    for (const Fidelity& f : fidelities) {
-      wrong =
-          fidelity_error(candidate(without, f, world.dynamics, 1e-3).world,
-                         candidate(without, fidelities.back(), world.dynamics, 1e-3).world, states);
-      if (changes(wrong[0] + wrong[1] + wrong[2]) <=
-          (sticks ? kShareWhereItSticks : kShareOfFidelity) * room)
-        return f;
-    }
-    return fidelities.back();
-  };
+  const Reference reference(full);
+  const double room = stated || rings ? tolerance : tolerance - slow;
+  const Choice choice = choose(reference, {room, inertial && stated, steps});
+  const Scene chosen = reduced_scene(full, choice.model);
 
   Plan plan;
-  Scene chosen = full;
-  bool found = false;
-  double error = INFINITY;
-  for (const bool everything : {false, true}) {
-    if (!fine_enough || (everything && left_out.empty())) continue;
-    const std::vector<int> without = everything ? std::vector<int>{} : left_out;
-    const Fidelity f = choose_fidelity(without);
-    std::vector<std::pair<Dynamics, double>> ways;
-    if (inertial && stated) ways.emplace_back(Dynamics::quasi_static, kInertialSteps.front());
-    for (const double h : steps) ways.emplace_back(world.dynamics, h);
-    for (const auto& [dynamics, longest] : ways) {
-      chosen = candidate(without, f, dynamics, longest);
-      error = measured(chosen.world, kMeasured * room);
-      found = error <= kMeasured * room;
-      if (found) break;
-    }
-    if (found) {
-      if (everything) spent = 0, left_out.clear();
-      break;
-    }
-  }
-  if (!found) {
-    left_out.clear();
-    spent = error = 0;
-    wrong = {};
-    chosen = full;
-  }
-
-  if (chosen.world.longest_step == steps.back()) error = std::max(error, full_error);
-
   plan.tolerance = tolerance;
-  plan.dynamics = chosen.world.dynamics;
-  plan.step = chosen.world.longest_step;
-  plan.force_scale = force_scale;
-  plan.error_bound = std::max(error, spent + changes(wrong[0] + wrong[1] + wrong[2]));
-  for (int i = 0; i < kTerms; ++i) {
-    if (!has_term(world, i)) continue;
-    const auto at = static_cast<std::size_t>(i);
-    PlannedTerm term;
-    term.name = kTermNames[at];
-    term.kept = std::find(left_out.begin(), left_out.end(), i) == left_out.end();
-    term.fidelity = term.kept ? fidelity(chosen.world, i) : "none";
-    term.max_force = most[at];
-    term.state = where[at];
-    term.relative_error = 0;
-    if (!term.kept)
-      term.relative_error = changes(most[at]);
-    else if (i == 0 || i == 1 || i == 3)
-      term.relative_error =
-          most[at] > 0 ? wrong[i == 3 ? kCapillary : static_cast<SurfaceTerm>(i)] / most[at] : 0;
-    if (term.kept && i == 1 && electrostatic_in_closed_form(chosen.world))
-      term.relative_error += closed_form_error(chosen.world.annulus);
-    plan.terms.push_back(term);
-  }
+  plan.dynamics = choice.model.dynamics;
+  plan.step = choice.model.step;
+  plan.force_scale = reference.force_scale;
+  plan.error_bound =
+      std::max(choice.error,
+               choice.left_out.change +
+                   reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
+  plan.terms = planned_terms(reference, choice, chosen.world);
   if (!stated || inertial) {
     // Where the scene has it, what leaving it out changes is measured.
     const bool kept = plan.dynamics == Dynamics::inertial;
-    const double change = kept ? 0 : stated ? error : slow;
+    const double change = kept ? 0 : stated ? choice.error : slow;
     plan.terms.push_back(
         {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia, change, State()});
     if (!stated) plan.error_bound += change;
