@@ -68,6 +68,8 @@ Json parse_json(const std::string& text, const std::string& file) {
 
 std::string read_text(const std::string& file) {
   if (std::filesystem::is_directory(file)) throw FileTrouble(file + ": is a directory");
+  if (std::filesystem::is_character_file(file))  // some never end
+    throw FileTrouble(file + ": is a device, not a file");
   std::ifstream in(file, std::ios::binary);
   if (!in) throw FileTrouble(file + ": cannot be read: " + std::strerror(errno));
   std::ostringstream text;

@@ -20,6 +20,10 @@ class Usage(Case):
             self.assertTrue(self.done(verb, "--help").stdout)
         self.assertRegex(self.done("--version").stdout, r"^\d+\.\d+\.\d+ ")
 
+    def test_a_file_without_end_is_not_read(self):
+        self.refused(3, "forces", "--scene", "/dev/zero")
+        self.refused(3, "doctor", "--device", "/dev/zero")
+
     def test_a_full_output_is_noticed(self):
         with open("/dev/full", "w") as full:
             run = subprocess.run([PROGRAM, "forces", "--json"], stdout=full, stderr=subprocess.PIPE)
