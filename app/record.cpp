@@ -32,7 +32,8 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
     if (a.coupled) throw BadInput("--coupled: needs a device with force");
     return settings;
   }
-  settings.profile = load_device_profile(a.profile.empty() ? "pen" : a.profile);
+  settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
+  const std::string gain = a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain);
   const Coupling coupling = stable_coupling(settings.profile);
   const bool couples = coupling.stiffness > 0;
   if (a.coupled) {
@@ -50,8 +51,8 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
   if (couples)
     ways += fmt::format(". Or contacts of at most {:.4g} N/m: --coupled", coupling.stiffness);
   throw BadInput(
-      fmt::format("{} on {}: refused for force feedback: felt stiffness {:.4g} N/m: {}{}",
-                  scene.name, settings.profile.name, r.stiffness, r.reasons.front(), ways));
+      fmt::format("{} on {}{}: refused for force feedback: felt stiffness {:.4g} N/m: {}{}",
+                  scene.name, settings.profile.name, gain, r.stiffness, r.reasons.front(), ways));
 }
 
 Json episode_json(const Recorded& r) {

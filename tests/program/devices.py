@@ -142,6 +142,14 @@ class Devices(Case):
             self.assertAlmostEqual(coupling["stiffness_N_m"], 2000)
         self.done("replay", out + "/episode_0003.h5", "--verify")
         self.refused(2, *record, "fake:spacemouse", "--coupled", says=["--coupled", "force"])
+        # A grip that moves the hand further feels a stiffer fibre: 1.69 kN/m of 2.67 that are stable.
+        further = ["record", "--scene", "demo", "--device", "fake:pid", "--episodes", 1, *short,
+                   "--out", self.path("further")]
+        self.refused(2, *further, "--gain", 1.7, says=["demo on pen with --gain 1.7: refused"])
+        self.done(*further, "--gain", 1.5)
+        self.done(*further, "--gain", 4, "--coupled", "--append")
+        with h5py.File(self.path("further") + "/episode_0002.h5") as f:
+            self.assertAlmostEqual(json.loads(f.attrs["coupling"])["stiffness_N_m"], 500)
         pen = json.load(open(SOURCE + "/data/devices/pen.json"))
         with open(self.path("ice.json"), "w") as file:
             json.dump({**pen, "coulomb_N": 0}, file)
