@@ -49,7 +49,9 @@ void ForceStick::render(const HandWrench& wrench) {
     force_[static_cast<std::size_t>(axis)] =
         std::isfinite(part) ? std::clamp(part, -1.0, 1.0) : 0.0;
   }
-  if (!output_.update(time_, force_)) lost_ = true;
+  // The device's effects end in its own time, of which a loop that misses deadlines has seen less.
+  const double passed = std::chrono::duration<double>(Clock::now() - made_).count();
+  if (!output_.update(std::max(time_, passed), force_)) lost_ = true;
 }
 
 // Many sticks report only when they move: until then the hand is where the scene starts.

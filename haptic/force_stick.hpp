@@ -6,6 +6,8 @@
 // Forces along x and y are felt at X and Y; a device with one axis shows the force along x alone.
 #pragma once
 
+#include <chrono>
+
 #include "haptic/axis_reader.hpp"
 #include "haptic/force_output.hpp"
 
@@ -32,6 +34,8 @@ class ForceStick : public Device {
   const std::array<double, 2>& force() const noexcept { return force_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void find_origin() noexcept;
 
   HidTransport& transport_;
@@ -40,6 +44,7 @@ class ForceStick : public Device {
   ForceOutput output_;
   HandPose start_;
   double full_force_, time_ = 0;
+  Clock::time_point made_ = Clock::now();
   std::optional<Eigen::Matrix<double, kRawAxes, 1>> origin_;  // deflection at the start
   std::array<double, 2> force_{};
   std::uint32_t held_ = 0;

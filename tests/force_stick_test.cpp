@@ -1,5 +1,8 @@
 #include "haptic/force_stick.hpp"
 
+#include <chrono>
+#include <thread>
+
 #include "haptic/fake_firmware.hpp"
 #include "tests/compare.hpp"
 
@@ -97,6 +100,36 @@ TEST(ForceStick, AButtonEndsTheEpisode) {
   const HandSample sample = read_at(stick, firmware, 0.002);
   EXPECT_TRUE(sample.finished);
   EXPECT_FALSE(sample.lost);
+}
+
+// A device that takes 7 ms for each report, its own time going on meanwhile.
+class SlowFirmware : public FakeFirmware {
+ public:
+  SlowFirmware() : FakeFirmware(FakeModel::pid_22) {}
+  bool write(std::span<const std::uint8_t> report) noexcept override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(7));
+    pass();
+    return FakeFirmware::write(report);
+  }
+  void pass() { advance(std::chrono::duration<double>(Clock::now() - begin_).count()); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point begin_ = Clock::now();
+};
+
+// Effects end in the device's time: where reports hold up the periods, that is not the loop's.
+TEST(ForceStick, ADeviceThatHoldsUpTheLoopKeepsItsForce) {
+  SlowFirmware firmware;
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  for (int n = 0; n < 80; ++n) {  // each longer than 7 ms
+    stick.read(n * 1e-3);
+    stick.render(HandWrench::Constant(1 + 0.01 * n));
+    firmware.pass();
+    if (n > 5) {
+      ASSERT_NE(firmware.force()[0], 0) << n;
+    }
+  }
 }
 
 }  // namespace
