@@ -252,6 +252,15 @@ const HidField* find_field(const HidDescriptor& descriptor, HidReportType type, 
   return nullptr;
 }
 
+bool describes(const HidDescriptor& descriptor, std::uint32_t collection) noexcept {
+  const auto inside = [&](const HidField& field) {
+    return field.type == HidReportType::input &&
+           std::find(field.collections.begin(), field.collections.end(), collection) !=
+               field.collections.end();
+  };
+  return std::any_of(descriptor.fields.begin(), descriptor.fields.end(), inside);
+}
+
 std::optional<std::int64_t> get_field(const HidField& field, std::span<const std::uint8_t> payload,
                                       std::size_t element) noexcept {
   const std::size_t begin = field.bit + element * field.size;

@@ -58,6 +58,11 @@ HidDescriptor parse_report_descriptor(std::span<const std::uint8_t> bytes);
 const HidField* find_field(const HidDescriptor& descriptor, HidReportType type, std::uint32_t usage,
                            std::uint32_t collection = 0) noexcept;
 
+// Has it an input within a collection of usage `collection`?
+bool describes(const HidDescriptor& descriptor, std::uint32_t collection) noexcept;
+
+inline constexpr std::uint32_t kMultiAxis = 0x10008;  // usage of a multi-axis controller
+
 // Element `element` of a field in a payload, with its sign where the logical range has one. Empty
 // if the payload is too short for it or the field has no such element.
 std::optional<std::int64_t> get_field(const HidField& field, std::span<const std::uint8_t> payload,

@@ -21,6 +21,14 @@ TEST(DeviceList, KindsFollowFromIdsUsageAndDescriptorNotFromNames) {
   mouse.usage = 2;  // another interface of the same device
   EXPECT_EQ(device_kind(mouse), std::nullopt);
 
+  // A keyboard, and then the axes.
+  HidInfo both = FakeFirmware::describe(FakeModel::space_mouse_combined);
+  const std::vector<std::uint8_t> keys = {0x05, 0x01, 0x09, 0x06, 0xA1, 0x01, 0xC0};
+  both.descriptor.insert(both.descriptor.begin(), keys.begin(), keys.end());
+  both.usage_page = 1;
+  both.usage = 6;
+  EXPECT_EQ(device_kind(both), DeviceKind::space_mouse);
+
   HidInfo cad = FakeFirmware::describe(FakeModel::space_mouse_split);
   cad.product = 0xc650;
   EXPECT_EQ(device_kind(cad), std::nullopt);
