@@ -59,7 +59,9 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
 
     const std::optional<Outcome> now = watch.after(result);
     const HandSample next = device.read(static_cast<double>(n + 1) * period);
-    const HandPose next_pose = holder(next.pose);
+    const bool trusted =
+        !feedback || feedback->trusts(static_cast<double>(n + 1) * period, next.age, next.pose);
+    const HandPose next_pose = trusted ? holder(next.pose) : pose;
     if (!next_pose.allFinite()) return {Outcome::invalid_output, watch.summary(), kNotFinite};
     const HandTwist command = (next_pose - pose) / period;
     row.segment<kPose>(kHandVelocity.begin) = velocity.transpose();
