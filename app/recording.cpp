@@ -24,6 +24,10 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, const Episode
   return info;
 }
 
+HidInfo info_of(const HandDevice& device) {
+  return device.fake ? FakeFirmware::describe(*device.fake) : device.transport->info();
+}
+
 // The empty journal of an episode that never began.
 void unclaim(const EpisodePlace& place) {
   std::filesystem::remove(place.folder + "/" + episode_name(place.number) + ".part");
@@ -98,7 +102,8 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     info.period = settings.profile.period;
     if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
     feedback.emplace(force_feedback(scene, start, settings.profile, settings.coupling,
-                                    ForceStick::kReportPeriod));
+                                    ForceStick::kReportPeriod,
+                                    force_stick_motors(info_of(device))));
   }
   Recorder recorder(place.folder, place.number, info);
   bool discard = false;

@@ -19,6 +19,11 @@ Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept {
   return m;
 }
 
+Eigen::Vector3d force_stick_motors(const HidInfo& info) {
+  const PidReports reports(parse_report_descriptor(info.descriptor));
+  return {1, reports.axes() > 1 ? 1.0 : 0.0, 0};
+}
+
 ForceStick::ForceStick(HidTransport& transport, double reach, double full_force,
                        const HandPose& start)
     : transport_(transport),

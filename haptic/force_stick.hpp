@@ -16,6 +16,9 @@ namespace ferrule {
 // Full deflection is `reach` [m] to either side.
 Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept;
 
+// Along which of x y z such a device has a motor: 1, or 0. Throws DeviceTrouble.
+Eigen::Vector3d force_stick_motors(const HidInfo& info);
+
 class ForceStick : public Device {
  public:
   // Longest time between reports of a stick that moves [s]; USB sticks are read every 8 to 10 ms.
