@@ -30,6 +30,7 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
   settings.gain = a.gain;
   if (!device.has_force()) {
     if (a.coupled) throw BadInput("--coupled: needs a device with force");
+    if (!a.profile.empty()) throw BadInput("--profile: needs a device with force");
     return settings;
   }
   settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
@@ -138,8 +139,13 @@ int record_verb(const Arguments& a) {
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted() && !lost;) {
     const int number = claim_episode(a.out, next);
-    const FeasibleTrial drawn =
-        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    FeasibleTrial drawn;
+    try {
+      drawn = feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    } catch (const BadInput&) {
+      unclaim(a.out, number);
+      throw;
+    }
     const Scene& scene = *drawn.scene;
     infeasible += drawn.infeasible;
     const State start = draw_start(scene, a.seed, drawn.trial);
@@ -164,6 +170,7 @@ int record_verb(const Arguments& a) {
     list.push_back(episode_json(*r));
     if (!a.json) tell(*r);
     std::fflush(stdout);
+    if (r->last) break;
     if (r->discarded) continue;  // the operator takes it again
     next = number + 1;
     ++i;

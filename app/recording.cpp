@@ -28,11 +28,6 @@ HidInfo info_of(const HandDevice& device) {
   return device.fake ? FakeFirmware::describe(*device.fake) : device.transport->info();
 }
 
-// The empty journal of an episode that never began.
-void unclaim(const EpisodePlace& place) {
-  std::filesystem::remove(place.folder + "/" + episode_name(place.number) + ".part");
-}
-
 }  // namespace
 
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
@@ -45,6 +40,10 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
     found.trial += std::uint64_t{1} << 32;
   }
   return found;
+}
+
+void unclaim(const std::string& folder, int number) {
+  std::filesystem::remove(folder + "/" + episode_name(number) + ".part");
 }
 
 Recorded record_one(const Scene& scene, const State& start, Device& device,
@@ -81,7 +80,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
       }
     };
     if (keys.wait_for(" q", put_aside) != ' ') {
-      unclaim(place);
+      unclaim(place.folder, place.number);
       return std::nullopt;
     }
     fmt::print(stderr, "it runs: space ends it, d discards it\n");
@@ -93,7 +92,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
                        : hand_device(device.kind, *device.transport, scene, start, settings.gain,
                                      full_force);
   } catch (const DeviceTrouble&) {
-    unclaim(place);
+    unclaim(place.folder, place.number);
     throw;
   }
   EpisodeInfo info = episode_info(scene, *hand, place);
@@ -106,7 +105,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
                                     force_stick_motors(info_of(device))));
   }
   Recorder recorder(place.folder, place.number, info);
-  bool discard = false;
+  bool discard = false, last = false;
   const auto [end, timing] = run_in_time(
       scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial), info.period,
       feedback ? &*feedback : nullptr,
@@ -114,7 +113,10 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
       [&] {
         const char key = keys.pressed();
         discard = discard || key == 'd';
-        return discard || interrupted() ? Wish::stop : key == ' ' ? Wish::finish : Wish::go_on;
+        last = last || key == 'q';
+        return discard || interrupted() ? Wish::stop
+               : last || key == ' '     ? Wish::finish
+                                        : Wish::go_on;
       });
   hand.reset();  // disables the motors before anything is asked
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
@@ -125,11 +127,13 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     fmt::print(stderr,
                "{}: 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it\n",
                name(end.outcome));
-    const char key = keys.wait_for(" d12345");
+    const char key = keys.wait_for(" dq12345");
     discard = key == 'd';
+    last = last || key == 'q';
     if (key >= '1' && key <= '5') recorded.rating = key - '0';
   }
   recorded.discarded = discard;
+  recorded.last = last;
   if (discard || recorder.rows() == 0) {
     recorder.discard();
     return recorded;
