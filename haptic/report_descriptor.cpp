@@ -195,7 +195,7 @@ class Parser {
   }
 
   void add_fields(HidReportType type, std::uint32_t flags, std::uint16_t begin) {
-    if (g_.size > 32) refuse("a field is wider than 32 bits");
+    if (g_.size > 32) return;  // makers' own, as 64-bit words
     HidField field;
     field.type = type;
     field.report = g_.report;

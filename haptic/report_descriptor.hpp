@@ -36,7 +36,7 @@ struct HidField {
 };
 
 struct HidDescriptor {
-  std::vector<HidField> fields;  // without constants (padding)
+  std::vector<HidField> fields;  // without constants (padding) and what is wider than 32 bits
   bool numbered = false;         // reports begin with an id
   std::uint32_t usage = 0;       // of the first application collection
 
@@ -48,9 +48,8 @@ struct HidDescriptor {
 };
 
 // Bytes -> fields. Throws DeviceTrouble, naming the byte, if an item is cut off, collections or
-// stacked states do not pair, a field is wider than 32 bits and not padding, a report is longer
-// than 4 kB, or there are more than 4096 fields or bytes. Of an array's usages the first 256 are
-// kept.
+// stacked states do not pair, a report is longer than 4 kB, or there are more than 4096 fields or
+// bytes. Of an array's usages the first 256 are kept.
 HidDescriptor parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
 // The first field of `type` with `usage`, within a collection of usage `collection` (0: anywhere);

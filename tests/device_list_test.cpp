@@ -42,6 +42,19 @@ TEST(DeviceList, KindsFollowFromIdsUsageAndDescriptorNotFromNames) {
   EXPECT_EQ(device_kind(stick), std::nullopt);
 }
 
+// OpenFFBoard has commands of its own in front of its forces, with words of 64 bits.
+TEST(DeviceList, AMakersOwnWideFieldsHideNoForce) {
+  HidInfo stick = FakeFirmware::describe(FakeModel::pid_22);
+  const std::vector<std::uint8_t> own = {0x06, 0x00, 0xFF, 0x09, 0x00, 0xA1, 0x01, 0x85, 0x70, 0x09,
+                                         0x01, 0x15, 0x00, 0x25, 0x04, 0x75, 0x40, 0x95, 0x01, 0x91,
+                                         0x02, 0x75, 0x08, 0x09, 0x02, 0x91, 0x02, 0xC0};
+  stick.descriptor.insert(stick.descriptor.begin(), own.begin(), own.end());
+  EXPECT_EQ(device_kind(stick), DeviceKind::force_stick);
+  const HidDescriptor d = parse_report_descriptor(stick.descriptor);
+  EXPECT_EQ(d.payload(HidReportType::output, 0x70), 9u);
+  EXPECT_EQ(find_field(d, HidReportType::output, 0xFF000002)->bit, 64);
+}
+
 TEST(DeviceList, TheRuleNamesTheDeviceAsTheKernelDoes) {
   HidInfo info;
   info.vendor = 0x046d;
