@@ -6,11 +6,13 @@
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
+#include "capture/hand_device.hpp"
 #include "capture/rendering.hpp"
 #include "capture/simulated_operator.hpp"
 #include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
+#include "haptic/force_stick.hpp"
 
 namespace ferrule {
 namespace {
@@ -34,6 +36,8 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
     return settings;
   }
   settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
+  const double step = force_stick_step(device.info(), device_range(scene, a.gain).reach);
+  settings.profile.resolution = std::max(settings.profile.resolution, step);
   const std::string gain = a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain);
   const Coupling coupling = stable_coupling(settings.profile);
   const bool couples = coupling.stiffness > 0;

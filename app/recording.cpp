@@ -24,10 +24,6 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, const Episode
   return info;
 }
 
-HidInfo info_of(const HandDevice& device) {
-  return device.fake ? FakeFirmware::describe(*device.fake) : device.transport->info();
-}
-
 }  // namespace
 
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
@@ -101,8 +97,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     info.period = settings.profile.period;
     if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
     feedback.emplace(force_feedback(scene, start, settings.profile, settings.coupling,
-                                    ForceStick::kReportPeriod,
-                                    force_stick_motors(info_of(device))));
+                                    ForceStick::kReportPeriod, force_stick_motors(device.info())));
   }
   Recorder recorder(place.folder, place.number, info);
   bool discard = false, last = false;

@@ -50,6 +50,7 @@ struct HandDevice {
   std::unique_ptr<HidTransport> transport;  // null where it is
   std::optional<FakeModel> fake;
 
+  HidInfo info() const { return fake ? FakeFirmware::describe(*fake) : transport->info(); }
   bool has_force() const noexcept { return kind == DeviceKind::force_stick; }
 };
 // Throws BadInput, DeviceTrouble.

@@ -19,6 +19,16 @@ Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept {
   return m;
 }
 
+double force_stick_step(const HidInfo& info, double reach) {
+  const AxisReader axes(parse_report_descriptor(info.descriptor));
+  const Eigen::Vector3d motors = force_stick_motors(info);
+  double step = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (axes.places()[axis].there && motors[static_cast<Eigen::Index>(axis)] > 0)
+      step = std::max(step, reach / axes.places()[axis].limit);
+  return step;
+}
+
 Eigen::Vector3d force_stick_motors(const HidInfo& info) {
   const PidReports reports(parse_report_descriptor(info.descriptor));
   return {1, reports.axes() > 1 ? 1.0 : 0.0, 0};

@@ -16,6 +16,10 @@ namespace ferrule {
 // Full deflection is `reach` [m] to either side.
 Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept;
 
+// The coarsest step of its position along an axis with a motor, where full deflection is `reach`
+// [m]; 0 without axes. Throws DeviceTrouble.
+double force_stick_step(const HidInfo& info, double reach);
+
 // Along which of x y z such a device has a motor: 1, or 0. Throws DeviceTrouble.
 Eigen::Vector3d force_stick_motors(const HidInfo& info);
 
