@@ -6,11 +6,13 @@
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
+#include "capture/hand_device.hpp"
 #include "capture/rendering.hpp"
 #include "capture/simulated_operator.hpp"
 #include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
+#include "haptic/force_stick.hpp"
 
 namespace ferrule {
 namespace {
@@ -30,9 +32,13 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
   settings.gain = a.gain;
   if (!device.has_force()) {
     if (a.coupled) throw BadInput("--coupled: needs a device with force");
+    if (!a.profile.empty()) throw BadInput("--profile: needs a device with force");
     return settings;
   }
-  settings.profile = load_device_profile(a.profile.empty() ? "pen" : a.profile);
+  settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
+  const double step = force_stick_step(device.info(), device_range(scene, a.gain).reach);
+  settings.profile.resolution = std::max(settings.profile.resolution, step);
+  const std::string gain = a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain);
   const Coupling coupling = stable_coupling(settings.profile);
   const bool couples = coupling.stiffness > 0;
   if (a.coupled) {
@@ -50,8 +56,8 @@ HandSettings hand_settings(const Arguments& a, const HandDevice& device, const S
   if (couples)
     ways += fmt::format(". Or contacts of at most {:.4g} N/m: --coupled", coupling.stiffness);
   throw BadInput(
-      fmt::format("{} on {}: refused for force feedback: felt stiffness {:.4g} N/m: {}{}",
-                  scene.name, settings.profile.name, r.stiffness, r.reasons.front(), ways));
+      fmt::format("{} on {}{}: refused for force feedback: felt stiffness {:.4g} N/m: {}{}",
+                  scene.name, settings.profile.name, gain, r.stiffness, r.reasons.front(), ways));
 }
 
 Json episode_json(const Recorded& r) {
@@ -137,8 +143,13 @@ int record_verb(const Arguments& a) {
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted() && !lost;) {
     const int number = claim_episode(a.out, next);
-    const FeasibleTrial drawn =
-        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    FeasibleTrial drawn;
+    try {
+      drawn = feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    } catch (const BadInput&) {
+      unclaim(a.out, number);
+      throw;
+    }
     const Scene& scene = *drawn.scene;
     infeasible += drawn.infeasible;
     const State start = draw_start(scene, a.seed, drawn.trial);
@@ -163,6 +174,7 @@ int record_verb(const Arguments& a) {
     list.push_back(episode_json(*r));
     if (!a.json) tell(*r);
     std::fflush(stdout);
+    if (r->last) break;
     if (r->discarded) continue;  // the operator takes it again
     next = number + 1;
     ++i;

@@ -24,11 +24,6 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, const Episode
   return info;
 }
 
-// The empty journal of an episode that never began.
-void unclaim(const EpisodePlace& place) {
-  std::filesystem::remove(place.folder + "/" + episode_name(place.number) + ".part");
-}
-
 }  // namespace
 
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
@@ -41,6 +36,10 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
     found.trial += std::uint64_t{1} << 32;
   }
   return found;
+}
+
+void unclaim(const std::string& folder, int number) {
+  std::filesystem::remove(folder + "/" + episode_name(number) + ".part");
 }
 
 Recorded record_one(const Scene& scene, const State& start, Device& device,
@@ -77,7 +76,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
       }
     };
     if (keys.wait_for(" q", put_aside) != ' ') {
-      unclaim(place);
+      unclaim(place.folder, place.number);
       return std::nullopt;
     }
     fmt::print(stderr, "it runs: space ends it, d discards it\n");
@@ -89,7 +88,7 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
                        : hand_device(device.kind, *device.transport, scene, start, settings.gain,
                                      full_force);
   } catch (const DeviceTrouble&) {
-    unclaim(place);
+    unclaim(place.folder, place.number);
     throw;
   }
   EpisodeInfo info = episode_info(scene, *hand, place);
@@ -98,10 +97,10 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     info.period = settings.profile.period;
     if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
     feedback.emplace(force_feedback(scene, start, settings.profile, settings.coupling,
-                                    ForceStick::kReportPeriod));
+                                    ForceStick::kReportPeriod, force_stick_motors(device.info())));
   }
   Recorder recorder(place.folder, place.number, info);
-  bool discard = false;
+  bool discard = false, last = false;
   const auto [end, timing] = run_in_time(
       scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial), info.period,
       feedback ? &*feedback : nullptr,
@@ -109,7 +108,10 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
       [&] {
         const char key = keys.pressed();
         discard = discard || key == 'd';
-        return discard || interrupted() ? Wish::stop : key == ' ' ? Wish::finish : Wish::go_on;
+        last = last || key == 'q';
+        return discard || interrupted() ? Wish::stop
+               : last || key == ' '     ? Wish::finish
+                                        : Wish::go_on;
       });
   hand.reset();  // disables the motors before anything is asked
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
@@ -120,11 +122,13 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     fmt::print(stderr,
                "{}: 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it\n",
                name(end.outcome));
-    const char key = keys.wait_for(" d12345");
+    const char key = keys.wait_for(" dq12345");
     discard = key == 'd';
+    last = last || key == 'q';
     if (key >= '1' && key <= '5') recorded.rating = key - '0';
   }
   recorded.discarded = discard;
+  recorded.last = last;
   if (discard || recorder.rows() == 0) {
     recorder.discard();
     return recorded;

@@ -17,6 +17,7 @@ struct Recorded {
   std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;
   bool discarded = false;
+  bool last = false;  // the operator ended the recording with it
 };
 
 // The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose pair of parts fits.
@@ -35,6 +36,9 @@ struct EpisodePlace {
   std::uint64_t seed, trial;
 };
 
+// Takes the empty journal of an episode that never began away.
+void unclaim(const std::string& folder, int number);
+
 // With a simulated hand or a controller, as fast as it goes. Throws FileTrouble.
 Recorded record_one(const Scene& scene, const State& start, Device& device,
                     const EpisodePlace& place);
@@ -46,6 +50,7 @@ struct HandDevice {
   std::unique_ptr<HidTransport> transport;  // null where it is
   std::optional<FakeModel> fake;
 
+  HidInfo info() const { return fake ? FakeFirmware::describe(*fake) : transport->info(); }
   bool has_force() const noexcept { return kind == DeviceKind::force_stick; }
 };
 // Throws BadInput, DeviceTrouble.

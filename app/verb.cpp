@@ -102,7 +102,9 @@ void watch_for_interrupt() {
     if (job && before.sa_handler == SIG_IGN) continue;  // nohup
     sigaction(which, &action, nullptr);
   }
-  ::signal(SIGPIPE, SIG_IGN);  // a reader that went away is an error of writing
+  // A reader that went away, and a file beyond the limit, are errors of writing.
+  ::signal(SIGPIPE, SIG_IGN);
+  ::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupted() noexcept {

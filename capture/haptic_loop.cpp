@@ -96,6 +96,10 @@ TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
       }
     } catch (...) {
       trouble = std::current_exception();
+      try {
+        device.render(HandWrench::Zero());
+      } catch (...) {  // it has said what is wrong already
+      }
     }
     done = true;
   });

@@ -54,4 +54,13 @@ Rendering rendering(const Scene& scene, const DeviceProfile& device) {
   return r;
 }
 
+// With x = gain times the way of the grip, and the same force: m x''/gain, b x'/gain, and so on.
+DeviceProfile at_gain(DeviceProfile device, double gain) noexcept {
+  device.mass /= gain;
+  device.damping /= gain;
+  device.resolution *= gain;
+  device.max_stiffness /= gain;
+  return device;
+}
+
 }  // namespace ferrule

@@ -26,4 +26,8 @@ struct Rendering {
 
 Rendering rendering(const Scene& scene, const DeviceProfile& device);
 
+// The device as the hand's world has it where its grip moves the hand `gain` > 0 times as far: a
+// fibre feels that much stiffer at the grip, which is the same as a device that much less damped.
+DeviceProfile at_gain(DeviceProfile device, double gain) noexcept;
+
 }  // namespace ferrule

@@ -59,7 +59,9 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
 
     const std::optional<Outcome> now = watch.after(result);
     const HandSample next = device.read(static_cast<double>(n + 1) * period);
-    const HandPose next_pose = holder(next.pose);
+    const bool trusted =
+        !feedback || feedback->trusts(static_cast<double>(n + 1) * period, next.age, next.pose);
+    const HandPose next_pose = trusted ? holder(next.pose) : pose;
     if (!next_pose.allFinite()) return {Outcome::invalid_output, watch.summary(), kNotFinite};
     const HandTwist command = (next_pose - pose) / period;
     row.segment<kPose>(kHandVelocity.begin) = velocity.transpose();
@@ -83,11 +85,12 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
 }
 
 ForceFeedback force_feedback(const Scene& scene, const State& start, const DeviceProfile& device,
-                             const std::optional<Coupling>& coupling, double report_period) {
+                             const std::optional<Coupling>& coupling, double report_period,
+                             const Eigen::Vector3d& motors) {
   const Scaling scaling = scene_scaling(scene);
   const Wrench rest = step(scene.world, start, start.hand, 0).forces.holder;
-  return {device, coupling, scaling.motion_to_hand(start.hand), scaling.wrench_to_hand(rest),
-          report_period};
+  return {device,        coupling, scaling.motion_to_hand(start.hand), scaling.wrench_to_hand(rest),
+          report_period, motors};
 }
 
 }  // namespace ferrule

@@ -38,8 +38,9 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
                        const std::function<bool()>& stop, ForceFeedback* feedback = nullptr);
 
 // The force feedback of a device with this scene: the weight of the fibre at `start` is not felt.
-// `coupling`: empty where the hand holds the fibre itself.
+// `coupling`: empty where the hand holds the fibre itself. `motors`: as in ForceFeedback.
 ForceFeedback force_feedback(const Scene& scene, const State& start, const DeviceProfile& device,
-                             const std::optional<Coupling>& coupling, double report_period);
+                             const std::optional<Coupling>& coupling, double report_period,
+                             const Eigen::Vector3d& motors = Eigen::Vector3d::Ones());
 
 }  // namespace ferrule

@@ -1,6 +1,7 @@
 #include "haptic/axis_reader.hpp"
 
 #include <algorithm>
+#include <limits>
 
 namespace ferrule {
 namespace {
@@ -14,10 +15,12 @@ constexpr int kSpaceMouseLimit = 350;  // declared by all of them [counts]
 }  // namespace
 
 AxisReader::AxisReader(const HidDescriptor& descriptor) : numbered_(descriptor.numbered) {
+  const std::uint32_t within = describes(descriptor, kMultiAxis) ? kMultiAxis : 0;
   for (std::size_t axis = 0; axis < kRawAxes; ++axis) {
     const auto usage = kDesktop | (kX + static_cast<std::uint32_t>(axis));
-    const HidField* field = find_field(descriptor, HidReportType::input, usage);
+    const HidField* field = find_field(descriptor, HidReportType::input, usage, within);
     if (!field || !field->variable || field->logical_max <= field->logical_min) continue;
+    if (field->logical_max > std::numeric_limits<std::int32_t>::max()) continue;
     places_[axis].there = true;
     places_[axis].field = *field;
   }

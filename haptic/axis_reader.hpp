@@ -21,7 +21,8 @@ struct AxisPlace {
 class AxisReader {
  public:
   // Axes X Y Z Rx Ry Rz (usages 30 to 35 of page 1) and buttons (page 9, the first 32) as the
-  // descriptor has them; the first field of a usage counts.
+  // descriptor has them, within its multi-axis controller where it has one; the first field of a
+  // usage counts. An axis beyond 32 bits with a sign is left out.
   explicit AxisReader(const HidDescriptor& descriptor);
   // Six 16-bit axes of +-350 in report 1 (`combined`), or three each in reports 1 and 2; buttons in
   // report 3.

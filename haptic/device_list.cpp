@@ -20,7 +20,9 @@ std::optional<DeviceKind> device_kind(const HidInfo& info) {
   if (multi_axis || (unknown && space_mouse_layout(info.vendor, info.product)))
     return DeviceKind::space_mouse;
   try {
-    if (PidReports::in(parse_report_descriptor(info.descriptor))) return DeviceKind::force_stick;
+    const HidDescriptor descriptor = parse_report_descriptor(info.descriptor);
+    if (describes(descriptor, kMultiAxis)) return DeviceKind::space_mouse;
+    if (PidReports::in(descriptor)) return DeviceKind::force_stick;
   } catch (const DeviceTrouble&) {
     // Not one that this program could drive.
   }

@@ -25,11 +25,15 @@ class ForceFeedback {
   static constexpr int kTare = 50;  // periods, without force
 
   // `coupling`: empty where the hand holds the fibre itself. `start`: where hand and holder begin;
-  // `rest`: the wrench of the fibre there. `report_period`: as in GuardSettings.
+  // `rest`: the wrench of the fibre there. `report_period`: as in GuardSettings. `motors`: 1 for x
+  // y z along which the device has one, 0 for the others, whose forces nobody feels and no energy
+  // follows from.
   ForceFeedback(const DeviceProfile& device, const std::optional<Coupling>& coupling,
-                const HandPose& start, const HandWrench& rest, double report_period) noexcept
+                const HandPose& start, const HandWrench& rest, double report_period,
+                const Eigen::Vector3d& motors = Eigen::Vector3d::Ones()) noexcept
       : rest_(rest),
         hand_(start),
+        motors_(motors),
         // A tenth of the limit that haptic/passivity.hpp states.
         passivity_(device.period, 0.1 * device.mass / device.period),
         guard_({.max_force = device.max_force,
@@ -69,7 +73,8 @@ class ForceFeedback {
     fibre_ = wanted.head<3>();
     if (coupling_) wanted.head<3>() = coupling_->force();
     wanted += error - bias_;
-    wanted.head<3>() = passivity_.pass(hand_.head<3>(), wanted.head<3>());
+    wanted.head<3>() = passivity_.pass(hand_.head<3>(), motors_.cwiseProduct(wanted.head<3>()));
+    wanted.head<3>() = motors_.cwiseProduct(wanted.head<3>());
     const HandWrench felt = guard_.pass(now, now - age, hand_, wanted);
     if (!fault_) fault_ = guard_.why();
     const HandWrench acts = fault_ || taring ? HandWrench(HandWrench::Zero()) : felt;
@@ -84,6 +89,7 @@ class ForceFeedback {
  private:
   HandWrench rest_;
   HandPose hand_;
+  Eigen::Vector3d motors_;
   HandWrench bias_ = HandWrench::Zero();
   int readings_ = 0;
   Eigen::Vector3d fibre_ = Eigen::Vector3d::Zero();  // on the holder, less its weight [N]

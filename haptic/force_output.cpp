@@ -7,6 +7,9 @@
 namespace ferrule {
 namespace {
 
+// Times that a device is asked for the effect it makes; some are slow (as Linux' hid-pidff has it).
+constexpr int kMostAsked = 60;
+
 PidReports reports_of(const HidInfo& info) {
   try {
     return PidReports(parse_report_descriptor(info.descriptor));
@@ -43,9 +46,14 @@ void ForceOutput::start() {
     HidReport answer = reports_.block_load_request();
     if (!transport_.send_feature(create.span()))
       throw DeviceTrouble(transport_.info().path + ": refuses to make an effect");
-    const int length = transport_.get_feature(answer.span());
-    const PidBlockLoad load = reports_.block_load(
-        answer.span().first(static_cast<std::size_t>(std::clamp(length, 0, 65))));
+    PidBlockLoad load{PidBlockLoad::Status::error, 0};
+    for (int i = 0; i < kMostAsked && load.status == PidBlockLoad::Status::error; ++i) {
+      const int length = transport_.get_feature(answer.span());
+      if (length <= 0) break;
+      load = reports_.block_load(
+          answer.span().first(std::min<std::size_t>(static_cast<std::size_t>(length), 65)));
+      answer = reports_.block_load_request();
+    }
     if (load.status == PidBlockLoad::Status::full)
       throw DeviceTrouble(transport_.info().path + ": has no room for another effect");
     if (load.status == PidBlockLoad::Status::error)

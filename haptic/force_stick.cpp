@@ -19,6 +19,21 @@ Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept {
   return m;
 }
 
+double force_stick_step(const HidInfo& info, double reach) {
+  const AxisReader axes(parse_report_descriptor(info.descriptor));
+  const Eigen::Vector3d motors = force_stick_motors(info);
+  double step = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    if (axes.places()[axis].there && motors[static_cast<Eigen::Index>(axis)] > 0)
+      step = std::max(step, reach / axes.places()[axis].limit);
+  return step;
+}
+
+Eigen::Vector3d force_stick_motors(const HidInfo& info) {
+  const PidReports reports(parse_report_descriptor(info.descriptor));
+  return {1, reports.axes() > 1 ? 1.0 : 0.0, 0};
+}
+
 ForceStick::ForceStick(HidTransport& transport, double reach, double full_force,
                        const HandPose& start)
     : transport_(transport),
@@ -49,7 +64,9 @@ void ForceStick::render(const HandWrench& wrench) {
     force_[static_cast<std::size_t>(axis)] =
         std::isfinite(part) ? std::clamp(part, -1.0, 1.0) : 0.0;
   }
-  if (!output_.update(time_, force_)) lost_ = true;
+  // The device's effects end in its own time, of which a loop that misses deadlines has seen less.
+  const double passed = std::chrono::duration<double>(Clock::now() - made_).count();
+  if (!output_.update(std::max(time_, passed), force_)) lost_ = true;
 }
 
 // Many sticks report only when they move: until then the hand is where the scene starts.

@@ -6,6 +6,8 @@
 // Forces along x and y are felt at X and Y; a device with one axis shows the force along x alone.
 #pragma once
 
+#include <chrono>
+
 #include "haptic/axis_reader.hpp"
 #include "haptic/force_output.hpp"
 
@@ -13,6 +15,13 @@ namespace ferrule {
 
 // Full deflection is `reach` [m] to either side.
 Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept;
+
+// The coarsest step of its position along an axis with a motor, where full deflection is `reach`
+// [m]; 0 without axes. Throws DeviceTrouble.
+double force_stick_step(const HidInfo& info, double reach);
+
+// Along which of x y z such a device has a motor: 1, or 0. Throws DeviceTrouble.
+Eigen::Vector3d force_stick_motors(const HidInfo& info);
 
 class ForceStick : public Device {
  public:
@@ -32,6 +41,8 @@ class ForceStick : public Device {
   const std::array<double, 2>& force() const noexcept { return force_; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+
   void find_origin() noexcept;
 
   HidTransport& transport_;
@@ -40,6 +51,7 @@ class ForceStick : public Device {
   ForceOutput output_;
   HandPose start_;
   double full_force_, time_ = 0;
+  Clock::time_point made_ = Clock::now();
   std::optional<Eigen::Matrix<double, kRawAxes, 1>> origin_;  // deflection at the start
   std::array<double, 2> force_{};
   std::uint32_t held_ = 0;

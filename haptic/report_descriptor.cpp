@@ -195,7 +195,7 @@ class Parser {
   }
 
   void add_fields(HidReportType type, std::uint32_t flags, std::uint16_t begin) {
-    if (g_.size > 32) refuse("a field is wider than 32 bits");
+    if (g_.size > 32) return;  // makers' own, as 64-bit words
     HidField field;
     field.type = type;
     field.report = g_.report;
@@ -250,6 +250,15 @@ const HidField* find_field(const HidDescriptor& descriptor, HidReportType type, 
         (collection == 0 || has(field.collections, collection)))
       return &field;
   return nullptr;
+}
+
+bool describes(const HidDescriptor& descriptor, std::uint32_t collection) noexcept {
+  const auto inside = [&](const HidField& field) {
+    return field.type == HidReportType::input &&
+           std::find(field.collections.begin(), field.collections.end(), collection) !=
+               field.collections.end();
+  };
+  return std::any_of(descriptor.fields.begin(), descriptor.fields.end(), inside);
 }
 
 std::optional<std::int64_t> get_field(const HidField& field, std::span<const std::uint8_t> payload,

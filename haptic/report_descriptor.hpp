@@ -36,7 +36,7 @@ struct HidField {
 };
 
 struct HidDescriptor {
-  std::vector<HidField> fields;  // without constants (padding)
+  std::vector<HidField> fields;  // without constants (padding) and what is wider than 32 bits
   bool numbered = false;         // reports begin with an id
   std::uint32_t usage = 0;       // of the first application collection
 
@@ -48,15 +48,19 @@ struct HidDescriptor {
 };
 
 // Bytes -> fields. Throws DeviceTrouble, naming the byte, if an item is cut off, collections or
-// stacked states do not pair, a field is wider than 32 bits and not padding, a report is longer
-// than 4 kB, or there are more than 4096 fields or bytes. Of an array's usages the first 256 are
-// kept.
+// stacked states do not pair, a report is longer than 4 kB, or there are more than 4096 fields or
+// bytes. Of an array's usages the first 256 are kept.
 HidDescriptor parse_report_descriptor(std::span<const std::uint8_t> bytes);
 
 // The first field of `type` with `usage`, within a collection of usage `collection` (0: anywhere);
 // null if there is none.
 const HidField* find_field(const HidDescriptor& descriptor, HidReportType type, std::uint32_t usage,
                            std::uint32_t collection = 0) noexcept;
+
+// Has it an input within a collection of usage `collection`?
+bool describes(const HidDescriptor& descriptor, std::uint32_t collection) noexcept;
+
+inline constexpr std::uint32_t kMultiAxis = 0x10008;  // usage of a multi-axis controller
 
 // Element `element` of a field in a payload, with its sign where the logical range has one. Empty
 // if the payload is too short for it or the field has no such element.

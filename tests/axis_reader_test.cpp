@@ -66,6 +66,27 @@ TEST(AxisReader, ReadsAStickWithoutReportIdsOffItsCentre) {
   EXPECT_EQ(reader.buttons(), 8u);
 }
 
+// The mouse in front of a multi-axis controller has an X of its own.
+TEST(AxisReader, TakesTheAxesOfTheMultiAxisControllerWhereThereIsOne) {
+  Bytes bytes = {0x05, 0x01, 0x09, 0x02, 0xA1, 0x01, 0x85, 0x07, 0x09, 0x30, 0x15,
+                 0x81, 0x25, 0x7F, 0x75, 0x08, 0x95, 0x01, 0x81, 0x06, 0xC0};
+  const Bytes controller = FakeFirmware::describe(FakeModel::space_mouse_combined).descriptor;
+  bytes.insert(bytes.end(), controller.begin(), controller.end());
+  AxisReader reader(parse_report_descriptor(bytes));
+  EXPECT_EQ(reader.axes(), 6);
+  EXPECT_EQ(reader.take(Bytes{0x07, 0x50}), -1);
+  EXPECT_EQ(reader.counts(), counts(0, 0, 0, 0, 0, 0));
+}
+
+TEST(AxisReader, LeavesOutAnAxisThatIsWiderThanItsCounts) {
+  for (const std::uint8_t top : {0x7F, 0xFF}) {
+    const Bytes bytes = {0x05, 0x01, 0x09, 0x04, 0xA1, 0x01, 0x17, 0x00, 0x00,
+                         0x00, 0x70, 0x27, 0xFF, 0xFF, 0xFF, top,  0x09, 0x30,
+                         0x75, 0x20, 0x95, 0x01, 0x81, 0x02, 0xC0};
+    EXPECT_EQ(AxisReader(parse_report_descriptor(bytes)).axes(), top == 0x7F);
+  }
+}
+
 TEST(AxisReader, IgnoresReportsThatAreTooShort) {
   AxisReader reader = AxisReader::space_mouse(false);
   EXPECT_EQ(reader.take(Bytes{}), -1);

@@ -21,6 +21,14 @@ TEST(DeviceList, KindsFollowFromIdsUsageAndDescriptorNotFromNames) {
   mouse.usage = 2;  // another interface of the same device
   EXPECT_EQ(device_kind(mouse), std::nullopt);
 
+  // A keyboard, and then the axes.
+  HidInfo both = FakeFirmware::describe(FakeModel::space_mouse_combined);
+  const std::vector<std::uint8_t> keys = {0x05, 0x01, 0x09, 0x06, 0xA1, 0x01, 0xC0};
+  both.descriptor.insert(both.descriptor.begin(), keys.begin(), keys.end());
+  both.usage_page = 1;
+  both.usage = 6;
+  EXPECT_EQ(device_kind(both), DeviceKind::space_mouse);
+
   HidInfo cad = FakeFirmware::describe(FakeModel::space_mouse_split);
   cad.product = 0xc650;
   EXPECT_EQ(device_kind(cad), std::nullopt);
@@ -32,6 +40,19 @@ TEST(DeviceList, KindsFollowFromIdsUsageAndDescriptorNotFromNames) {
   stick.descriptor.clear();
   stick.name = "SpaceMouse with force feedback";
   EXPECT_EQ(device_kind(stick), std::nullopt);
+}
+
+// OpenFFBoard has commands of its own in front of its forces, with words of 64 bits.
+TEST(DeviceList, AMakersOwnWideFieldsHideNoForce) {
+  HidInfo stick = FakeFirmware::describe(FakeModel::pid_22);
+  const std::vector<std::uint8_t> own = {0x06, 0x00, 0xFF, 0x09, 0x00, 0xA1, 0x01, 0x85, 0x70, 0x09,
+                                         0x01, 0x15, 0x00, 0x25, 0x04, 0x75, 0x40, 0x95, 0x01, 0x91,
+                                         0x02, 0x75, 0x08, 0x09, 0x02, 0x91, 0x02, 0xC0};
+  stick.descriptor.insert(stick.descriptor.begin(), own.begin(), own.end());
+  EXPECT_EQ(device_kind(stick), DeviceKind::force_stick);
+  const HidDescriptor d = parse_report_descriptor(stick.descriptor);
+  EXPECT_EQ(d.payload(HidReportType::output, 0x70), 9u);
+  EXPECT_EQ(find_field(d, HidReportType::output, 0xFF000002)->bit, 64);
 }
 
 TEST(DeviceList, TheRuleNamesTheDeviceAsTheKernelDoes) {

@@ -91,6 +91,31 @@ TEST(ForceFeedback, TheSensorsBiasIsTakenOffAndItsNoiseFelt) {
   }
 }
 
+// A stick without a motor along z: what is pressed there takes no energy from the hand, and covers
+// none of what the force along y gives out.
+TEST(ForceFeedback, WhatHasNoMotorIsNotFeltAndHoldsNoEnergy) {
+  for (const bool motor : {true, false}) {
+    ForceFeedback feedback(load_device_profile("pen"), {}, HandPose::Zero(), HandWrench::Zero(), 0,
+                           {1, 1, motor ? 1.0 : 0.0});
+    HandPose hand = HandPose::Zero();
+    HandWrench wrench = HandWrench::Zero(), felt;
+    const auto period = [&](int n) {
+      feedback.hold(hand, Eigen::Matrix3d::Zero());
+      felt = feedback.feel(n * T, 0, wrench, wrench);
+    };
+    int n = 0;
+    while (feedback.stage() != ForceGuard::Stage::engaged) period(++n);
+    wrench[2] = -2;
+    for (int i = 0; i < 100; ++i, period(++n)) hand[2] += 5e-5;
+    EXPECT_CLOSE(felt[2], motor ? -2 : 0, 1e-12);
+    wrench[2] = 0;
+    wrench[1] = 2;
+    for (int i = 0; i < 100; ++i, period(++n)) hand[1] += 1e-5;
+    EXPECT_EQ(felt[1] == 2, motor) << felt[1];
+    EXPECT_EQ(feedback.fault(), nullptr);
+  }
+}
+
 // Whatever cannot be trusted: no force in the same period, and none after it.
 TEST(ForceFeedback, AFaultTakesTheForceAwayForGood) {
   const auto three = [](const HandPose&) { return 3.0; };

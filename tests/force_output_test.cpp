@@ -184,6 +184,24 @@ TEST(ForceOutput, AFullMemoryIsSaidAndLeftEmpty) {
   expect_safe(firmware);
 }
 
+// Some devices say neither success nor failure until they have made the effect.
+TEST(ForceOutput, WaitsForADeviceThatIsStillMakingAnEffect) {
+  struct Hesitant : FakeFirmware {
+    int asked = 0, every;
+    explicit Hesitant(int n) : FakeFirmware(FakeModel::pid_18), every(n) {}
+    int get_feature(std::span<std::uint8_t> report) noexcept override {
+      const int length = FakeFirmware::get_feature(report);
+      if (++asked % every != 0) report[1] = report[2] = 0;
+      return length;
+    }
+  };
+  Hesitant slow(3), never(1 << 30);
+  EXPECT_EQ(ForceOutput(slow).axes(), 2);
+  EXPECT_EQ(slow.asked, 6);
+  EXPECT_THROW(ForceOutput output(never), DeviceTrouble);
+  expect_safe(never);
+}
+
 // What a program that was killed left behind does not fill the memory of the next one.
 TEST(ForceOutput, StartsFromAReset) {
   FakeFirmware firmware(FakeModel::pid_18, 2);

@@ -1,5 +1,9 @@
 #include "haptic/force_stick.hpp"
 
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
 #include "haptic/fake_firmware.hpp"
 #include "tests/compare.hpp"
 
@@ -97,6 +101,52 @@ TEST(ForceStick, AButtonEndsTheEpisode) {
   const HandSample sample = read_at(stick, firmware, 0.002);
   EXPECT_TRUE(sample.finished);
   EXPECT_FALSE(sample.lost);
+}
+
+// Of 10 bits, as older sticks have them: 50 mm in 512 steps.
+TEST(ForceStick, ItsStepFollowsFromItsDescriptor) {
+  HidInfo info = FakeFirmware::describe(FakeModel::pid_22);
+  EXPECT_CLOSE(force_stick_step(info, kReach), kReach / 32767, 1e-12);
+  const std::array<std::uint8_t, 3> high = {0x26, 0xFF, 0x7F};  // 32767; its first two are axes'
+  const auto at =
+      std::search(info.descriptor.begin(), info.descriptor.end(), high.begin(), high.end());
+  ASSERT_NE(at, info.descriptor.end());
+  at[1] = 0x00, at[2] = 0x04;                                  // 1024
+  const std::array<std::uint8_t, 3> low = {0x16, 0x01, 0x80};  // -32767
+  const auto from = std::search(info.descriptor.begin(), at, low.begin(), low.end());
+  ASSERT_NE(from, at);
+  from[1] = from[2] = 0;
+  EXPECT_CLOSE(force_stick_step(info, kReach), kReach / 512, 1e-12);
+}
+
+// A device that takes 7 ms for each report, its own time going on meanwhile.
+class SlowFirmware : public FakeFirmware {
+ public:
+  SlowFirmware() : FakeFirmware(FakeModel::pid_22) {}
+  bool write(std::span<const std::uint8_t> report) noexcept override {
+    std::this_thread::sleep_for(std::chrono::milliseconds(7));
+    pass();
+    return FakeFirmware::write(report);
+  }
+  void pass() { advance(std::chrono::duration<double>(Clock::now() - begin_).count()); }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point begin_ = Clock::now();
+};
+
+// Effects end in the device's time: where reports hold up the periods, that is not the loop's.
+TEST(ForceStick, ADeviceThatHoldsUpTheLoopKeepsItsForce) {
+  SlowFirmware firmware;
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  for (int n = 0; n < 80; ++n) {  // each longer than 7 ms
+    stick.read(n * 1e-3);
+    stick.render(HandWrench::Constant(1 + 0.01 * n));
+    firmware.pass();
+    if (n > 5) {
+      ASSERT_NE(firmware.force()[0], 0) << n;
+    }
+  }
 }
 
 }  // namespace

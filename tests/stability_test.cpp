@@ -3,6 +3,7 @@
 #include <complex>
 
 #include "capture/episode.hpp"
+#include "capture/rendering.hpp"
 #include "haptic/passivity.hpp"
 #include "haptic/virtual_coupling.hpp"
 #include "sim/held_stiffness.hpp"
@@ -105,6 +106,24 @@ TEST(Stability, BoundsAreInverseToEachOther) {
       EXPECT_CLOSE(room, 1, 1e-12);
     }
   EXPECT_EQ(largest_force_scaling(d, 250, 0, 0), INFINITY);
+}
+
+// A wall in the hand's world, felt by a grip that moves the hand `gain` times as far.
+TEST(Stability, AGainMovesTheBoundsWithIt) {
+  constexpr double K = 1000;
+  for (const double gain : {0.2, 1.0, 5.0})
+    for (const double share : {0.95, 1.05}) {
+      DeviceProfile d = device(gain * K, 1e-3, 1, 0);
+      d.damping = share * damping_needed(d, gain * K);
+      EXPECT_EQ(damping_needed(at_gain(d, gain), K) < at_gain(d, gain).damping, share > 1);
+      const Ends ends = let_go(d, gain * K, 0, 60 * d.mass / d.damping);
+      EXPECT_EQ(ends.last<0.2 * ends.first, share> 1);
+      d.resolution = 30e-6;
+      d.coulomb = 0.04;
+      d.max_stiffness = 1500;
+      EXPECT_CLOSE(resting_stiffness(at_gain(d, gain)), resting_stiffness(d) / gain, 1e-12);
+      EXPECT_CLOSE(at_gain(d, gain).max_stiffness, d.max_stiffness / gain, 1e-12);
+    }
 }
 
 TEST(Stability, CouplingLeavesTheDeviceSomeDamping) {

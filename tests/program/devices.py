@@ -141,7 +141,16 @@ class Devices(Case):
             coupling = json.loads(f.attrs["coupling"])
             self.assertAlmostEqual(coupling["stiffness_N_m"], 2000)
         self.done("replay", out + "/episode_0003.h5", "--verify")
-        self.refused(2, *record, "fake:spacemouse", "--coupled", says=["--coupled", "force"])
+        for option in (["--coupled"], ["--profile", "pen"]):
+            self.refused(2, *record, "fake:spacemouse", *option, says=[option[0], "force"])
+        # A grip that moves the hand further feels a stiffer fibre: 1.69 kN/m of 2.67 that are stable.
+        further = ["record", "--scene", "demo", "--device", "fake:pid", "--episodes", 1, *short,
+                   "--out", self.path("further")]
+        self.refused(2, *further, "--gain", 1.7, says=["demo on pen with --gain 1.7: refused"])
+        self.done(*further, "--gain", 1.5)
+        self.done(*further, "--gain", 4, "--coupled", "--append")
+        with h5py.File(self.path("further") + "/episode_0002.h5") as f:
+            self.assertAlmostEqual(json.loads(f.attrs["coupling"])["stiffness_N_m"], 500)
         pen = json.load(open(SOURCE + "/data/devices/pen.json"))
         with open(self.path("ice.json"), "w") as file:
             json.dump({**pen, "coulomb_N": 0}, file)
@@ -202,6 +211,17 @@ class Devices(Case):
                                     "--device", "fake:pid", "--out", self.path(key))
             self.assertEqual(code, 130 if key == "\x03" else 0)
             self.assertEqual(os.listdir(self.path(key)), [])
+
+    def test_q_ends_the_recording_with_the_episode(self):
+        begin = ("space starts", " ")
+        for n, keys in enumerate(([begin, ("space ends it", "q"), ("1 (poor)", "3")],
+                                  [begin, ("space ends it", " "), ("1 (poor)", "q")],
+                                  [begin, ("space ends it", "q"), ("1 (poor)", "d")])):
+            out = self.path(str(n))
+            code = self.at_terminal(keys, "record", "--scene", "demo", "--device", "fake:pid",
+                                    "--out", out)
+            self.assertEqual(code, 0)
+            self.assertEqual(os.listdir(out), ["episode_0001.h5"] if n < 2 else [])
 
     def test_a_second_ctrl_c_ends_it_at_once_and_leaves_the_terminal(self):
         code = self.at_terminal([("space starts", " "), ("space ends it", "\x03\x03")], "record",

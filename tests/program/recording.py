@@ -8,7 +8,7 @@ import time
 import h5py
 import numpy
 
-from case import PROGRAM, QUICK, Case, ferrule, main
+from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
 
 
 class Recording(Case):
@@ -132,13 +132,23 @@ class Recording(Case):
             with h5py.File(out + "/episode_0001.h5") as f:
                 self.assertEqual(f.attrs["outcome"], b"interrupted")
 
+    def test_parts_that_never_fit_leave_no_journal(self):
+        scene = json.load(open(SOURCE + "/data/scenes/tolerance.json"))
+        scene["fibre"]["diameter_um"], scene["ferrule"]["bore_diameter_um"] = 126.9, 127
+        scene["tolerance"]["bore_diameter_um"] = [126, 126.1]
+        with open(self.path("never.json"), "w") as file:
+            json.dump(scene, file)
+        out = self.path("out")
+        self.refused(2, "record", "--scene", self.path("never.json"), "--out", out,
+                     says=["not one fits"])
+        self.assertEqual(os.listdir(out), [])
+
     def test_a_full_disk_is_one_line_and_keeps_what_was_flushed(self):
         out = self.path("out")
 
         def small_files():
             import resource
             resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
-            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
 
         # The journal fits and the episode does not, or neither does.
         whole = self.path("whole")
@@ -147,7 +157,6 @@ class Recording(Case):
             def tight():
                 import resource
                 resource.setrlimit(resource.RLIMIT_FSIZE, (limit, limit))
-                signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
             run = ferrule("record", "--scene", "paper", *QUICK, "--episodes", 1, "--out",
                           self.path(f"tight{limit}"), preexec_fn=tight)
             self.assertEqual(run.returncode, 3, run.stderr)
