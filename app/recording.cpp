@@ -109,10 +109,9 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
         const char key = keys.pressed();
         discard = discard || key == 'd';
         last = last || key == 'q';
-        return discard || interrupted() ? Wish::stop
-               : last || key == ' '     ? Wish::finish
-                                        : Wish::go_on;
-      });
+        return discard ? Wish::stop : last || key == ' ' ? Wish::finish : Wish::go_on;
+      },
+      interrupted);
   hand.reset();  // disables the motors before anything is asked
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
     fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");

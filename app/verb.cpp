@@ -18,14 +18,15 @@ namespace {
 // Ctrl-C, kill, a terminal that was closed, Ctrl-backslash.
 constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
-volatile sig_atomic_t g_interrupts = 0;
+std::atomic<bool> g_interrupted = false;
+static_assert(std::atomic<bool>::is_always_lock_free);  // for the signal handler
 
 void on_interrupt(int) {
-  if (g_interrupts) {
+  if (g_interrupted) {
     restore_terminal();
     ::_exit(kInterrupted);
   }
-  g_interrupts = 1;
+  g_interrupted = true;
 }
 
 double parse_number(const std::string& text, const std::string& option) {
@@ -108,7 +109,7 @@ void watch_for_interrupt() {
 }
 
 bool interrupted() noexcept {
-  return g_interrupts > 0;
+  return g_interrupted;
 }
 
 void stop_watching_for_interrupt() {

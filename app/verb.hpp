@@ -63,7 +63,7 @@ void print_json(const Json& json);
 // Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
 // the second ends the program at once.
 void watch_for_interrupt();
-bool interrupted() noexcept;
+bool interrupted() noexcept;  // from any thread
 // Ctrl-C ends the program at once again.
 void stop_watching_for_interrupt();
 

@@ -64,7 +64,7 @@ double missed_share(const PeriodStatistics& periods) noexcept {
 TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                          double period, ForceFeedback* feedback,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
-                         const std::function<Wish()>& wish) {
+                         const std::function<Wish()>& wish, bool (*stopped)() noexcept) {
   const auto ring =
       std::make_unique<boost::lockfree::spsc_queue<Tick, boost::lockfree::capacity<kRing>>>();
   std::atomic<Wish> wanted = Wish::go_on;
@@ -85,7 +85,7 @@ TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
           [&](const RowVector& row, const RawCounts& counts) {
             full = !ring->push({row, counts});
           },
-          [&] { return full || wanted == Wish::stop; }, feedback);
+          [&] { return full || wanted == Wish::stop || stopped(); }, feedback);
       device.render(HandWrench::Zero());
       result.timing.periods = clock.statistics();
       if (timed.stood_still()) {

@@ -39,14 +39,16 @@ struct TimedEpisode {
 
 // Runs `run_episode` in time: `device.read` is called once per period [s]. `record` and `wish` are
 // called in this thread, some hundred times per second; where `record` throws, the loop ends
-// without force and the exception goes on. Rows that wait for the disk: kRing at most, or the
-// episode ends as `interrupted`; and so it does where the loop stood still for kStandstill, after
-// which the time of the rows would not be that of the hand. Throws what the device throws.
+// without force and the exception goes on. `stopped` is asked in the loop's thread, once per
+// period, so that it ends the episode as `interrupted` also while `record` waits for the disk. Rows
+// that wait for the disk: kRing at most, or the episode ends as `interrupted`; and so it does where
+// the loop stood still for kStandstill, after which the time of the rows would not be that of the
+// hand. Throws what the device throws.
 inline constexpr std::size_t kRing = 8192;
 inline constexpr double kStandstill = 0.5;  // [s]; a device's own dead man's switch is faster
 TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                          double period, ForceFeedback* feedback,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
-                         const std::function<Wish()>& wish);
+                         const std::function<Wish()>& wish, bool (*stopped)() noexcept);
 
 }  // namespace ferrule

@@ -24,7 +24,8 @@ class PushingHand : public Device {
   enum class Event { none, not_a_number, jump, silence, loss, trouble, standstill };
   int periods = 1 << 30;
   std::atomic<int> reads = 0;
-  std::vector<double> felt;  // |F| of each render [N]
+  std::vector<double> felt;       // |F| of each render [N]
+  std::atomic<bool> free = true;  // of force
 
   explicit PushingHand(const Scene& scene, Event event = Event::none, int at = 0)
       : scaling_(scene_scaling(scene)), event_(event), at_(at) {
@@ -47,7 +48,10 @@ class PushingHand : public Device {
     if (event_ == Event::loss) sample.lost = sample.finished = true;
     return sample;
   }
-  void render(const HandWrench& wrench) override { felt.push_back(wrench.head<3>().norm()); }
+  void render(const HandWrench& wrench) override {
+    felt.push_back(wrench.head<3>().norm());
+    free = felt.back() == 0;
+  }
 
  private:
   Scaling scaling_;
@@ -66,6 +70,15 @@ Wish go_on() {
   return Wish::go_on;
 }
 
+bool never() noexcept {
+  return false;
+}
+
+std::atomic<bool> g_stopped = false;
+bool stopped() noexcept {
+  return g_stopped;
+}
+
 DeviceProfile pen() {
   DeviceProfile device = load_device_profile("pen");
   device.period = T;
@@ -75,7 +88,7 @@ DeviceProfile pen() {
 TimedEpisode run(const Scene& scene, Device& device,
                  const std::function<void(const RowVector&, const RawCounts&)>& record,
                  const std::function<Wish()>& wish = go_on, ForceFeedback* feedback = nullptr) {
-  return run_in_time(scene, draw_start(scene, 1, 1), device, {}, T, feedback, record, wish);
+  return run_in_time(scene, draw_start(scene, 1, 1), device, {}, T, feedback, record, wish, never);
 }
 
 // The thread, the clock and the ring change nothing in what is recorded.
@@ -90,7 +103,7 @@ TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
   Kept kept;
   const auto again = simulated_operator(scene, start, 1, 1e-3, 1, 1);
   const TimedEpisode timed =
-      run_in_time(scene, start, *again, {}, 1e-3, nullptr, std::ref(kept), go_on);
+      run_in_time(scene, start, *again, {}, 1e-3, nullptr, std::ref(kept), go_on, never);
   EXPECT_EQ(timed.end.outcome, end.outcome);
   ASSERT_EQ(kept.rows.size(), alone.size());
   for (std::size_t n = 0; n < alone.size(); ++n) ASSERT_EQ(kept.rows[n], alone[n]) << n;
@@ -173,7 +186,7 @@ TEST(HapticLoop, ADiskThatStandsEndsTheEpisode) {
         ++rows;
         if (rows == 1) std::this_thread::sleep_for(std::chrono::milliseconds(200));
       },
-      go_on);
+      go_on, never);
   EXPECT_EQ(episode.end.outcome, Outcome::interrupted);
   EXPECT_NE(episode.end.why.find("written"), std::string::npos);
   EXPECT_GE(rows, kRing);
@@ -188,6 +201,34 @@ TEST(HapticLoop, ADiskThatFailsEndsTheLoop) {
           [&](const RowVector&, const RawCounts&) { throw FileTrouble("the disk is full"); }),
       FileTrouble);
   EXPECT_EQ(hand.felt.back(), 0);
+}
+
+// The disk gives nothing back until the force is gone.
+TEST(HapticLoop, StoppedItEndsWithinTwoPeriodsWhileTheDiskStands) {
+  using Clock = std::chrono::steady_clock;
+  const Scene scene = quick();
+  PushingHand hand(scene);
+  Kept kept;
+  int reads = 0;
+  g_stopped = false;
+  const TimedEpisode episode = run_in_time(
+      scene, draw_start(scene, 1, 1), hand, {}, 1e-3, nullptr,
+      [&](const RowVector& row, const RawCounts& counts) {
+        if (kept.rows.empty()) {
+          while (hand.reads < 50) std::this_thread::yield();
+          EXPECT_FALSE(hand.free);
+          g_stopped = true;
+          reads = hand.reads;
+          const auto end = Clock::now() + std::chrono::seconds(5);
+          while (!hand.free && Clock::now() < end) std::this_thread::yield();
+          EXPECT_TRUE(hand.free);
+        }
+        kept(row, counts);
+      },
+      go_on, stopped);
+  EXPECT_LE(hand.reads, reads + 2);
+  EXPECT_EQ(episode.end.outcome, Outcome::interrupted);
+  EXPECT_EQ(static_cast<int>(kept.rows.size()), hand.reads - 1);
 }
 
 TEST(HapticLoop, TheCallingThreadEndsIt) {
