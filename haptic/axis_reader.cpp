@@ -83,8 +83,12 @@ int AxisReader::take(std::span<const std::uint8_t> report) noexcept {
       known = true;
     }
   }
-  reports_ += known;
-  return known ? id : -1;
+  if (!known) return -1;
+  ++reports_;
+  repeats_ += std::ranges::equal(report, std::span(last_).first(last_size_));
+  last_size_ = std::min(report.size(), last_.size());
+  std::copy_n(report.begin(), last_size_, last_.begin());
+  return id;
 }
 
 bool AxisReader::poll(HidTransport& transport, double t) noexcept {

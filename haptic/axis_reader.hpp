@@ -41,6 +41,8 @@ class AxisReader {
 
   int axes() const noexcept;                                  // how many there are
   std::int64_t reports() const noexcept { return reports_; }  // that carried an axis or button
+  // Of these, the ones that were the report before again, byte for byte.
+  std::int64_t repeats() const noexcept { return repeats_; }
   const std::array<AxisPlace, kRawAxes>& places() const noexcept { return places_; }
   const RawCounts& counts() const noexcept { return counts_; }
   std::uint32_t buttons() const noexcept { return buttons_; }  // bit k: button k + 1
@@ -54,7 +56,9 @@ class AxisReader {
   std::vector<HidField> button_fields_;
   RawCounts counts_ = RawCounts::Zero();
   std::uint32_t buttons_ = 0;
-  std::int64_t reports_ = 0;
+  std::int64_t reports_ = 0, repeats_ = 0;
+  std::array<std::uint8_t, 64> last_{};  // report that carried an axis or button; cut
+  std::size_t last_size_ = 0;
   std::array<double, 256> heard_;
 };
 

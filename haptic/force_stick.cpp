@@ -44,17 +44,22 @@ ForceStick::ForceStick(HidTransport& transport, double reach, double full_force,
       full_force_(full_force) {
   lost_ = !axes_.poll(transport_, 0);
   held_ = axes_.buttons();
+  reports_ = axes_.reports();
+  repeats_ = axes_.repeats();
 }
 
 HandSample ForceStick::read(double t) {
   time_ = t;
   lost_ = lost_ || !axes_.poll(transport_, t);
+  learn_rhythm(t);
   find_origin();
   HandPose pose = start_;
   if (origin_) pose += mapping_.gain * (mapping_.deflection(axes_.counts()) - *origin_);
   const bool pressed = axes_.buttons() & ~held_;
   held_ &= axes_.buttons();
-  return {pose, pressed || lost_, nullptr, lost_, axes_.counts()};
+  const double silence = t - heard_;
+  const double age = steady_ && silence > kSilence ? silence : 0;
+  return {pose, pressed || lost_, nullptr, lost_, axes_.counts(), age};
 }
 
 void ForceStick::render(const HandWrench& wrench) {
@@ -67,6 +72,20 @@ void ForceStick::render(const HandWrench& wrench) {
   // The device's effects end in its own time, of which a loop that misses deadlines has seen less.
   const double passed = std::chrono::duration<double>(Clock::now() - made_).count();
   if (!output_.update(std::max(time_, passed), force_)) lost_ = true;
+}
+
+void ForceStick::learn_rhythm(double t) noexcept {
+  if (axes_.reports() == reports_) return;
+  if (t - heard_ > kSteadyGap) {  // it paused: another second
+    since_ = t;
+    repeats_ = axes_.repeats();
+  }
+  reports_ = axes_.reports();
+  heard_ = t;
+  if (t - since_ < kLearning) return;
+  steady_ = steady_ || axes_.repeats() - repeats_ >= kRepeats;
+  since_ = t;
+  repeats_ = axes_.repeats();
 }
 
 // Many sticks report only when they move: until then the hand is where the scene starts.

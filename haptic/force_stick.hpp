@@ -4,6 +4,10 @@
 // X moves the hand along x, Y along -y (a stick's Y grows towards the operator; pull for up), Z
 // along z; tilts stay as they are. The hand starts where the scene starts, wherever the stick is.
 // Forces along x and y are felt at X and Y; a device with one axis shows the force along x alone.
+//
+// Many sticks report only when they move, so that silence is no fault. One that also repeats itself
+// is known by that: a second without a gap above kSteadyGap, with kRepeats reports that were the
+// same as the one before, and from then on a silence longer than kSilence is the sample's age.
 #pragma once
 
 #include <chrono>
@@ -27,6 +31,8 @@ class ForceStick : public Device {
  public:
   // Longest time between reports of a stick that moves [s]; USB sticks are read every 8 to 10 ms.
   static constexpr double kReportPeriod = 0.016;
+  static constexpr double kLearning = 1, kSteadyGap = 0.025, kSilence = 0.1;  // [s]
+  static constexpr int kRepeats = 10;
 
   // `full_force` [N] at the hand is what the device does at most; what is beyond is cut.
   // `transport` must outlive this. Throws DeviceTrouble (haptic/force_output.hpp).
@@ -44,6 +50,7 @@ class ForceStick : public Device {
   using Clock = std::chrono::steady_clock;
 
   void find_origin() noexcept;
+  void learn_rhythm(double t) noexcept;
 
   HidTransport& transport_;
   AxisReader axes_;
@@ -56,6 +63,9 @@ class ForceStick : public Device {
   std::array<double, 2> force_{};
   std::uint32_t held_ = 0;
   bool lost_ = false;
+  bool steady_ = false;           // reports all the time, moved or not
+  double heard_ = 0, since_ = 0;  // last report, and begin of the second that is looked at [s]
+  std::int64_t reports_ = 0, repeats_ = 0;  // until `heard_`, until `since_`
 };
 
 }  // namespace ferrule

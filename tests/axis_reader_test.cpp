@@ -42,6 +42,15 @@ TEST(AxisReader, ReadsCapturedReportsOfTheSplitLayout) {
   }
 }
 
+TEST(AxisReader, CountsReportsThatSayNothingNew) {
+  AxisReader reader = AxisReader::space_mouse(false);
+  const Bytes still = {0x01, 0x12, 0x00, 0x00, 0x00, 0xf8, 0x00}, button = {0x03, 0x01, 0x00};
+  for (const Bytes& report : {still, still, button, still, still, Bytes{0x17, 0x64}, still})
+    reader.take(report);
+  EXPECT_EQ(reader.reports(), 6);
+  EXPECT_EQ(reader.repeats(), 3);  // the battery's is none of these
+}
+
 TEST(AxisReader, ReadsACapturedReportOfTheCombinedLayout) {
   const HidInfo info = FakeFirmware::describe(FakeModel::space_mouse_combined);
   for (AxisReader reader : {AxisReader::space_mouse(true), space_mouse_axes(info)}) {

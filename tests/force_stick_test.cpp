@@ -103,6 +103,53 @@ TEST(ForceStick, AButtonEndsTheEpisode) {
   EXPECT_FALSE(sample.lost);
 }
 
+// One that reports at rest too, every 1 ms, is missed when it does not.
+TEST(ForceStick, OneThatReportsAtRestIsNotTrustedInItsSilence) {
+  FakeFirmware firmware(FakeModel::pid_22);
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  int n = 0;
+  for (; n < 3000; ++n) {
+    firmware.deflect({n < 1500 ? 0 : n, 0, 0, 0, 0, 0});
+    ASSERT_EQ(read_at(stick, firmware, n * 1e-3).age, 0) << n;
+  }
+  firmware.fall_silent(true);
+  const double last = (n - 1) * 1e-3;
+  for (; n < 3500; ++n) {
+    const double silence = n * 1e-3 - last;
+    const double age = read_at(stick, firmware, n * 1e-3).age;
+    if (silence < ForceStick::kSilence - 1e-3) {
+      ASSERT_EQ(age, 0) << n;
+    }
+    if (silence > ForceStick::kSilence + 2e-3) {
+      ASSERT_NEAR(age, silence, 2e-3) << n;
+    }
+  }
+  firmware.fall_silent(false);
+  EXPECT_EQ(read_at(stick, firmware, 3.6).age, 0);
+}
+
+// One that reports only what is new may be silent for as long as it likes, however long it moved.
+TEST(ForceStick, OneThatReportsWhenItMovesMayRest) {
+  FakeFirmware firmware(FakeModel::pid_22);
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  for (int n = 0; n < 20000; ++n) {
+    const bool moves = n < 5000 || (n > 9000 && n < 12000);
+    firmware.fall_silent(!moves);
+    firmware.deflect({n, 0, 0, 0, 0, 0});
+    ASSERT_EQ(read_at(stick, firmware, n * 1e-3).age, 0) << n;
+  }
+}
+
+// Repeats now and then, as of one that is asked to say every half second that it is there.
+TEST(ForceStick, OneThatRepeatsItselfSeldomMayRest) {
+  FakeFirmware firmware(FakeModel::pid_22);
+  ForceStick stick(firmware, kReach, kFull, start_pose());
+  for (int n = 0; n < 20000; ++n) {
+    firmware.fall_silent(n > 15000 || n % 500 != 0);
+    ASSERT_EQ(read_at(stick, firmware, n * 1e-3).age, 0) << n;
+  }
+}
+
 // Of 10 bits, as older sticks have them: 50 mm in 512 steps.
 TEST(ForceStick, ItsStepFollowsFromItsDescriptor) {
   HidInfo info = FakeFirmware::describe(FakeModel::pid_22);
