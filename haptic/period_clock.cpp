@@ -59,15 +59,17 @@ PeriodStatistics PeriodHistogram::statistics() const noexcept {
 PeriodClock::PeriodClock(double period) noexcept
     : period_(std::llround(period * 1e9)), histogram_(period) {}
 
+// Deadlines after `deadline_` that have gone by at `time`.
+std::int64_t PeriodClock::outlasted(std::int64_t time) const noexcept {
+  return std::max<std::int64_t>(0, (time - deadline_ - 1) / period_);
+}
+
 double PeriodClock::wait() noexcept {
   const std::int64_t done = now();
   if (deadline_ == 0) deadline_ = previous_ = done;
-  deadline_ += period_;
-  if (done > deadline_) {
-    const std::int64_t gone = (done - deadline_ + period_ - 1) / period_;
-    missed_ += static_cast<std::uint64_t>(gone);
-    deadline_ += gone * period_;
-  }
+  const std::int64_t gone = outlasted(done);
+  missed_ += static_cast<std::uint64_t>(gone);
+  deadline_ += (gone + 1) * period_;
   sleep_until(deadline_);
   const std::int64_t woke = now();
   const double since = static_cast<double>(woke - previous_) * 1e-9;
@@ -79,6 +81,7 @@ double PeriodClock::wait() noexcept {
 PeriodStatistics PeriodClock::statistics() const noexcept {
   PeriodStatistics s = histogram_.statistics();
   s.missed = missed_;
+  if (deadline_ != 0) s.missed += static_cast<std::uint64_t>(outlasted(now()));
   return s;
 }
 

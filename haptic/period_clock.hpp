@@ -12,7 +12,7 @@ struct PeriodStatistics {
   std::uint64_t periods = 0;
   double p50 = 0, p99 = 0, p99_9 = 0;  // percentiles, rounded up to a thousandth of the period
   double worst = 0;
-  std::uint64_t missed = 0;  // deadlines at which the loop was still at work
+  std::uint64_t missed = 0;  // deadlines at which the loop was still at work, or still asleep
 };
 
 // Counts in bins of a thousandth of a period, the last one for all beyond eight periods. Fixed
@@ -41,9 +41,13 @@ class PeriodClock {
   // [s]. Does not allocate.
   double wait() noexcept;
 
+  // To be asked when the work of the last period ends: deadlines that have gone by since its own,
+  // overslept or outlasted, count as missed too.
   PeriodStatistics statistics() const noexcept;
 
  private:
+  std::int64_t outlasted(std::int64_t time) const noexcept;
+
   std::int64_t period_;                       // [ns]
   std::int64_t deadline_ = 0, previous_ = 0;  // [ns] on the clock; previous_ is the last wake-up
   std::uint64_t missed_ = 0;

@@ -1,6 +1,8 @@
 #include "haptic/period_clock.hpp"
 
 #include <pthread.h>
+#include <signal.h>
+#include <sys/time.h>
 #include <time.h>
 
 #include <algorithm>
@@ -81,6 +83,34 @@ TEST(PeriodClock, CountsTheDeadlinesThatWorkOutlasted) {
   EXPECT_EQ(s.periods, 6u);
   EXPECT_GE(s.missed, 15u);
   EXPECT_GE(s.worst, 3.5 * period);
+}
+
+TEST(PeriodClock, CountsTheDeadlinesThatTheLastWorkOutlasted) {
+  const double period = 1e-3;
+  PeriodClock clock(period);
+  clock.wait();
+  work(3.5 * period);
+  EXPECT_GE(clock.statistics().missed, 3u);
+  EXPECT_EQ(PeriodClock(period).statistics().missed, 0u);
+}
+
+// A signal that comes while it sleeps, and takes 70 ms.
+TEST(PeriodClock, CountsTheDeadlinesThatItOverslept) {
+  const double period = 0.02;
+  PeriodClock clock(period);
+  clock.wait();
+  struct sigaction action {};
+  struct sigaction before {};
+  action.sa_handler = [](int) { work(0.07); };
+  ASSERT_EQ(::sigaction(SIGALRM, &action, &before), 0);
+  itimerval once{};
+  once.it_value.tv_usec = 5000;
+  ASSERT_EQ(::setitimer(ITIMER_REAL, &once, nullptr), 0);
+  clock.wait();
+  ::sigaction(SIGALRM, &before, nullptr);
+  const PeriodStatistics s = clock.statistics();
+  EXPECT_GE(s.missed, 2u);
+  EXPECT_GE(s.worst, 0.07);
 }
 
 TEST(PeriodClock, DoesNotAllocate) {
