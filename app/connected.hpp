@@ -6,8 +6,8 @@
 
 namespace ferrule {
 
-// {"path", "id", "name", "kind", "state"}; of one that is forbidden also what mends that,
-// "udev_rule" and "command".
+// {"path", "id", "name", "kind", "state"}; of one that is unusable also the "reason", of one that
+// is forbidden what mends that, "udev_rule" and "command".
 Json device_json(const FoundDevice& device);
 
 }  // namespace ferrule

@@ -26,7 +26,10 @@ struct Arguments {
 };
 
 const char* state_name(const FoundDevice& device) {
-  return !device.kind ? "never used" : device.permitted ? "usable" : "forbidden";
+  return !device.kind              ? "never used"
+         : !device.missing.empty() ? "unusable"
+         : device.permitted        ? "usable"
+                                   : "forbidden";
 }
 
 int list_verb(const Arguments& a) {
@@ -42,6 +45,7 @@ int list_verb(const Arguments& a) {
           "  found, but not permitted; this udev rule lets whoever sits at the machine open it:\n"
           "    {}\n  once, and then plug it in again:\n    {}\n",
           udev_rule(d.info), udev_command(d.info));
+    if (!d.missing.empty()) fmt::print("  cannot be used: {}\n", d.missing);
     if (!d.kind)
       fmt::print("  a mouse, keyboard or receiver of a maker of SpaceMice: left alone\n");
   }
@@ -182,6 +186,7 @@ Json device_json(const FoundDevice& device) {
                {"name", info.name},
                {"kind", device.kind ? Json(name(*device.kind)) : Json(nullptr)},
                {"state", state_name(device)}};
+  if (!device.missing.empty()) json["reason"] = device.missing;
   if (device.forbidden()) {
     json["udev_rule"] = udev_rule(info);
     json["command"] = udev_command(info);

@@ -148,7 +148,9 @@ int doctor(const Arguments& a) {
     const Json json = device_json(d);
     line(d.info.path,
          fmt::format("{} {}{}", json["id"].get<std::string>(), json["state"].get<std::string>(),
-                     d.forbidden() ? "; mend: " + udev_command(d.info) : ""));
+                     d.forbidden()        ? "; mend: " + udev_command(d.info)
+                     : !d.missing.empty() ? ": " + d.missing
+                                          : ""));
   }
 
   fmt::print("\n");

@@ -4,7 +4,7 @@
 
 #include <cstdio>
 
-#include "haptic/pid_reports.hpp"
+#include "haptic/force_stick.hpp"
 #include "haptic/space_mouse.hpp"
 
 namespace ferrule {
@@ -29,13 +29,27 @@ std::optional<DeviceKind> device_kind(const HidInfo& info) {
   return std::nullopt;
 }
 
+std::string missing(const HidInfo& info, DeviceKind kind) {
+  try {
+    if (kind == DeviceKind::space_mouse)
+      space_mouse_axes(info);
+    else
+      force_stick_motors(info);
+  } catch (const DeviceTrouble& trouble) {
+    const std::string why = trouble.what(), path = info.path + ": ";
+    return why.starts_with(path) ? why.substr(path.size()) : why;
+  }
+  return {};
+}
+
 std::vector<FoundDevice> find_devices() {
   std::vector<FoundDevice> found;
   for (HidInfo& info : list_hid()) {
     const auto kind = device_kind(info);
     if (!kind && !never_a_space_mouse(info.vendor, info.product)) continue;
     const bool permitted = ::access(info.path.c_str(), R_OK | W_OK) == 0;
-    found.push_back({std::move(info), kind, permitted});
+    std::string lacks = kind ? missing(info, *kind) : "";
+    found.push_back({std::move(info), kind, permitted, std::move(lacks)});
   }
   return found;
 }
@@ -57,14 +71,17 @@ std::string udev_command(const HidInfo& info) {
 
 FoundDevice choose_device(const std::string& path) {
   bool forbidden = false;
+  std::string unusable;
   for (FoundDevice& device : find_devices()) {
     if (path != "auto" && device.info.path != path) continue;
     if (device.usable()) return std::move(device);
-    forbidden = forbidden || device.kind;
+    forbidden = forbidden || device.forbidden();
+    if (!device.missing.empty()) unusable = device.info.path + ": " + device.missing;
   }
   if (forbidden)
     throw DeviceTrouble((path == "auto" ? "a device was found" : path + ": found") +
                         std::string(", but not permitted: \"ferrule devices\" says the udev rule"));
+  if (!unusable.empty()) throw DeviceTrouble(unusable);
   if (path != "auto")
     throw DeviceTrouble(path + ": no device that can be used (\"ferrule devices\" lists them)");
   throw DeviceTrouble("no device is connected; --device fake:spacemouse tries without one");

@@ -18,16 +18,20 @@ const char* name(DeviceKind kind) noexcept;
 // something else.
 std::optional<DeviceKind> device_kind(const HidInfo& info);
 
+// What such a device lacks, so that its driver cannot use it; empty: nothing.
+std::string missing(const HidInfo& info, DeviceKind kind);
+
 struct FoundDevice {
   HidInfo info;
   std::optional<DeviceKind> kind;  // empty: never used, though its maker makes some that are
   bool permitted = false;          // may this user open it?
+  std::string missing{};           // as above
 
-  bool usable() const noexcept { return kind && permitted; }
-  bool forbidden() const noexcept { return kind && !permitted; }
+  bool usable() const noexcept { return kind && missing.empty() && permitted; }
+  bool forbidden() const noexcept { return kind && missing.empty() && !permitted; }
 };
 
-// Usable, forbidden and never used ones, by path; other devices are left out.
+// Usable, unusable, forbidden and never used ones, by path; other devices are left out.
 std::vector<FoundDevice> find_devices();
 
 // The udev rule that lets whoever sits at the machine open the device, and the commands that put it

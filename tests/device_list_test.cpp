@@ -42,6 +42,27 @@ TEST(DeviceList, KindsFollowFromIdsUsageAndDescriptorNotFromNames) {
   EXPECT_EQ(device_kind(stick), std::nullopt);
 }
 
+// X, Y and Z of a multi-axis controller.
+constexpr std::uint8_t kThreeAxes[] = {0x05, 0x01, 0x09, 0x08, 0xA1, 0x01, 0x85, 0x01, 0x16,
+                                       0xA2, 0xFE, 0x26, 0x5E, 0x01, 0x09, 0x30, 0x09, 0x31,
+                                       0x09, 0x32, 0x75, 0x10, 0x95, 0x03, 0x81, 0x02, 0xC0};
+
+TEST(DeviceList, WhatItsDriverCannotUseIsUnusableWithTheReason) {
+  HidInfo mouse = FakeFirmware::describe(FakeModel::space_mouse_split);
+  EXPECT_EQ(missing(mouse, DeviceKind::space_mouse), "");
+  mouse.descriptor.assign(std::begin(kThreeAxes), std::end(kThreeAxes));
+  EXPECT_EQ(missing(mouse, DeviceKind::space_mouse), "");  // the table knows its axes
+  mouse.product = 0x1234;
+  mouse.path = "/dev/hidraw3";
+  ASSERT_EQ(device_kind(mouse), DeviceKind::space_mouse);
+  const std::string why = missing(mouse, DeviceKind::space_mouse);
+  EXPECT_EQ(why, "its report descriptor names no six axes");
+  EXPECT_FALSE((FoundDevice{mouse, DeviceKind::space_mouse, true, why}).usable());
+  EXPECT_FALSE((FoundDevice{mouse, DeviceKind::space_mouse, false, why}).forbidden());
+
+  EXPECT_EQ(missing(FakeFirmware::describe(FakeModel::pid_18), DeviceKind::force_stick), "");
+}
+
 // OpenFFBoard has commands of its own in front of its forces, with words of 64 bits.
 TEST(DeviceList, AMakersOwnWideFieldsHideNoForce) {
   HidInfo stick = FakeFirmware::describe(FakeModel::pid_22);

@@ -20,7 +20,7 @@ class Devices(Case):
         # Where there are some, they are listed; both are fine.
         document = json.loads(self.done("devices", "--json").stdout)
         for device in document["devices"]:
-            self.assertIn(device["state"], ("usable", "forbidden", "never used"))
+            self.assertIn(device["state"], ("usable", "unusable", "forbidden", "never used"))
         if not document["devices"]:
             self.assertIn("no device is connected", self.done("devices").stdout)
             for arguments in (["record", "--device", "auto", "--out", self.path("out")],
@@ -33,10 +33,12 @@ class Devices(Case):
     @unittest.skipUnless(shutil.which("umockdev-run"), "umockdev is not installed")
     def test_connected_devices_are_listed_with_what_they_need(self):
         # Six axes of a multi-axis controller; in a /sys of umockdev's. The second has no node that
-        # could be opened, the third is a mouse of the same maker.
-        descriptor = "05010908A101850116A2FE265E01" "093009310932093309340935" "751095068102C0"
+        # could be opened, the third is a mouse of the same maker, the fourth has three axes.
+        six = "05010908A101850116A2FE265E01" "093009310932093309340935" "751095068102C0"
+        three = "05010908A101850116A2FE265E01" "093009310932" "751095038102C0"
         text = ""
-        for number, product in enumerate((0xC635, 0xC62E, 0xC650)):
+        for number, product in enumerate((0xC635, 0xC62E, 0xC650, 0x1234)):
+            descriptor = three if number == 3 else six
             node = f"N: hidraw{number}\n" if number != 1 else ""
             text += (f"P: /devices/{number}\nE: SUBSYSTEM=hid\nE: HID_NAME=mouse {number}\n"
                      f"E: HID_ID=0003:0000256F:{product:08X}\nE: HID_PHYS=\nE: HID_UNIQ=\n"
@@ -54,7 +56,7 @@ class Devices(Case):
             self.assertEqual(run.returncode, 0, run.stderr)
             return run.stdout
 
-        usable, forbidden, never = json.loads(listed("--json"))["devices"]
+        usable, forbidden, never, unusable = json.loads(listed("--json"))["devices"]
         self.assertEqual((usable["path"], usable["id"], usable["kind"], usable["state"]),
                          ("/dev/hidraw0", "256f:c635", "SpaceMouse", "usable"))
         self.assertEqual(usable["name"], "mouse 0")
@@ -64,7 +66,10 @@ class Devices(Case):
         self.assertEqual(forbidden["udev_rule"], rule)
         self.assertIn(rule, forbidden["command"])
         self.assertEqual((never["kind"], never["state"]), (None, "never used"))
+        self.assertEqual((unusable["kind"], unusable["state"]), ("SpaceMouse", "unusable"))
+        self.assertIn("no six axes", unusable["reason"])
         text = listed()
+        self.assertIn("cannot be used: its report descriptor names no six axes", text)
         self.assertIn("found, but not permitted", text)
         self.assertIn(forbidden["command"], text)
 

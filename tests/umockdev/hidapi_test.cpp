@@ -198,6 +198,27 @@ TEST_F(Hidapi, DevicesAreFoundByIdUsageAndDescriptor) {
   EXPECT_THROW(choose_device("/dev/hidraw9"), DeviceTrouble);
 }
 
+TEST_F(Hidapi, ADeviceWithoutItsAxesIsPassedOver) {
+  HidInfo three = FakeFirmware::describe(FakeModel::space_mouse_split);
+  three.product = 0x1234;
+  three.descriptor = {0x05, 0x01, 0x09, 0x08, 0xA1, 0x01, 0x85, 0x01, 0x09, 0x30, 0x15,
+                      0x00, 0x25, 0x7F, 0x75, 0x08, 0x95, 0x01, 0x81, 0x02, 0xC0};
+  Node::add(testbed_, three, 0);
+  const std::vector<FoundDevice> found = find_devices();
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_FALSE(found[0].usable());
+  for (const char* path : {"auto", "/dev/hidraw0"}) {
+    try {
+      choose_device(path);
+      ADD_FAILURE() << path;
+    } catch (const DeviceTrouble& trouble) {
+      EXPECT_STREQ(trouble.what(), "/dev/hidraw0: its report descriptor names no six axes");
+    }
+  }
+  Node::add(testbed_, FakeFirmware::describe(FakeModel::pid_22), 1);
+  EXPECT_EQ(choose_device("auto").info.path, "/dev/hidraw1");
+}
+
 TEST_F(Hidapi, ReportsArriveOneByOne) {
   Node node(testbed_, FakeModel::space_mouse_split, 0);
   const auto device = open_hid(choose_device("auto").info);
