@@ -3,6 +3,8 @@
 #include <hidapi.h>
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -27,8 +29,12 @@ std::vector<std::uint8_t> read_descriptor(const std::string& path) {
 class Hidapi : public HidTransport {
  public:
   explicit Hidapi(const HidInfo& device) : HidTransport(device) {
-    if (handle_ = hid_open_path(device.path.c_str()); !handle_)
-      throw DeviceTrouble(device.path + ": cannot be opened: " + narrow(hid_error(nullptr)));
+    errno = 0;
+    if (handle_ = hid_open_path(device.path.c_str()); handle_) return;
+    // hidapi forgets what was wrong after the open.
+    const int error = errno;
+    throw DeviceTrouble(device.path + ": cannot be opened: " +
+                        (error ? std::strerror(error) : narrow(hid_error(nullptr))));
   }
   ~Hidapi() override { hid_close(handle_); }
 

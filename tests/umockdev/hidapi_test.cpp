@@ -9,10 +9,12 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cerrno>
 #include <chrono>
 #include <cmath>
 #include <csignal>
 #include <cstdio>
+#include <cstring>
 #include <filesystem>
 #include <functional>
 #include <mutex>
@@ -217,6 +219,21 @@ TEST_F(Hidapi, ADeviceWithoutItsAxesIsPassedOver) {
   }
   Node::add(testbed_, FakeFirmware::describe(FakeModel::pid_22), 1);
   EXPECT_EQ(choose_device("auto").info.path, "/dev/hidraw1");
+}
+
+// A node that opens, but is no HID device; and none at all.
+TEST_F(Hidapi, WhatCannotBeOpenedSaysWhy) {
+  HidInfo info = FakeFirmware::describe(FakeModel::pid_22);
+  Node::add(testbed_, info, 0);
+  for (const auto& [path, error] : {std::pair{"/dev/hidraw0", ENOTTY}, {"/dev/hidraw7", ENOENT}}) {
+    info.path = path;
+    try {
+      open_hid(info);
+      ADD_FAILURE() << path;
+    } catch (const DeviceTrouble& trouble) {
+      EXPECT_EQ(trouble.what(), info.path + ": cannot be opened: " + std::strerror(error));
+    }
+  }
 }
 
 TEST_F(Hidapi, ReportsArriveOneByOne) {
