@@ -18,7 +18,7 @@ namespace {
 struct Arguments {
   SceneArguments scene;
   std::string device = "pen";
-  double seconds = 1;
+  double gain = 1, seconds = 1;
   bool json = false;
 };
 
@@ -51,8 +51,12 @@ std::string mend_locking(int error) {
 }
 
 int doctor(const Arguments& a) {
+  if (a.device == "auto" || a.device.starts_with("fake:") || a.device.starts_with("/dev/"))
+    throw BadInput("--device " + a.device +
+                   ": must be a profile, \"pen\" or a file; devices that are connected are listed "
+                   "with any");
   const Scene scene = a.scene.load();
-  const DeviceProfile device = load_device_profile(a.device);
+  const DeviceProfile device = at_gain(load_device_profile(a.device), a.gain);
   const Scaling scaling = scene_scaling(scene);
   const Rendering felt = rendering(scene, device);
   const StiffnessRange& tip = felt.tip;
@@ -78,6 +82,7 @@ int doctor(const Arguments& a) {
         {{"scene", scene.name},
          {"device", device.name},
          {"device_source", device.source},
+         {"gain", a.gain},
          {"tip",
           {{"states", tip.states},
            {"touching", tip.touching},
@@ -111,7 +116,8 @@ int doctor(const Arguments& a) {
   const auto line = [](const std::string& what, const std::string& value) {
     fmt::print("{:<34} {}\n", what, value);
   };
-  fmt::print("scene {} on device {}: {}\n\n", scene.name, device.name, device.source);
+  fmt::print("scene {} on device {}{}: {}\n\n", scene.name, device.name,
+             a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain), device.source);
   line("states looked at",
        fmt::format("{}: {} touch, {} with end and side", tip.states, tip.touching, tip.two_point));
   line("stiffness of the fibre's end",
@@ -173,6 +179,11 @@ void add_doctor(CLI::App& app, Run& run) {
   verb->add_option("--device", a->device, "Device profile, or the name of one that ships")
       ->capture_default_str()
       ->type_name("NAME|FILE");
+  verb->add_option("--gain", a->gain,
+                   "How far the device moves the hand, of the usual, as in record "
+                   "(haptic/README.md)")
+      ->capture_default_str()
+      ->check(number_between(0.01, 100));
   verb->add_option("--seconds", a->seconds, "How long the loop is measured")
       ->capture_default_str()
       ->check(number_between(0.01, 3600));

@@ -59,6 +59,26 @@ class Doctor(Case):
         run = self.done("doctor", "--scene", "demo", "--seconds", 0.02)
         self.assertIn("STABLE", run.stdout)
 
+    def test_with_a_gain_it_answers_as_record_does(self):
+        short = ["--set", "start.distance_um=5", "--set", "success.depth_um=3"]
+        once = self.doctor(0, "--scene", "demo", *short)
+        for gain, code in ((1.5, 0), (1.7, 1)):
+            d = self.doctor(code, "--scene", "demo", "--gain", gain, *short)
+            self.assertEqual(d["gain"], gain)
+            self.assertAlmostEqual(d["bounds"]["device_damping_N_s_m"] * gain,
+                                   once["bounds"]["device_damping_N_s_m"])
+            out = self.path(str(gain))
+            run = ferrule("record", "--scene", "demo", "--device", "fake:pid", "--gain", gain,
+                          "--episodes", 1, "--out", out, *short)
+            self.assertEqual(run.returncode, 2 * code, run.stderr)
+        run = ferrule("doctor", "--gain", 1.7, "--seconds", 0.02, *short)
+        self.assertIn("pen with --gain 1.7", run.stdout)
+        self.refused(2, "doctor", "--gain", 0, says=["--gain"])
+
+    def test_it_takes_a_profile_and_no_device(self):
+        for device in ("auto", "fake:pid", "/dev/hidraw0"):
+            self.refused(2, "doctor", "--device", device, says=[device, "profile", "pen"])
+
     def test_schema_and_program_agree_on_profiles(self):
         for file in glob.glob(SOURCE + "/data/devices/*.json"):
             if not file.endswith(".schema.json"):
