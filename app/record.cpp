@@ -261,6 +261,7 @@ void add_record(CLI::App& app, Run& run) {
       ->check(number_between(0.01, 100));
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
+      ->excludes(device)
       ->check(number_between(0, 1));
   verb->add_option("--episodes", a->episodes, "How many")
       ->capture_default_str()

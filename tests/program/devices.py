@@ -255,6 +255,9 @@ class Devices(Case):
         out = ["--out", self.path("out")]
         self.refused(2, "record", "--device", "fake:pid", "--operator", "simulated", *out,
                      says=["--device", "--operator"])
+        for device in ("fake:pid", "auto"):
+            self.refused(2, "record", "--device", device, "--skill", 0.5, *out,
+                         says=["--device", "--skill"])
         self.refused(2, "record", "--device", "fake:else", *out, says=["fake:spacemouse"])
         self.refused(2, "record", "--device", "fake:pid", "--gain", 0, *out, says=["--gain"])
         for option in (["--gain", 2], ["--coupled"], ["--profile", "pen"]):
