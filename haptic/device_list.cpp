@@ -31,10 +31,12 @@ std::optional<DeviceKind> device_kind(const HidInfo& info) {
 
 std::string missing(const HidInfo& info, DeviceKind kind) {
   try {
-    if (kind == DeviceKind::space_mouse)
+    if (kind == DeviceKind::space_mouse) {
       space_mouse_axes(info);
-    else
+    } else {
+      force_stick_axes(info);
       force_stick_motors(info);
+    }
   } catch (const DeviceTrouble& trouble) {
     const std::string why = trouble.what(), path = info.path + ": ";
     return why.starts_with(path) ? why.substr(path.size()) : why;

@@ -5,6 +5,14 @@
 
 namespace ferrule {
 
+AxisReader force_stick_axes(const HidInfo& info) {
+  const AxisReader axes(parse_report_descriptor(info.descriptor));
+  const auto& places = axes.places();
+  if (std::none_of(places.begin(), places.begin() + 3, [](const AxisPlace& p) { return p.there; }))
+    throw DeviceTrouble(info.path + ": its report descriptor names no axis X, Y or Z");
+  return axes;
+}
+
 Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept {
   Mapping m;
   m.kind = Mapping::Kind::position;
@@ -20,7 +28,7 @@ Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept {
 }
 
 double force_stick_step(const HidInfo& info, double reach) {
-  const AxisReader axes(parse_report_descriptor(info.descriptor));
+  const AxisReader axes = force_stick_axes(info);
   const Eigen::Vector3d motors = force_stick_motors(info);
   double step = 0;
   for (std::size_t axis = 0; axis < 3; ++axis)
@@ -37,7 +45,7 @@ Eigen::Vector3d force_stick_motors(const HidInfo& info) {
 ForceStick::ForceStick(HidTransport& transport, double reach, double full_force,
                        const HandPose& start)
     : transport_(transport),
-      axes_(parse_report_descriptor(transport.info().descriptor)),
+      axes_(force_stick_axes(transport.info())),
       mapping_(force_stick_mapping(axes_, reach)),
       output_(transport),
       start_(start),

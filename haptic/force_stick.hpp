@@ -17,11 +17,15 @@
 
 namespace ferrule {
 
+// Its axes, of which it has X, Y or Z. Throws DeviceTrouble where it has none of them, and the hand
+// would never move.
+AxisReader force_stick_axes(const HidInfo& info);
+
 // Full deflection is `reach` [m] to either side.
 Mapping force_stick_mapping(const AxisReader& axes, double reach) noexcept;
 
 // The coarsest step of its position along an axis with a motor, where full deflection is `reach`
-// [m]; 0 without axes. Throws DeviceTrouble.
+// [m]; 0 where none of these is an axis. Throws DeviceTrouble.
 double force_stick_step(const HidInfo& info, double reach);
 
 // Along which of x y z such a device has a motor: 1, or 0. Throws DeviceTrouble.
@@ -35,7 +39,8 @@ class ForceStick : public Device {
   static constexpr int kRepeats = 10;
 
   // `full_force` [N] at the hand is what the device does at most; what is beyond is cut.
-  // `transport` must outlive this. Throws DeviceTrouble (haptic/force_output.hpp).
+  // `transport` must outlive this. Throws DeviceTrouble (force_stick_axes,
+  // haptic/force_output.hpp).
   ForceStick(HidTransport& transport, double reach, double full_force, const HandPose& start);
 
   HandSample read(double t) override;

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+
 #include "haptic/fake_firmware.hpp"
 
 namespace ferrule {
@@ -60,7 +63,18 @@ TEST(DeviceList, WhatItsDriverCannotUseIsUnusableWithTheReason) {
   EXPECT_FALSE((FoundDevice{mouse, DeviceKind::space_mouse, true, why}).usable());
   EXPECT_FALSE((FoundDevice{mouse, DeviceKind::space_mouse, false, why}).forbidden());
 
-  EXPECT_EQ(missing(FakeFirmware::describe(FakeModel::pid_18), DeviceKind::force_stick), "");
+  HidInfo stick = FakeFirmware::describe(FakeModel::pid_18);
+  EXPECT_EQ(missing(stick, DeviceKind::force_stick), "");
+  // Its first X Y Z, which are its input, become Vx Vy Vz.
+  const std::array<std::uint8_t, 12> usages = {0x05, 0x01, 0x09, 0x30, 0x05, 0x01,
+                                               0x09, 0x31, 0x05, 0x01, 0x09, 0x32};
+  const auto at =
+      std::search(stick.descriptor.begin(), stick.descriptor.end(), usages.begin(), usages.end());
+  ASSERT_NE(at, stick.descriptor.end());
+  at[3] = 0x40, at[7] = 0x41, at[11] = 0x42;
+  ASSERT_EQ(device_kind(stick), DeviceKind::force_stick);
+  EXPECT_EQ(missing(stick, DeviceKind::force_stick),
+            "its report descriptor names no axis X, Y or Z");
 }
 
 // OpenFFBoard has commands of its own in front of its forces, with words of 64 bits.
