@@ -17,7 +17,7 @@ class Keys {
   // The key that was pressed since, '\0' if none was.
   char pressed() noexcept;
   // Forgets what was pressed so far, and waits until one of `wanted` is, doing `meanwhile` now and
-  // then; '\0' at Ctrl-C or when the terminal is gone.
+  // then; '\0' at Ctrl-C or when the terminal is gone. What `meanwhile` throws ends it.
   char wait_for(
       const char* wanted, const std::function<void()>& meanwhile = [] {});
 

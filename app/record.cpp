@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <exception>
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
@@ -139,6 +140,7 @@ int record_verb(const Arguments& a) {
   Json list = Json::array();
   std::size_t inserted = 0, infeasible = 0;
   bool lost = false;
+  std::exception_ptr trouble;
   std::optional<Progress> progress;  // where no keys are asked for
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
   for (int i = 0; i < a.episodes && !interrupted() && !lost;) {
@@ -156,7 +158,12 @@ int record_verb(const Arguments& a) {
     const EpisodePlace place{name, a.out, number, a.seed, drawn.trial};
     std::optional<Recorded> r;
     if (device) {
-      r = record_by_hand(*device, settings, scene, start, place, *keys);
+      try {
+        r = record_by_hand(*device, settings, scene, start, place, *keys);
+      } catch (const DeviceTrouble&) {
+        if (list.empty()) throw;
+        trouble = std::current_exception();  // what there is already is told first
+      }
       if (!r) break;
     } else if (simulated) {
       const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
@@ -189,6 +196,7 @@ int record_verb(const Arguments& a) {
     fmt::print("{} of {} episodes inserted\n", inserted, list.size());
   if (infeasible > 0 && !a.json)
     fmt::print("{} drawn pairs of parts interfered and were put aside\n", infeasible);
+  if (trouble) std::rethrow_exception(trouble);
   if (lost)
     throw DeviceTrouble(device->transport->info().path +
                         ": the device was lost; the running episode was ended and kept");

@@ -24,6 +24,37 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, const Episode
   return info;
 }
 
+// Takes away what the device has reported so far. Throws DeviceTrouble where it is gone.
+void put_aside(const HandDevice& device) {
+  if (!device.transport) return;
+  std::array<std::uint8_t, 64> report;
+  int length;
+  do length = device.transport->read(report, 0);
+  while (length > 0);
+  if (length < 0) throw DeviceTrouble(device.transport->info().path + ": the device was lost");
+}
+
+// What there is to do before an episode: at a terminal, to wait for the key that starts it. Empty:
+// the operator ended the recording instead. Throws DeviceTrouble.
+std::unique_ptr<Device> begin_by_hand(const HandDevice& device, const HandSettings& settings,
+                                      const Scene& scene, const State& start,
+                                      const EpisodePlace& place, Keys& keys) {
+  if (keys.there()) {
+    fmt::print(stderr, "{}: space starts it, q ends the recording\n", episode_name(place.number));
+    // What the device reports meanwhile is not of this episode.
+    if (keys.wait_for(" q", [&] { put_aside(device); }) != ' ') return nullptr;
+    fmt::print(stderr, "it runs: space ends it, d discards it\n");
+  }
+  const double full_force = settings.profile.max_force;
+  if (device.fake) return fake_hand(*device.fake, scene, start, settings.gain, full_force);
+  try {
+    return hand_device(device.kind, *device.transport, scene, start, settings.gain, full_force);
+  } catch (const DeviceTrouble&) {
+    put_aside(device);  // says so where it is gone
+    throw;
+  }
+}
+
 }  // namespace
 
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
@@ -67,29 +98,16 @@ HandDevice open_device(const std::string& wanted) {
 std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSettings& settings,
                                        const Scene& scene, const State& start,
                                        const EpisodePlace& place, Keys& keys) {
-  if (keys.there()) {
-    fmt::print(stderr, "{}: space starts it, q ends the recording\n", episode_name(place.number));
-    // What the device reports meanwhile is not of this episode.
-    std::array<std::uint8_t, 64> report;
-    const auto put_aside = [&] {
-      while (device.transport && device.transport->read(report, 0) > 0) {
-      }
-    };
-    if (keys.wait_for(" q", put_aside) != ' ') {
-      unclaim(place.folder, place.number);
-      return std::nullopt;
-    }
-    fmt::print(stderr, "it runs: space ends it, d discards it\n");
-  }
-  const double full_force = settings.profile.max_force;
   std::unique_ptr<Device> hand;
   try {
-    hand = device.fake ? fake_hand(*device.fake, scene, start, settings.gain, full_force)
-                       : hand_device(device.kind, *device.transport, scene, start, settings.gain,
-                                     full_force);
+    hand = begin_by_hand(device, settings, scene, start, place, keys);
   } catch (const DeviceTrouble&) {
     unclaim(place.folder, place.number);
     throw;
+  }
+  if (!hand) {
+    unclaim(place.folder, place.number);
+    return std::nullopt;
   }
   EpisodeInfo info = episode_info(scene, *hand, place);
   std::optional<ForceFeedback> feedback;

@@ -3,6 +3,8 @@
 // under umockdev-wrapper; elsewhere it says so and ends with 77 (skipped).
 #include <gtest/gtest.h>
 #include <linux/hidraw.h>
+#include <poll.h>
+#include <pty.h>
 #include <sys/ioctl.h>
 #include <sys/wait.h>
 #include <umockdev.h>
@@ -333,7 +335,8 @@ struct Ran {
 
 // Runs it while the firmware's time passes with the clock's. `hand` acts on the firmware, given the
 // time since the program enabled the motors; `signal` is sent to the program 2.5 s after that.
-Ran record(Node& node, int signal, const std::function<void(FakeFirmware&, double)>& hand) {
+Ran record(Node& node, int signal, const std::function<void(FakeFirmware&, double)>& hand,
+           const std::string& more = "") {
   const testing::TemporaryFolder folder;
   Ran ran{};
   node.with([](FakeFirmware& f) {  // just switched on, at rest
@@ -362,7 +365,7 @@ Ran record(Node& node, int signal, const std::function<void(FakeFirmware&, doubl
   const std::string command =
       "echo $$; exec " + g_program +
       " record --device auto --episodes 2 --set limits.force_uN=1000 --out " + (folder / "out") +
-      " 2>&1";
+      more + " 2>&1";
   FILE* const pipe = ::popen(command.c_str(), "r");
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) {
     ran.output += static_cast<char>(c);
@@ -422,6 +425,53 @@ TEST_F(Hidapi, TheProgramRecordsUntilItIsEndedAndLeavesNoForce) {
   EXPECT_TRUE(WIFEXITED(lost.status) && WEXITSTATUS(lost.status) == 4) << lost.output;
   EXPECT_NE(lost.output.find("the device was lost"), std::string::npos) << lost.output;
   EXPECT_TRUE(lost.file);
+}
+
+// The first episode ends by a button, the motors are off: then the cable.
+TEST_F(Hidapi, LostBetweenEpisodesTheEarlierOnesAreTold) {
+  Node node(testbed_, FakeModel::pid_22, 0);
+  const Ran lost = record(
+      node, 0,
+      [](FakeFirmware& f, double t) {
+        f.press(t > 1 ? 1 : 0);
+        if ((t > 1 && !f.actuators()) || t > 10) f.unplug();
+      },
+      " --json");
+  EXPECT_TRUE(WIFEXITED(lost.status) && WEXITSTATUS(lost.status) == 4) << lost.output;
+  EXPECT_NE(lost.output.find("the device was lost"), std::string::npos) << lost.output;
+  EXPECT_NE(lost.output.find("episode_0001.h5"), std::string::npos) << lost.output;
+  EXPECT_TRUE(lost.file);
+}
+
+TEST_F(Hidapi, LostBeforeTheKeyThatStartsAnEpisodeTheProgramEnds) {
+  Node node(testbed_, FakeModel::pid_22, 0);
+  const testing::TemporaryFolder folder;
+  const std::string out = folder / "out";
+  int terminal = -1;
+  const pid_t program = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (program == 0) {
+    ::execl(g_program.c_str(), "ferrule", "record", "--device", "auto", "--out", out.c_str(),
+            nullptr);
+    ::_exit(1);
+  }
+  ASSERT_GT(program, 0);
+  std::string output;
+  pollfd readable{terminal, POLLIN, 0};
+  std::array<char, 256> part;
+  while (::poll(&readable, 1, 60000) > 0) {
+    const ssize_t length = ::read(terminal, part.data(), part.size());
+    if (length <= 0) break;  // it has ended
+    output.append(part.data(), static_cast<std::size_t>(length));
+    if (output.find("space starts") != std::string::npos)
+      node.with([](FakeFirmware& f) { f.unplug(); });
+  }
+  ::kill(program, SIGKILL);  // where it waits for ever
+  int status = 0;
+  ::waitpid(program, &status, 0);
+  ::close(terminal);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 4) << output;
+  EXPECT_NE(output.find("the device was lost"), std::string::npos) << output;
+  EXPECT_TRUE(std::filesystem::is_empty(out));
 }
 
 }  // namespace
