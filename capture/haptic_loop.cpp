@@ -22,11 +22,13 @@ struct Tick {
 // Each read waits for its period, and says when the calling thread wants an end.
 class TimedDevice : public Device {
  public:
-  TimedDevice(Device& device, PeriodClock& clock, const std::atomic<Wish>& wish)
-      : device_(device), clock_(clock), wish_(wish) {}
+  TimedDevice(Device& device, PeriodClock& clock, double period, const std::atomic<Wish>& wish)
+      : device_(device), clock_(clock), period_(period), wish_(wish) {}
   HandSample read(double t) override {
-    stood_still_ = clock_.wait() > kStandstill || stood_still_;
+    const double passed = clock_.wait();
+    stood_still_ = passed > kStandstill || stood_still_;
     HandSample sample = device_.read(t);
+    sample.stalled = passed > std::max(kStall, 2 * period_);
     sample.finished = sample.finished || stood_still_ || wish_ == Wish::finish;
     return sample;
   }
@@ -37,6 +39,7 @@ class TimedDevice : public Device {
  private:
   Device& device_;
   PeriodClock& clock_;
+  double period_;
   const std::atomic<Wish>& wish_;
   bool stood_still_ = false;
 };
@@ -78,7 +81,7 @@ TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
       result.timing.scheduling_error = real_time.scheduling_error();
       result.timing.locking_error = real_time.locking_error();
       PeriodClock clock(period);
-      TimedDevice timed(device, clock, wanted);
+      TimedDevice timed(device, clock, period, wanted);
       bool full = false;
       result.end = run_episode(
           scene, start, timed, std::move(sensor), period,

@@ -43,9 +43,11 @@ struct TimedEpisode {
 // period, so that it ends the episode as `interrupted` also while `record` waits for the disk. Rows
 // that wait for the disk: kRing at most, or the episode ends as `interrupted`; and so it does where
 // the loop stood still for kStandstill, after which the time of the rows would not be that of the
-// hand. Throws what the device throws.
+// hand. Where it stood still for kStall, and two periods, the force ramps up again. Throws what the
+// device throws.
 inline constexpr std::size_t kRing = 8192;
 inline constexpr double kStandstill = 0.5;  // [s]; a device's own dead man's switch is faster
+inline constexpr double kStall = 0.1;       // [s]; within ForceOutput::kDuration of the last start
 TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
                          double period, ForceFeedback* feedback,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,

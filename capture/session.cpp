@@ -40,6 +40,7 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
   HandTwist velocity = HandTwist::Zero();                      // over the period before
   for (std::int64_t n = 0; n == 0 || !sample.finished; ++n) {  // one row at least
     const double t = static_cast<double>(n) * period;
+    if (feedback && sample.stalled) feedback->ramp_again(t);
     if (feedback && !feedback->trusts(t, sample.age, sample.pose)) {
       device.render(HandWrench::Zero());
       return {Outcome::interrupted, watch.summary(), feedback->fault()};

@@ -26,7 +26,8 @@ struct HandSample {
   const char* gave_up = nullptr;         // and why, where that is giving up
   bool lost = false;                     // the device is gone; then `finished` too
   RawCounts counts = RawCounts::Zero();  // that the pose, or its rate from t on, follows from
-  double age = 0;  // of the pose [s], where the device reports all the time, moved or not
+  double age = 0;        // of the pose [s], where the device reports all the time, moved or not
+  bool stalled = false;  // the loop stood still before it: the device has ended its force by itself
 };
 
 // How raw axes become a pose. Each axis is first made a deflection from -1 to 1:

@@ -82,6 +82,9 @@ class ForceFeedback {
     return acts;
   }
 
+  // As ForceGuard::ramp_again.
+  void ramp_again(double now) noexcept { guard_.ramp_again(now); }
+
   // What could not be trusted; the wrench is zero from then on. Null: nothing yet.
   const char* fault() const noexcept { return fault_; }
   ForceGuard::Stage stage() const noexcept { return guard_.stage(); }

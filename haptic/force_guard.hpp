@@ -82,6 +82,13 @@ class ForceGuard {
     return factor * wanted;
   }
 
+  // The device has let its force go by itself at time `now` [s]: what there was ramps up again.
+  void ramp_again(double now) noexcept {
+    if (stage_ == Stage::waiting) return;
+    stage_ = Stage::ramping;
+    ramp_began_ = now;
+  }
+
   Stage stage() const noexcept { return stage_; }
   // What was wrong in the last call; null: nothing.
   const char* why() const noexcept { return why_; }

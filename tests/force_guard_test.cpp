@@ -56,6 +56,18 @@ TEST(ForceGuard, RampsOverTwoSeconds) {
   EXPECT_EQ(g.guard.stage(), Stage::engaged);
 }
 
+TEST(ForceGuard, RampsAgainWhereTheDeviceLetGo) {
+  Guarded g;
+  g.guard.ramp_again(g.time);
+  EXPECT_EQ(g.guard.stage(), Stage::waiting);
+  g.engage();
+  EXPECT_EQ(g.pass(pull(3)), pull(3));
+  g.guard.ramp_again(g.time);
+  for (int n = 1; n <= 2500; ++n)
+    EXPECT_LT((g.pass(pull(3)) - std::min(1.0, n * T / 2) * pull(3)).norm(), 1e-9) << n;
+  EXPECT_EQ(g.guard.stage(), Stage::engaged);
+}
+
 TEST(ForceGuard, HoldsTheForceAtTheDevicesLimitInItsDirection) {
   Guarded g;
   g.engage();

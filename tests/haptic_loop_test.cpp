@@ -1,5 +1,6 @@
 #include "capture/haptic_loop.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <thread>
 
@@ -21,7 +22,7 @@ Scene quick() {
 // to it at one of them; and what it was told.
 class PushingHand : public Device {
  public:
-  enum class Event { none, not_a_number, jump, silence, loss, trouble, standstill };
+  enum class Event { none, not_a_number, jump, silence, loss, trouble, standstill, stall };
   int periods = 1 << 30;
   std::atomic<int> reads = 0;
   std::vector<double> felt;       // |F| of each render [N]
@@ -45,6 +46,8 @@ class PushingHand : public Device {
     if (event_ == Event::silence) sample.age = (n - at_ + 1) * T;
     if (event_ == Event::standstill && n == at_)
       std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * kStandstill));
+    if (event_ == Event::stall && n == at_)
+      std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * kStall));
     if (event_ == Event::loss) sample.lost = sample.finished = true;
     return sample;
   }
@@ -135,6 +138,26 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
       ASSERT_LT(row.segment<kPose>(kCommand.begin).norm(), 2) << why;  // no hand is faster
     }
   }
+}
+
+// The effects of a device have ended by then.
+TEST(HapticLoop, AfterAStallTheForceRampsUpAgain) {
+  const Scene scene = quick();
+  constexpr int kAt = 1000;
+  PushingHand hand(scene, PushingHand::Event::stall, kAt);
+  hand.periods = 2 * kAt;
+  Kept kept;
+  ForceFeedback feedback = force_feedback(scene, draw_start(scene, 1, 1), pen(), {}, 0);
+  const ForceSensor noisy({.noise = 1e-8}, 1, 1);  // there is something to feel
+  const TimedEpisode episode = run_in_time(scene, draw_start(scene, 1, 1), hand, noisy, T,
+                                           &feedback, std::ref(kept), go_on, never);
+  EXPECT_EQ(episode.end.outcome, Outcome::stopped_short) << episode.end.why;
+  ASSERT_GT(hand.felt.size(), static_cast<std::size_t>(kAt + 500));
+  const auto at = hand.felt.begin() + kAt;
+  EXPECT_GT(*at, 0);
+  EXPECT_EQ(*(at + 1), 0);
+  EXPECT_LT(*std::max_element(at + 1, at + 20), *std::max_element(at - 20, at));
+  EXPECT_GT(*(at + 500), 0);
 }
 
 // Without force there is no guard, and a pose that is not finite is no row.
