@@ -6,10 +6,11 @@ namespace ferrule {
 namespace {
 
 // The rim of the fibre's end: on the bore wall, the cone or the face.
-ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& tip) noexcept {
+ContactDepth end_depth(const World& world, const ContactSide& side,
+                       const PoseVector& tip) noexcept {
   const double r = world.annulus.fibre_radius;
-  const Radial radial(tip.segment<2>(1), world.annulus.clearance());
-  const double x_rim = tip[0] - r * side.outward.dot(tip.tail<2>());
+  const Radial radial(tip.e, world.annulus.clearance());
+  const double x_rim = tip.x - r * side.outward.dot(tip.t);
   const EdgeDepth d = edge_depth(world.profile, x_rim, radial.eccentricity + r);
 
   ContactDepth depth;
@@ -18,13 +19,14 @@ ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& 
     depth.value = d.face;
     depth.lean = -r * side.outward;
     depth.slope = -Vector3d::UnitX();
+    depth.curve.setZero();
     return depth;
   }
   if (d.face <= 0) return depth;
   depth.value = d.throat();
   const bool on_cone = d.cone < d.bore;
   const double tangent = on_cone ? world.profile.lead_in_tangent : 0;
-  const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+  const double cosine = on_cone ? 1 / std::sqrt(1 + tangent * tangent) : 1;
   const double sine = tangent * cosine;
   depth.lean = -r * side.outward;
   depth.slope << -sine, cosine * radial.normal;
@@ -33,14 +35,16 @@ ContactDepth end_depth(const World& world, const ContactSide& side, const Pose& 
 }
 
 // The rim of the bore's mouth on the fibre's side.
-ContactDepth side_depth(const World& world, const ContactSide& side, const Pose& tip) noexcept {
+ContactDepth side_depth(const World& world, const ContactSide& side,
+                        const PoseVector& tip) noexcept {
   ContactDepth depth;
-  if (!side.side_can_touch || tip[0] >= 0) return depth;
-  const double arm = -tip[0];
+  if (!side.side_can_touch || tip.x >= 0) return depth;
+  const double arm = -tip.x;
   const Radial radial(eccentricity(tip, arm), world.annulus.clearance());
   depth.value = radial.eccentricity - world.annulus.clearance();
   depth.arm = {arm, -1};
-  depth.slope.tail<2>() = radial.normal;
+  depth.lean.setZero();
+  depth.slope << 0, radial.normal;
   depth.curve = radial.curving;
   return depth;
 }
@@ -49,27 +53,28 @@ ContactDepth side_depth(const World& world, const ContactSide& side, const Pose&
 
 ContactSide contact_side(const World& world, const State& state) noexcept {
   ContactSide at;
-  const Vector2d e = state.tip.segment<2>(1);
+  const PoseVector tip(state.tip);
+  const Vector2d e = tip.e;
   if (e.norm() > 0) at.outward = e.normalized();
   const double r = world.annulus.fibre_radius;
-  const double x_rim = state.tip[0] - r * at.outward.dot(state.tip.tail<2>());
+  const double x_rim = tip.x - r * at.outward.dot(tip.t);
   const EdgeDepth d = edge_depth(world.profile, x_rim, e.norm() + r);
   at.side = edge_side(d, state.side);
-  at.side_can_touch = at.side == EdgeSide::throat && state.tip[0] < 0;
+  at.side_can_touch = at.side == EdgeSide::throat && tip.x < 0;
   return at;
 }
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
-                                                        const Pose& tip) noexcept {
+                                                        const PoseVector& tip) noexcept {
   return {end_depth(world, side, tip), side_depth(world, side, tip)};
 }
 
-Vector3d contact_point(const World& world, ContactPlace place, const Pose& tip) noexcept {
-  if (place == kSide) return across(eccentricity(tip, -tip[0]));
-  const Vector2d e = tip.segment<2>(1);
+Vector3d contact_point(const World& world, ContactPlace place, const PoseVector& tip) noexcept {
+  if (place == kSide) return across(eccentricity(tip, -tip.x));
+  const Vector2d e = tip.e;
   const Vector2d n = Radial(e, world.annulus.clearance()).normal;
   Vector3d point;
-  point << tip[0], e + world.annulus.fibre_radius * n;
+  point << tip.x, e + world.annulus.fibre_radius * n;
   return point;
 }
 

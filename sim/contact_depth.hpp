@@ -39,11 +39,11 @@ struct Radial {
 // The depth d [m] of one contact, -infinity where there is none, as a function of the point p = (x
 // + lean.tilt, eccentricity at `arm`), with its derivatives by that.
 struct ContactDepth {
-  double value = -INFINITY;
-  Arm arm;                            // fixed to the ferrule only where d does not depend on x
-  Vector2d lean = Vector2d::Zero();   // [m]
-  Vector3d slope = Vector3d::Zero();  // [-]
-  Matrix2d curve = Matrix2d::Zero();  // by the eccentricity [1/m]
+  double value = -INFINITY;  // the rest is only set where there is a contact
+  Arm arm;                   // fixed to the ferrule only where d does not depend on x
+  Vector2d lean;             // [m]
+  Vector3d slope;            // [-]
+  Matrix2d curve;            // by the eccentricity [1/m]
 
   // From the ferrule into the fibre, unit.
   Vector3d normal(const Vector2d& tilt) const noexcept {
@@ -75,11 +75,11 @@ struct ContactSide {
 ContactSide contact_side(const World& world, const State& state) noexcept;
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
-                                                        const Pose& tip) noexcept;
+                                                        const PoseVector& tip) noexcept;
 
 // Where the contact at `place` acts, to first order in the tilts: so that the wrench of its normal
 // there is minus the gradient of its depth.
-Vector3d contact_point(const World& world, ContactPlace place, const Pose& tip) noexcept;
+Vector3d contact_point(const World& world, ContactPlace place, const PoseVector& tip) noexcept;
 
 // A vector across the bore in three dimensions.
 inline Vector3d across(const Vector2d& n) noexcept {

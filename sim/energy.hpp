@@ -12,8 +12,8 @@ namespace ferrule {
 using Eigen::Matrix3d;
 
 // Eccentricity of the fibre's axis at arm s behind the end [m]: the vector from the bore's axis.
-inline Vector2d eccentricity(const Pose& tip, double s) noexcept {
-  return tip.segment<2>(1) + s * tip.tail<2>();
+inline Vector2d eccentricity(const PoseVector& tip, double s) noexcept {
+  return tip.e + s * tip.t;
 }
 
 // The arm s of a point of the axis, and its derivative by x: 0 for a point of the fibre, -1 for the

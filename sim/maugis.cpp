@@ -169,6 +169,58 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   return piece;
 }
 
+// Beyond the table the equations are solved: nearly Hertz, s is small.
+MaugisCurve::Value MaugisCurve::beyond(const Piece& table, double D) const noexcept {
+  const auto s_at = [&](double d) {
+    return std::exp(root([&](double p) { return D_at(true, p) - d; }, std::log(1e-14), 7.0));
+  };
+  const auto P_at = [&](double d) { return maugis_at_s(lambda_, s_at(d)).P; };
+  const MaugisPoint p = maugis_at_s(lambda_, s_at(D));
+  const double step = 1e-4 * D;
+  Value value;
+  value.P = p.P;
+  value.A = p.A;
+  value.slope = (P_at(D + step) - P_at(D - step)) / (2 * step);
+  // Simpson's rule is exact to rounding on so smooth a curve when taken in D^(1/2).
+  const double x0 = std::sqrt(table.end), x1 = std::sqrt(D);
+  constexpr int n = 32;
+  double sum = 0;
+  for (int i = 0; i <= n; ++i) {
+    const double x = x0 + (x1 - x0) * i / n;
+    sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * P_at(x * x) * 2 * x;
+  }
+  value.energy = table.energy + sum * (x1 - x0) / (3 * n);
+  return value;
+}
+
+inline MaugisCurve::Value MaugisCurve::on(const Branch& branch, double D) const noexcept {
+  const Piece* piece = &branch.pieces.front();
+  double before = 0;
+  if (branch.pieces.size() > 1 && D >= branch.pieces[1].begin) {
+    before = piece->energy;
+    piece = &branch.pieces[1];
+  }
+  Value value;
+  if (D > piece->end && !std::isfinite(branch.end)) {
+    value = beyond(*piece, D);
+    value.energy += before;
+    return value;
+  }
+  const double y = std::sqrt(std::sqrt(std::max(0.0, D - piece->begin)));
+  const double place = y * piece->cells_per_y;
+  const auto number = std::min(static_cast<std::size_t>(place), kCells - 1);
+  const double u = place - static_cast<double>(number);
+  const Cell& cell = piece->cells[number];
+  value.P = polynomial(cell.force, u);
+  value.A = polynomial(cell.radius, u);
+  // The slope is infinite where a branch begins at a fold.
+  const double y_slope = std::max(y, 1e-4);
+  value.slope =
+      polynomial_slope(cell.force, u) * piece->cells_per_y / (4 * y_slope * y_slope * y_slope);
+  value.energy = before + cell.energy + u * polynomial(cell.gained, u);
+  return value;
+}
+
 MaugisCurve::MaugisCurve(double lambda) : lambda_(lambda) {
   if (!(lambda >= 0.01 && lambda <= 100))
     throw BadInput("lambda = " + std::to_string(lambda) + ": must be from 0.01 to 100");
@@ -219,52 +271,15 @@ MaugisCurve::MaugisCurve(double lambda) : lambda_(lambda) {
   }
 }
 
-MaugisCurve::Value MaugisCurve::on(const Branch& branch, double D) const noexcept {
-  Value value;
-  const Piece* piece = &branch.pieces.front();
-  double before = 0;
-  if (branch.pieces.size() > 1 && D >= branch.pieces[1].begin) {
-    before = piece->energy;
-    piece = &branch.pieces[1];
-  }
-  if (D > piece->end && !std::isfinite(branch.end)) {
-    // Beyond the table the equations are solved: nearly Hertz, s is small.
-    const auto s_at = [&](double d) {
-      return std::exp(root([&](double p) { return D_at(true, p) - d; }, std::log(1e-14), 7.0));
-    };
-    const auto P_at = [&](double d) { return maugis_at_s(lambda_, s_at(d)).P; };
-    const MaugisPoint p = maugis_at_s(lambda_, s_at(D));
-    const double step = 1e-4 * D;
-    value.P = p.P;
-    value.A = p.A;
-    value.slope = (P_at(D + step) - P_at(D - step)) / (2 * step);
-    // Simpson's rule is exact to rounding on so smooth a curve when taken in D^(1/2).
-    const double x0 = std::sqrt(piece->end), x1 = std::sqrt(D);
-    constexpr int n = 32;
-    double sum = 0;
-    for (int i = 0; i <= n; ++i) {
-      const double x = x0 + (x1 - x0) * i / n;
-      sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * P_at(x * x) * 2 * x;
-    }
-    value.energy = before + piece->energy + sum * (x1 - x0) / (3 * n);
-    return value;
-  }
-  const double y = std::sqrt(std::sqrt(std::max(0.0, D - piece->begin)));
-  const double place = y * piece->cells_per_y;
-  const auto number = std::min(static_cast<std::size_t>(place), kCells - 1);
-  const double u = place - static_cast<double>(number);
-  const Cell& cell = piece->cells[number];
-  value.P = polynomial(cell.force, u);
-  value.A = polynomial(cell.radius, u);
-  // The slope is infinite where a branch begins at a fold.
-  const double y_slope = std::max(y, 1e-4);
-  value.slope =
-      polynomial_slope(cell.force, u) * piece->cells_per_y / (4 * y_slope * y_slope * y_slope);
-  value.energy = before + cell.energy + u * polynomial(cell.gained, u);
+MaugisCurve::Value MaugisCurve::at(double D, int branch) const noexcept {
+  if (branch == 0 || D < begins(branch) || D >= ends(branch)) return jump(D, branch);
+  Value value = on(stable_[static_cast<std::size_t>(branch - 1)], D);
+  value.branch = branch;
   return value;
 }
 
-MaugisCurve::Value MaugisCurve::at(double D, int branch) const noexcept {
+// At D, which may not be on `branch`.
+MaugisCurve::Value MaugisCurve::jump(double D, int branch) const noexcept {
   double jumped = 0;  // energy up to the last jump, less that of the branch jumped to
   const auto energy_on = [&](int b, double d) {
     return b == 0 ? 0.0 : on(stable_[static_cast<std::size_t>(b - 1)], d).energy;

@@ -91,7 +91,9 @@ class MaugisCurve {
 
   Piece tabulate(bool touching, double from, double to, double begin) const;
   double D_at(bool touching, double parameter) const noexcept;
-  Value on(const Branch& branch, double D) const noexcept;
+  inline Value on(const Branch& branch, double D) const noexcept;
+  Value beyond(const Piece& table, double D) const noexcept;
+  Value jump(double D, int branch) const noexcept;
 
   double lambda_, attaches_, pull_off_ = 0;
   std::array<Branch, 2> stable_;

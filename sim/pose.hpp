@@ -29,11 +29,18 @@ struct PoseVector {
 
   PoseVector() = default;
   PoseVector(double x_, const Vector2d& e_, const Vector2d& t_) noexcept : x(x_), e(e_), t(t_) {}
-  explicit PoseVector(const Pose& p) noexcept : x(p[0]), e(p[1], p[2]), t(p[3], p[4]) {}
+  PoseVector(const Pose& p) noexcept {
+    const Vector2d first = p.head<2>(), second = p.segment<2>(2);
+    x = first[0];
+    e = {first[1], second[0]};
+    t = {second[1], p[4]};
+  }
 
   Pose full() const noexcept {
     Pose p;
-    p << x, e, t;
+    p.head<2>() = Vector2d(x, e[0]);
+    p.segment<2>(2) = Vector2d(e[1], t[0]);
+    p[4] = t[1];
     return p;
   }
   PoseVector& operator+=(const PoseVector& p) noexcept {
@@ -48,9 +55,14 @@ struct PoseVector {
     t -= p.t;
     return *this;
   }
+  friend PoseVector operator*(double factor, const PoseVector& p) noexcept {
+    return {factor * p.x, factor * p.e, factor * p.t};
+  }
+  friend PoseVector operator-(PoseVector p, const PoseVector& q) noexcept { return p -= q; }
   double dot(const PoseVector& other) const noexcept {
     return x * other.x + e.dot(other.e) + t.dot(other.t);
   }
+  Vector3d position() const noexcept { return {x, e.x(), e.y()}; }
   // Length of its first three components: of a force or a move of the end.
   double length() const noexcept { return std::sqrt(x * x + e.squaredNorm()); }
 };

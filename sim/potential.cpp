@@ -4,12 +4,11 @@ namespace ferrule {
 namespace {
 
 // Material point of a contact: on the fibre's surface along x, on its axis across.
-Vector3d material_point(const World& world, const Lagged& lagged, const Pose& tip,
+Vector3d material_point(const World& world, const Lagged& lagged, const PoseVector& tip,
                         double arm) noexcept {
   const double r = world.annulus.fibre_radius;
-  Vector3d p;
-  p << tip[0] - r * lagged.contact.outward.dot(tip.tail<2>()), eccentricity(tip, arm);
-  return p;
+  const Vector2d e = eccentricity(tip, arm);
+  return {tip.x - r * lagged.contact.outward.dot(tip.t), e.x(), e.y()};
 }
 
 // Huber's potential of the tangential displacement: elastic while stuck, constant force beyond.
@@ -21,7 +20,7 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
 }
 
 void add_friction(Energy& total, const World& world, const Lagged& lagged,
-                  const LaggedFriction& friction, const Pose& tip) noexcept {
+                  const LaggedFriction& friction, const PoseVector& tip) noexcept {
   const Vector3d stretch =
       friction.tangential * (material_point(world, lagged, tip, friction.arm) - friction.stuck);
   const Vector2d lean = -world.annulus.fibre_radius * lagged.contact.outward;
@@ -61,8 +60,8 @@ ContactForce wall_force(const World& world, double depth) noexcept {
 struct AxialDrag {
   double energy, force, stiffness;  // the force is along x [N]
 
-  AxialDrag(const Lagged& lagged, const Pose& tip) noexcept {
-    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, -tip[0]);
+  AxialDrag(const Lagged& lagged, const PoseVector& tip) noexcept {
+    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, -tip.x);
     const double k = lagged.axial_drag, more = now - before;
     energy = k * more * more * (now + 2 * before) / 6;
     force = 0.5 * k * more * (now + before);
@@ -71,9 +70,9 @@ struct AxialDrag {
 };
 
 // Holder, weight, inertia, drag and friction: what a step adds to the forces in the bore.
-void add_step(Energy& total, const World& world, const Lagged& lagged, const Pose& tip) noexcept {
-  PoseVector move(tip);
-  move -= lagged.from;
+void add_step(Energy& total, const World& world, const Lagged& lagged,
+              const PoseVector& tip) noexcept {
+  const PoseVector move = tip - lagged.from;
   const PoseVector pull = lagged.stiffness.times(move);
   const double sprung = 0.5 * move.dot(pull), loaded = lagged.load.dot(move);
   total.value += sprung - loaded;
@@ -94,10 +93,10 @@ void add_step(Energy& total, const World& world, const Lagged& lagged, const Pos
     if (friction.acts) add_friction(total, world, lagged, friction, tip);
 }
 
-void lag_drag(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
+void lag_drag(const World& world, double dt, Lagged& lagged) noexcept {
   if (!world.drag || dt == 0 || lagged.contact.side == EdgeSide::face) return;
   const double middle = 0.5 * lagged.length, spread = lagged.length / std::sqrt(60.0);
-  const Vector2d e = eccentricity(state.tip, middle);
+  const Vector2d e = eccentricity(lagged.from, middle);
   const double radius = e.norm();
   const double length = lagged.length > 0 ? lagged.length : 1;
   const DragCoefficients c = drag(*world.drag, world.annulus, radius, length);
@@ -108,11 +107,11 @@ void lag_drag(const World& world, const State& state, double dt, Lagged& lagged)
   const Matrix2d across =
       c.tangential * Matrix2d::Identity() + (c.radial - c.tangential) * n * n.transpose();
   lagged.drag_per_move = 0.5 / dt * across;
-  PoseMatrix both;  // the arms' mean is the middle, that of their squares middle^2 + spread^2
-  both.ee = 2 * lagged.drag_per_move;
-  both.et = middle * both.ee;
-  both.tt = (middle * middle + spread * spread) * both.ee;
-  lagged.stiffness += both;
+  // The arms' mean is the middle, that of their squares middle^2 + spread^2.
+  const Matrix2d both = 2 * lagged.drag_per_move;
+  lagged.stiffness.ee += both;
+  lagged.stiffness.et += middle * both;
+  lagged.stiffness.tt += (middle * middle + spread * spread) * both;
 }
 
 void lag_inertia(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
@@ -139,16 +138,16 @@ void lag_inertia(const World& world, const State& state, double dt, Lagged& lagg
 Lagged lag(const World& world, const State& state, const Pose& hand, double dt) noexcept {
   Lagged lagged;
   lagged.hand = hand;
-  lagged.from = PoseVector(state.tip);
+  lagged.from = state.tip;
   lagged.stiffness = PoseMatrix(world.holder.stiffness);
-  const PoseVector weight(world.holder.weight), away(hand - state.tip);
-  lagged.load = lagged.stiffness.times(away);
+  const PoseVector weight = world.holder.weight;
+  lagged.load = lagged.stiffness.times(lagged.hand - lagged.from);
   lagged.load_scale = lagged.load.length() + std::abs(weight.e.x());
   lagged.load += weight;
   lagged.length = std::min(state.inserted_length(), world.profile.length);
   lagged.contact = contact_side(world, state);
   lagged.bridge = state.bridge;
-  lag_drag(world, state, dt, lagged);
+  lag_drag(world, dt, lagged);
   lag_inertia(world, state, dt, lagged);
   for (std::size_t place = 0; place < kContactPlaces; ++place)
     lagged.branch[place] = state.contact[place].branch;
@@ -189,20 +188,20 @@ Energy potential_at_start(const World& world, const Lagged& lagged,
   return total;
 }
 
-Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept {
+Potential potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept {
   Potential total;
   Energy& bore = total.bore;
   const bool inserted = lagged.contact.side_can_touch;
   if (inserted) add_surface_forces(bore, total.surface, world, lagged.length, lagged.bridge, tip);
-  if (world.meniscus && inserted && tip[0] < 0) {
+  if (world.meniscus && inserted && tip.x < 0) {
     const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
-    bore.value += pull * tip[0];
-    bore.value_scale -= pull * tip[0];
+    bore.value += pull * tip.x;
+    bore.value_scale -= pull * tip.x;
     bore.gradient.x += pull;
     bore.force_scale += pull;
   }
   total.depth = contact_depths(world, lagged.contact, tip);
-  const Vector2d tilt = tip.tail<2>();
+  const Vector2d tilt = tip.t;
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = total.depth[at];
@@ -221,14 +220,13 @@ Potential potential(const World& world, const Lagged& lagged, const Pose& tip) n
   return total;
 }
 
-void forces(const World& world, const Lagged& lagged, const Pose& tip, const Potential& there,
+void forces(const World& world, const Lagged& lagged, const PoseVector& tip, const Potential& there,
             Breakdown& b) noexcept {
-  const Vector3d end = tip.head<3>();
-  const Pose stretch = tip - lagged.hand;
-  b.holder.noalias() = world.holder.stiffness * stretch;
+  const Vector3d end = tip.position();
+  b.holder = PoseMatrix(world.holder.stiffness).times(tip - lagged.hand).full();
   b.gravity = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
 
-  const double length = -tip[0], inverse = 1 / length;
+  const double length = -tip.x, inverse = 1 / length;
   const std::array<std::array<PointForce, 2>*, kSurfaceTerms> terms = {
       &b.van_der_waals, &b.electrostatic, &b.capillary};
   for (std::size_t i = 0; i < kSurfaceTerms && length > 0; ++i) {
@@ -236,37 +234,37 @@ void forces(const World& world, const Lagged& lagged, const Pose& tip, const Pot
     const Vector2d mouth = -inverse * g.t;
     const Vector2d inside = -g.e - mouth;
     (*terms[i])[0] = {{-g.x, inside.x(), inside.y()}, end};
-    (*terms[i])[1] = {across(mouth), end + Vector3d(length, length * tip[3], length * tip[4])};
+    (*terms[i])[1] = {across(mouth),
+                      end + Vector3d(length, length * tip.t.x(), length * tip.t.y())};
   }
-  if (world.meniscus && lagged.contact.side_can_touch && tip[0] < 0)
+  if (world.meniscus && lagged.contact.side_can_touch && tip.x < 0)
     b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, end};
   if (lagged.axial_drag > 0) {
     const double axial = 0.5 * AxialDrag(lagged, tip).force;
-    PoseVector moved(tip);
-    moved -= lagged.from;
+    const PoseVector moved = tip - lagged.from;
     for (std::size_t i = 0; i < 2; ++i) {
       const double arm = lagged.drag_arm[i];
       const Vector2d e = eccentricity(tip, arm);
       const Vector2d sideways = -(lagged.drag_per_move * (moved.e + arm * moved.t));
-      b.drag[i] = {{axial, sideways.x(), sideways.y()}, {tip[0] + arm, e.x(), e.y()}};
+      b.drag[i] = {{axial, sideways.x(), sideways.y()}, {tip.x + arm, e.x(), e.y()}};
     }
   }
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = there.depth[at];
     if (depth.value == -INFINITY) continue;
-    const Vector3d normal = depth.normal(tip.tail<2>());
+    const Vector3d normal = depth.normal(tip.t);
     const Vector3d point = contact_point(world, static_cast<ContactPlace>(place), tip);
     b.wall[at] = {there.push[at].force * normal, point};
     b.adhesion[at] = {there.pull[at].force * normal, point};
     const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
     b.friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
-                      {tip[0] + friction.arm, point.y(), point.z()}};
+                      {tip.x + friction.arm, point.y(), point.z()}};
   }
 }
 
-Contacts contacts(const World& world, const Lagged& lagged, const Pose& tip,
+Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& tip,
                   const Potential& there) noexcept {
   Contacts now;
   now.bridge = lagged.contact.side_can_touch && bridge_at(world, lagged.bridge, tip);
@@ -278,7 +276,7 @@ Contacts contacts(const World& world, const Lagged& lagged, const Pose& tip,
     contact.closed = depth > 0 || there.pull[at].radius > 0;
     contact.depth = contact.closed ? depth : 0.0;
     contact.branch = there.pull[at].branch;
-    const double arm = place == kSide ? std::max(0.0, -tip[0]) : 0.0;
+    const double arm = place == kSide ? std::max(0.0, -tip.x) : 0.0;
     now.material[at] = material_point(world, lagged, tip, arm);
   }
   return now;

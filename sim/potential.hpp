@@ -21,17 +21,17 @@
 namespace ferrule {
 
 struct LaggedFriction {
-  bool acts = false;
-  Vector3d stuck = Vector3d::Zero();           // [m]
-  Matrix3d tangential = Matrix3d::Identity();  // projector onto the contact plane
-  double arm = 0;                              // s of the material point [m]
-  double limit = 0;                            // largest force [N]
-  double stiffness = 0;                        // k_t [N/m]
+  bool acts = false;    // the rest is only set where it does
+  Vector3d stuck;       // [m]
+  Matrix3d tangential;  // projector onto the contact plane
+  double arm;           // s of the material point [m]
+  double limit;         // largest force [N]
+  double stiffness;     // k_t [N/m]
 };
 
 struct Lagged {
-  Pose hand = Pose::Zero();  // the command at the step's end
-  double length = 0;         // l_f [m]
+  PoseVector hand;    // the command at the step's end
+  double length = 0;  // l_f [m]
   ContactSide contact;
   bool bridge = false;
   double adhesion_share = 1;
@@ -71,24 +71,24 @@ struct Contacts {
 // The energy at a pose, with the parts of it that forces() needs.
 struct Potential : Energy {
   Energy bore;  // surface forces, contacts and meniscus: what does not depend on the step itself
-  SurfaceGradients surface;
+  SurfaceGradients surface = {PoseVector(), PoseVector(), PoseVector()};
   std::array<ContactDepth, kContactPlaces> depth;
   std::array<ContactForce, kContactPlaces> push;   // of the wall
   std::array<AdhesionForce, kContactPlaces> pull;  // of the adhesion
 };
 
 // Where the step ends at `tip`. The energy is that of the step, up to a constant.
-Potential potential(const World& world, const Lagged& lagged, const Pose& tip) noexcept;
+Potential potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept;
 
 // Its gradient and Hessian where the step starts, from those of the bore's part there.
 Energy potential_at_start(const World& world, const Lagged& lagged,
                           const KnownForces& bore) noexcept;
 
 // The same forces term by term, into a breakdown of nothing; `there` is the potential at `tip`.
-void forces(const World& world, const Lagged& lagged, const Pose& tip, const Potential& there,
+void forces(const World& world, const Lagged& lagged, const PoseVector& tip, const Potential& there,
             Breakdown& nothing_yet) noexcept;
 
-Contacts contacts(const World& world, const Lagged& lagged, const Pose& tip,
+Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& tip,
                   const Potential& there) noexcept;
 
 }  // namespace ferrule

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "sim/ferrule_profile.hpp"
 #include "sim/pose.hpp"
@@ -23,7 +24,6 @@ struct ContactState {
 // (sim/step.cpp). They follow from the rest of the state: without them a step takes an evaluation
 // more.
 struct KnownForces {
-  bool known = false;
   Pose at = Pose::Zero();  // [m, rad]
   PoseVector gradient;     // of their energy [N, N m]
   PoseMatrix hessian;      // [N/m, N/rad, N m/rad]
@@ -42,7 +42,7 @@ struct State {
   Pose tip_before = Pose::Zero();       // [m, rad]
   Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
   double dt_before = 0;                 // [s]
-  KnownForces known;                    // no part of a row
+  std::optional<KnownForces> known;     // no part of a row
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }

@@ -1,7 +1,6 @@
 #include "sim/step.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -27,7 +26,10 @@ constexpr double kStraight = 0.3;  // of the gradient, that known forces may be 
 
 // A search for the minimum: where it has got to.
 struct Minimum {
-  Pose tip;
+  Minimum(const World& world, const Lagged& lagged, const PoseVector& start) noexcept
+      : tip(start), there(potential(world, lagged, start)) {}
+
+  PoseVector tip;
   Potential there;
   PoseVector curvature = {};  // KnownForces::curvature
   int iterations = 0;
@@ -42,9 +44,9 @@ double residual(const World& world, const PoseVector& gradient) noexcept {
 
 // The inverse of a symmetric matrix; false where it is not positive definite.
 bool invert(const Matrix2d& m, Matrix2d& inverse) noexcept {
-  double determinant = 0;
-  bool invertible = false;
-  m.computeInverseAndDetWithCheck(inverse, determinant, invertible, 0.0);
+  const double determinant = m(0, 0) * m(1, 1) - m(1, 0) * m(0, 1), over = 1 / determinant;
+  inverse.col(0) = Vector2d(m(1, 1), -m(1, 0)) * over;
+  inverse.col(1) = Vector2d(-m(0, 1), m(0, 0)) * over;
   return m(0, 0) > 0 && determinant > 0;
 }
 
@@ -109,7 +111,7 @@ bool take_the_rest(const World& world, const Lagged& lagged, const PoseVector& r
   if (!(residual(world, there.gradient) <= kNearForce * there.force_scale &&
         way_of(world, lagged, rest) <= kNearMove * world.annulus.clearance()))
     return false;
-  found.tip += rest.full();
+  found.tip += rest;
   there.bore.gradient += there.bore.hessian.times(rest);
   found.converged = true;
   return true;
@@ -137,20 +139,20 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
     // forces a step longer than the clearance tells nothing.
     const double reach = std::max(newton.e.norm(), turn);
     double fraction = lagged.length > 0 && reach > clearance ? clearance / reach : 1;
-    const Pose direction = newton.full();
     const double slope = here.gradient.dot(newton);
     bool moved = false;
     for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
-      const Pose trial = found.tip + fraction * direction;
+      PoseVector trial = found.tip;
+      trial += fraction * newton;
       const Potential there = potential(world, lagged, trial);
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
-          1e-15 * (here.value_scale + here.force_scale * (found.tip.head<3>().norm() + radius));
+          1e-15 * (here.value_scale + here.force_scale * (found.tip.length() + radius));
       const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
       const bool level =
           there.value <= here.value + rounding && residual(world, there.gradient) < left;
       if (lower || level) {
-        moved = (trial.array() != found.tip.array()).any();
+        moved = trial.full() != found.tip.full();
         found.tip = trial;
         found.there = there;
         break;
@@ -163,26 +165,25 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
 // Where the forces known from the last step say that this one ends.
 struct Foretold {
   bool told = false;
-  Pose tip;
+  PoseVector tip;
   Eliminated hessian;
   PoseVector move = {};
   double slope = 0;  // of the energy along the move, < 0
 };
 
 Foretold foretell(const World& world, const Lagged& lagged, const State& state) noexcept {
-  const KnownForces& known = state.known;
   Foretold end;
   end.tip = state.tip;
-  if (!known.known || known.at != state.tip) return end;
-  Energy here = potential_at_start(world, lagged, known);
-  here.gradient += known.curvature;
+  if (!state.known || state.known->at != state.tip) return end;
+  Energy here = potential_at_start(world, lagged, *state.known);
+  here.gradient += state.known->curvature;
   if (!end.hessian.of(here.hessian)) return end;
   end.move = end.hessian.solve(here.gradient);
   end.slope = end.move.dot(here.gradient);
   const double way = way_of(world, lagged, end.move);
   if (!(end.slope < 0 && way >= kResolution && way <= kShortMove * world.annulus.clearance()))
     return end;
-  end.tip += end.move.full();
+  end.tip += end.move;
   end.told = true;
   return end;
 }
@@ -190,10 +191,11 @@ Foretold foretell(const World& world, const Lagged& lagged, const State& state) 
 // Goes on from where forces known before told that the step ends, and their evaluation there. False
 // if they told wrong.
 bool follow(const World& world, const Lagged& lagged, const Foretold& end,
-            Minimum& found) noexcept {
+            const PoseVector& curvature, Minimum& found) noexcept {
   const Potential& there = found.there;
   if (!(std::abs(end.move.dot(there.gradient)) <= -kStraight * end.slope)) return false;
   found.iterations = 1;
+  found.curvature = curvature;
   found.curvature += there.gradient;
   if (residual(world, there.gradient) <= kNearForce * there.force_scale)
     take_the_rest(world, lagged, end.hessian.solve(there.gradient), found);
@@ -227,7 +229,7 @@ Lagged lag_again(const World& world, const State& start, const Lagged& first,
   State there = start;
   there.tip = tip;
   there.side = first.contact.side;
-  const Lagged now = lag(world, there, first.hand, 0);
+  const Lagged now = lag(world, there, first.hand.full(), 0);
   Lagged again = first;
   again.length = now.length;
   again.contact = now.contact;
@@ -254,16 +256,17 @@ bool flies_free(const World& world, const State& state, const Pose& hand) noexce
   if (!(std::min(state.tip[0], state.hand[0]) > reach)) return false;
   const double lever = world.annulus.fibre_radius;
   const Pose goal = hand + world.holder.sag;
-  return std::min({state.tip[0], state.hand[0], goal[0]}) -
-             lever * (state.tip.tail<2>().cwiseAbs().sum() + goal.tail<2>().cwiseAbs().sum()) >
+  const auto tilt = [](const Pose& p) { return std::abs(p[3]) + std::abs(p[4]); };
+  return std::min({state.tip[0], state.hand[0], goal[0]}) - lever * (tilt(state.tip) + tilt(goal)) >
          reach;
 }
 
 int substeps_for(const World& world, const State& state, const Pose& hand, double dt) noexcept {
-  const int fewest = static_cast<int>(
-      std::clamp<double>(std::ceil(dt / world.longest_step * (1 - 1e-9)), 1, kMaxSubsteps));
-  PoseVector move(hand);
-  move -= PoseVector(state.hand);
+  int fewest = 1;
+  if (dt > world.longest_step)
+    fewest = static_cast<int>(
+        std::clamp<double>(std::ceil(dt / world.longest_step * (1 - 1e-9)), 1, kMaxSubsteps));
+  const PoseVector move = PoseVector(hand) - state.hand;
   const double clearance = world.annulus.clearance();
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
   const double travel = move.length() + lever * move.t.norm();
@@ -296,13 +299,10 @@ void advance(const World& world, const Pose& command, double dt, int depth,
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
   const Foretold end =
       holds_still ? Foretold{false, state.tip, {}} : foretell(world, lagged, state);
-  Minimum found{end.tip, potential(world, lagged, end.tip), state.known.curvature};
-  if (!end.told || !follow(world, lagged, end, found)) {
-    found.curvature = {};
-    if (end.told) {
-      found.tip = state.tip;
-      found.there = potential(world, lagged, state.tip);
-    }
+  Minimum found(world, lagged, end.tip);
+  if (end.told && !follow(world, lagged, end, state.known->curvature, found)) {
+    found.tip = state.tip;
+    found.there = potential(world, lagged, state.tip);
   }
   if (holds_still)
     found.converged = true;
@@ -311,7 +311,7 @@ void advance(const World& world, const Pose& command, double dt, int depth,
   result.iterations += found.iterations;
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
-    lagged = lag_again(world, state, lagged, found.tip);
+    lagged = lag_again(world, state, lagged, found.tip.full());
     const int before = found.iterations;
     found.iterations = 0;
     found.there = potential(world, lagged, found.tip);
@@ -326,7 +326,7 @@ void advance(const World& world, const Pose& command, double dt, int depth,
                           move.tail<2>().norm() * (lagged.length + world.annulus.fibre_radius);
     const bool search = !found.converged && depth < kMostHalvings && travel > 0;
     const bool locate = depth < kMostEventHalvings && travel > world.event_travel &&
-                        is_event(state, now, lagged.contact.side, found.tip, travel);
+                        is_event(state, now, lagged.contact.side, found.tip.full(), travel);
     return search || locate;
   };
   if ((!found.converged || std::isfinite(world.event_travel)) && to_halve()) {
@@ -337,42 +337,54 @@ void advance(const World& world, const Pose& command, double dt, int depth,
     return;
   }
   if (!found.converged) result.status = StepStatus::not_converged;
-  update_velocity(lagged, found.tip, dt, state);
-  state.tip = found.tip;
+  const Pose tip = found.tip.full();
+  update_velocity(lagged, tip, dt, state);
+  state.tip = tip;
   state.hand = command;
   state.side = lagged.contact.side;
   update_contacts(lagged, now, state);
   state.bridge = now.bridge;
   const Energy& bore = found.there.bore;
-  state.known = {true, found.tip, bore.gradient, bore.hessian, found.curvature};
+  state.known.emplace(tip, bore.gradient, bore.hessian, found.curvature);
   if (result.substeps > 0) result.forces = {};
   forces(world, lagged, found.tip, found.there, result.forces);
   ++result.substeps;
 }
 
+// Free flight: the end hangs on the holder.
+StepResult hang(const World& world, const State& state, const Pose& hand, double dt) noexcept {
+  StepResult result;
+  State& now = result.state;
+  now.tip = hand + world.holder.sag;
+  now.hand = hand;
+  now.time = state.time + dt;
+  now.side = state.side;
+  now.velocity = state.velocity;
+  now.tip_before = state.tip_before;
+  now.velocity_before = state.velocity_before;
+  now.dt_before = state.dt_before;
+  result.forces.holder = world.holder.weight;
+  result.forces.gravity = {{0, world.holder.weight[1], 0},
+                           now.tip.head<3>() + world.holder.weight_arm};
+  result.substeps = 1;
+  return result;
+}
+
+// Nothing to do: the state is unchanged, and so are the forces.
+StepResult refuse(const World& world, const State& state) noexcept {
+  StepResult result(state);
+  result.status = StepStatus::bad_command;
+  const Lagged lagged = lag(world, state, state.hand, 0);
+  forces(world, lagged, state.tip, potential(world, lagged, state.tip), result.forces);
+  return result;
+}
+
 }  // namespace
 
 StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept {
-  StepResult result{state, {}};
-  if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) {
-    result.status = StepStatus::bad_command;
-    const Lagged lagged = lag(world, state, state.hand, 0);
-    forces(world, lagged, state.tip, potential(world, lagged, state.tip), result.forces);
-    return result;
-  }
-  if (flies_free(world, state, hand)) {
-    result.state.tip = hand + world.holder.sag;
-    result.state.hand = hand;
-    result.state.time = state.time + dt;
-    result.state.bridge = false;
-    result.state.contact = {};
-    result.state.known.known = false;
-    result.forces.holder = world.holder.weight;
-    result.forces.gravity = {{0, world.holder.weight[1], 0},
-                             result.state.tip.head<3>() + world.holder.weight_arm};
-    result.substeps = 1;
-    return result;
-  }
+  if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
+  if (flies_free(world, state, hand)) return hang(world, state, hand, dt);
+  StepResult result(state);
   const Pose from = state.hand;
   const int parts = substeps_for(world, state, hand, dt);
   for (int k = 1; k <= parts; ++k) {

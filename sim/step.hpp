@@ -24,6 +24,9 @@ enum class StepStatus {
 };
 
 struct StepResult {
+  StepResult() = default;
+  explicit StepResult(const State& start) noexcept : state(start) {}
+
   State state;
   Breakdown forces;
   StepStatus status = StepStatus::ok;

@@ -17,11 +17,11 @@ constexpr double kClosedFormError = 1e-3;
 constexpr double kGaussTwo = 0.57735026918962576451;  // 1/sqrt(3)
 
 // Inserted length of the pose itself, and its derivative by x.
-double inserted(const World& world, const Pose& tip) noexcept {
-  return std::clamp(-tip[0], 0.0, world.profile.length);
+double inserted(const World& world, const PoseVector& tip) noexcept {
+  return std::clamp(-tip.x, 0.0, world.profile.length);
 }
-double inserted_slope(const World& world, const Pose& tip) noexcept {
-  return tip[0] < 0 && -tip[0] < world.profile.length ? -1 : 0;
+double inserted_slope(const World& world, const PoseVector& tip) noexcept {
+  return tip.x < 0 && -tip.x < world.profile.length ? -1 : 0;
 }
 
 template <class Law>
@@ -39,11 +39,11 @@ Nodes nodes_of(const World& world, Form form) noexcept {
 }
 
 void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, Nodes laws,
-               bool follows, double length, bool bridge, const Pose& tip,
+               bool follows, double length, bool bridge, const PoseVector& tip,
                SurfaceGradients& by_term) noexcept {
   const double slope = follows ? inserted_slope(world, tip) : 0;
   const double c = world.annulus.clearance();
-  const Vector2d tilt = tip.tail<2>();
+  const Vector2d tilt = tip.t;
   for (int n = 0; n < quadrature.order; ++n) {
     const double node = quadrature.node[static_cast<std::size_t>(n)];
     const double weight = quadrature.weight[static_cast<std::size_t>(n)];
@@ -91,8 +91,8 @@ void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, 
 struct Apart {
   double from, to;
 };
-Apart apart(const Pose& tip, double length, double widest) noexcept {
-  const Vector2d e = tip.segment<2>(1), t = tip.tail<2>();
+Apart apart(const PoseVector& tip, double length, double widest) noexcept {
+  const Vector2d e = tip.e, t = tip.t;
   const double limit = widest * widest;
   const bool begins_apart = e.squaredNorm() <= limit;
   const bool ends_apart = (e + length * t).squaredNorm() <= limit;
@@ -122,52 +122,105 @@ struct LocalLaw {
   }
 };
 
-void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law, const Pose& tip,
-                     SurfaceGradients& by_term) noexcept {
+// The stretches where the mean surfaces touch and the laws end (sim/corrected_range.hpp), by
+// Gauss-Legendre of order 2: the two nodes of a stretch are computed side by side.
+class Touching {
+ public:
+  using Pair = Eigen::Array2d;
+
+  // Force and energy per length at the closest, `thinnest` apart from contact [N/m], [J/m].
+  Touching(double closest, double thinnest, double force, double value) noexcept
+      : closest_(closest), per_thinnest_(1 / thinnest), at_closest_(force), value_at_(value) {}
+
+  void add(const PoseVector& tip, double from, double to) noexcept {
+    const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
+    const double spread = kGaussTwo * half, steepest = half * at_closest_;
+    const Pair arm(middle - spread, middle + spread);
+    const Pair y = tip.e.x() + arm * tip.t.x(), z = tip.e.y() + arm * tip.t.y();
+    const Pair radius = (y * y + z * z).sqrt(), inverse = 1 / radius;
+    const Pair over = radius - closest_, part = over * per_thinnest_;
+    const Pair value = half * value_at_ + steepest * over * (1 - 0.5 * part);
+    const Pair force = steepest * (1 - part), per_e = force * inverse;
+    const Pair along = (per_e + steepest * per_thinnest_) * inverse * inverse;
+    value_ += value;
+    value_scale_ += value.abs();
+    force_scale_ += force.abs();
+    const Pair pull_y = per_e * y, pull_z = per_e * z;
+    pull_y_ += pull_y;
+    pull_z_ += pull_z;
+    turn_y_ += arm * pull_y;
+    turn_z_ += arm * pull_z;
+    yy_.add(arm, per_e - along * y * y);
+    yz_.add(arm, -along * y * z);
+    zz_.add(arm, per_e - along * z * z);
+  }
+
+  Vector2d pull() const noexcept { return {pull_y_.sum(), pull_z_.sum()}; }
+  Vector2d turn() const noexcept { return {turn_y_.sum(), turn_z_.sum()}; }
+
+  void add_to(Energy& total) const noexcept {
+    total.value += value_.sum();
+    total.value_scale += value_scale_.sum();
+    total.force_scale += force_scale_.sum();
+    total.gradient.e += pull();
+    total.gradient.t += turn();
+    total.hessian.ee += symmetric(yy_.zeroth, yz_.zeroth, zz_.zeroth);
+    total.hessian.et += symmetric(yy_.first, yz_.first, zz_.first);
+    total.hessian.tt += symmetric(yy_.second, yz_.second, zz_.second);
+  }
+
+ private:
+  // Sums over the nodes of a quantity times powers of the arm.
+  struct Moments {
+    Pair zeroth = Pair::Zero(), first = Pair::Zero(), second = Pair::Zero();
+
+    void add(const Pair& arm, const Pair& quantity) noexcept {
+      const Pair once = arm * quantity;
+      zeroth += quantity;
+      first += once;
+      second += arm * once;
+    }
+  };
+
+  static Matrix2d symmetric(const Pair& yy, const Pair& yz, const Pair& zz) noexcept {
+    const double mixed = yz.sum();
+    Matrix2d m;
+    m.col(0) = Vector2d(yy.sum(), mixed);
+    m.col(1) = Vector2d(mixed, zz.sum());
+    return m;
+  }
+
+  double closest_, per_thinnest_, at_closest_, value_at_;
+  Pair value_ = Pair::Zero(), value_scale_ = Pair::Zero(), force_scale_ = Pair::Zero();
+  Pair pull_y_ = Pair::Zero(), pull_z_ = Pair::Zero();
+  Pair turn_y_ = Pair::Zero(), turn_z_ = Pair::Zero();
+  Moments yy_, yz_, zz_;
+};
+
+void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law,
+                     const PoseVector& tip, SurfaceGradients& by_term) noexcept {
   constexpr std::array<SurfaceTerm, 2> terms = {kVanDerWaals, kElectrostatic};
   const double length = inserted(world, tip);
-  const Vector2d tilt = tip.tail<2>();
+  const Vector2d tilt = tip.t;
   const double widest =
       law.clearance - std::max(world.annulus.roughness, printed::kInteratomicDistance);
   const Apart free = apart(tip, length, widest);
 
-  // Where the mean surfaces touch, the laws end (sim/corrected_range.hpp): Gauss-Legendre of order
-  // 2.
   const LocalLaw end(law, widest * widest);
   const double thinnest = law.clearance - widest;
-  const double at_edge = widest * (end.per_e[0] + end.per_e[1]), per_thinnest = 1 / thinnest;
-  PoseVector touching;
-  const auto add_touching = [&](double from, double to) {
-    if (!(to > from)) return;
-    const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
-    const double spread = kGaussTwo * half, steepest = half * at_edge;
-    for (const double arm : {middle - spread, middle + spread}) {
-      const Vector2d e = eccentricity(tip, arm);
-      const double radius = e.norm(), inverse = 1 / radius;
-      const double over = radius - widest, part = over * per_thinnest;
-      const double value =
-          half * (end.value[0] + end.value[1]) + steepest * over * (1 - 0.5 * part);
-      const double force = steepest * (1 - part), per_e = force * inverse;
-      const double along = (per_e + steepest * per_thinnest) * inverse * inverse;
-      total.value += value;
-      total.value_scale += std::abs(value);
-      total.force_scale += std::abs(force);
-      const Vector2d pull = per_e * e;
-      Matrix2d curve = -along * e * e.transpose();
-      curve.diagonal().array() += per_e;
-      total.add_across(tilt, {arm, 0}, pull, curve);
-      touching.e += pull;
-      touching.t += arm * pull;
-    }
-  };
-  add_touching(0, free.from);
-  add_touching(free.to, length);
-  if (at_edge != 0)
+  const double at_edge = widest * (end.per_e[0] + end.per_e[1]);
+  if (at_edge != 0 && (free.from > 0 || free.to < length)) {
+    Touching touching(widest, thinnest, at_edge, end.value[0] + end.value[1]);
+    if (free.from > 0) touching.add(tip, 0, free.from);
+    if (free.to < length) touching.add(tip, free.to, length);
+    touching.add_to(total);
+    const double per_edge = widest / at_edge;
     for (std::size_t i = 0; i < 2; ++i) {
-      const double share = widest * end.per_e[i] / at_edge;
-      by_term[terms[i]].e += share * touching.e;
-      by_term[terms[i]].t += share * touching.t;
+      const double share = per_edge * end.per_e[i];
+      by_term[terms[i]].e += share * touching.pull();
+      by_term[terms[i]].t += share * touching.turn();
     }
+  }
   if (free.to > free.from) {
     const double part = free.to - free.from;
     const LineMean mean = line_mean(law, eccentricity(tip, free.from), eccentricity(tip, free.to));
@@ -198,10 +251,11 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   const bool touches = radius2 > limit2;
   LocalLaw mouth = touches ? end : LocalLaw(law, radius2);
   if (touches) {
-    const double radius = std::sqrt(radius2), over = radius - widest;
+    const double radius = std::sqrt(radius2), over = radius - widest, part = over / thinnest;
+    const double more = widest * over * (1 - 0.5 * part), less = widest / radius * (1 - part);
     for (std::size_t i = 0; i < 2; ++i) {
-      mouth.value[i] += mouth.per_e[i] * widest * over * (1 - 0.5 * over / thinnest);
-      mouth.per_e[i] *= widest / radius * (1 - over / thinnest);
+      mouth.value[i] += mouth.per_e[i] * more;
+      mouth.per_e[i] *= less;
     }
   }
   for (std::size_t i = 0; i < 2; ++i) by_term[terms[i]].x += slope * mouth.value[i];
@@ -222,11 +276,11 @@ bool electrostatic_in_closed_form(const World& world) noexcept {
 }
 
 void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& world,
-                        double printed_length, bool bridge, const Pose& tip) noexcept {
+                        double printed_length, bool bridge, const PoseVector& tip) noexcept {
   const Nodes printed = nodes_of(world, Form::printed);
   if (printed_length > 0 && printed.any())
     add_nodes(total, world, kMiddle, printed, false, printed_length, bridge, tip, by_term);
-  if (tip[0] >= 0) return;
+  if (tip.x >= 0) return;
   Nodes corrected = nodes_of(world, Form::corrected);
   const bool attracts = corrected.van_der_waals && world.closed_form;
   const bool charged = corrected.electrostatic && electrostatic_in_closed_form(world);
@@ -242,8 +296,8 @@ void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& w
               by_term);
 }
 
-bool bridge_at(const World& world, bool bridge, const Pose& tip) noexcept {
-  if (!world.capillary || tip[0] >= 0) return false;
+bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept {
+  if (!world.capillary || tip.x >= 0) return false;
   // The smallest gap is at an end of the length, the distance of a straight line from the axis
   // being convex.
   const double gap =

@@ -22,12 +22,12 @@ using SurfaceGradients = std::array<PoseVector, kSurfaceTerms>;
 // Adds them to `total` at `tip`, and each term's part to `by_term`. `printed_length` [m] is what
 // the printed forces act along, `bridge` whether liquid spans the gap.
 void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& world,
-                        double printed_length, bool bridge, const Pose& tip) noexcept;
+                        double printed_length, bool bridge, const PoseVector& tip) noexcept;
 
 // Whether the corrected electrostatic force is taken in closed form in this world.
 bool electrostatic_in_closed_form(const World& world) noexcept;
 
 // Whether liquid spans the gap at `tip`: it does up to the bridge's reach.
-bool bridge_at(const World& world, bool bridge, const Pose& tip) noexcept;
+bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept;
 
 }  // namespace ferrule

@@ -12,20 +12,27 @@ struct OfEnds {
   double uu = 0, uv = 0, vv = 0, ud = 0, vd = 0, dd = 0;
 };
 
+// The ends' u, v and d with what both means take from them.
+struct Ends {
+  double u, v, d;
+  double iu = 1 / u, iv = 1 / v;
+  double sum = u + v, W = 1 / (sum * sum + d);
+};
+
 // 2 (1/u + 1/v) W, W = 1/((u + v)^2 + d), times `factor`.
-OfEnds cubed_mean(double factor, double u, double v, double d) noexcept {
-  const double sum = u + v, p = 1 / (u * v), W = 1 / (sum * sum + d);
-  const double iu = v * p, iv = u * p, s = sum * p;
-  const double W1 = factor * W, W2 = W1 * W, W3 = W2 * W;
+OfEnds cubed_mean(double factor, const Ends& ends) noexcept {
+  const double iu = ends.iu, iv = ends.iv, sum = ends.sum, s = iu + iv;
+  const double W1 = factor * ends.W, W2 = W1 * ends.W, W3 = W2 * ends.W;
   const double common = sum * s * W2, steep = 16 * sum * sum * s * W3 - 4 * s * W2;
+  const double turn = 8 * sum * s * W3;
   OfEnds f;
   f.value = 2 * s * W1;
   f.d = -2 * s * W2;
   f.dd = 4 * s * W3;
   f.u = -2 * iu * iu * W1 - 4 * common;
   f.v = -2 * iv * iv * W1 - 4 * common;
-  f.ud = 2 * iu * iu * W2 + 8 * sum * s * W3;
-  f.vd = 2 * iv * iv * W2 + 8 * sum * s * W3;
+  f.ud = 2 * iu * iu * W2 + turn;
+  f.vd = 2 * iv * iv * W2 + turn;
   f.uu = 4 * iu * iu * iu * W1 + 8 * sum * iu * iu * W2 + steep;
   f.vv = 4 * iv * iv * iv * W1 + 8 * sum * iv * iv * W2 + steep;
   f.uv = 4 * sum * (iu * iu + iv * iv) * W2 + steep;
@@ -36,7 +43,8 @@ OfEnds cubed_mean(double factor, double u, double v, double d) noexcept {
 struct Arc {
   double value, first, second;
 };
-Arc arc(double t, double open) noexcept {
+Arc arc(double z, double open) noexcept {
+  const double t = z * z;
   if (t < 0.02) {
     constexpr std::array<double, 10> c = {1.0,       -1.0 / 3, 1.0 / 5,   -1.0 / 7, 1.0 / 9,
                                           -1.0 / 11, 1.0 / 13, -1.0 / 15, 1.0 / 17, -1.0 / 19};
@@ -48,16 +56,16 @@ Arc arc(double t, double open) noexcept {
     }
     return sum;
   }
-  const double z = std::sqrt(t), half = 0.5 / t;
-  const double value = std::atan(z) / z;
+  const double per_z = 1 / z, half = 0.5 * per_z * per_z;
+  const double value = std::atan(z) * per_z;
   const double first = (open - value) * half;
   return {value, first, -(open * open + 3 * first) * half};
 }
 
 // 2 arc(d/(u + v)^2)/(u + v), times `factor`. Its derivative by u + v is -2 open/(u + v)^2.
-OfEnds single_mean(double factor, double u, double v, double d) noexcept {
-  const double i = 1 / (u + v), i2 = i * i, t = d * i2, open = 1 / (1 + t);
-  const Arc A = arc(t, open);
+OfEnds single_mean(double factor, const Ends& ends) noexcept {
+  const double i = 1 / ends.sum, i2 = i * i, open = ends.sum * ends.sum * ends.W;
+  const Arc A = arc(std::sqrt(ends.d) * i, open);
   const double f1 = 2 * factor * i, f2 = f1 * i, f3 = f2 * i;
   OfEnds f;
   f.value = f1 * A.value;
@@ -86,10 +94,10 @@ TiltedAnnulus TiltedAnnulus::of(const VanDerWaals* van_der_waals,
 
 LineMean line_mean(const TiltedAnnulus& law, const Vector2d& e_a, const Vector2d& e_b) noexcept {
   const double C2 = law.clearance * law.clearance;
-  const double u = std::sqrt(C2 - e_a.squaredNorm()), v = std::sqrt(C2 - e_b.squaredNorm());
   const Vector2d apart = e_b - e_a;
-  const double d = apart.squaredNorm();
-  const double iu = 1 / u, iv = 1 / v;
+  const Ends ends{std::sqrt(C2 - e_a.squaredNorm()), std::sqrt(C2 - e_b.squaredNorm()),
+                  apart.squaredNorm()};
+  const double iu = ends.iu, iv = ends.iv;
 
   LineMean mean;
   OfEnds sum;
@@ -107,26 +115,24 @@ LineMean line_mean(const TiltedAnnulus& law, const Vector2d& e_a, const Vector2d
     sum.vd += f.vd;
     sum.dd += f.dd;
   };
-  if (law.cubed != 0) add(0, cubed_mean(-law.cubed, u, v, d));
-  if (law.single != 0) add(1, single_mean(-law.single, u, v, d));
+  if (law.cubed != 0) add(0, cubed_mean(-law.cubed, ends));
+  if (law.single != 0) add(1, single_mean(-law.single, ends));
 
   // Chain rule: du/de_a = -e_a/u, d(du/de_a)/de_a = -(1 + e_a e_a/u^2)/u, and so on.
   const double fu = sum.u * iu, fv = sum.v * iv;
   const double along_a = (sum.uu - fu) * iu * iu, along_b = (sum.vv - fv) * iv * iv;
   const double turn_a = 2 * sum.ud * iu, turn_b = 2 * sum.vd * iv, both = sum.uv * iu * iv;
-  const double ax = e_a.x(), ay = e_a.y(), bx = e_b.x(), by = e_b.y();
-  const double dx = apart.x(), dy = apart.y(), two = 2 * sum.d;
-  const double dxx = 4 * sum.dd * dx * dx, dxy = 4 * sum.dd * dx * dy, dyy = 4 * sum.dd * dy * dy;
-  const double aa_xy = along_a * ax * ay + turn_a * (ax * dy + dx * ay) + dxy;
-  const double bb_xy = along_b * bx * by - turn_b * (bx * dy + dx * by) + dxy;
-  mean.aa << along_a * ax * ax + 2 * turn_a * ax * dx + dxx + two - fu, aa_xy, aa_xy,
-      along_a * ay * ay + 2 * turn_a * ay * dy + dyy + two - fu;
-  mean.bb << along_b * bx * bx - 2 * turn_b * bx * dx + dxx + two - fv, bb_xy, bb_xy,
-      along_b * by * by - 2 * turn_b * by * dy + dyy + two - fv;
-  mean.ab << both * ax * bx - turn_a * ax * dx + turn_b * dx * bx - dxx - two,
-      both * ax * by - turn_a * ax * dy + turn_b * dx * by - dxy,
-      both * ay * bx - turn_a * ay * dx + turn_b * dy * bx - dxy,
-      both * ay * by - turn_a * ay * dy + turn_b * dy * by - dyy - two;
+  const double two = 2 * sum.d;
+  const Vector2d steep = 4 * sum.dd * apart;
+  const Vector2d a_by_a = along_a * e_a + turn_a * apart, apart_by_a = turn_a * e_a + steep;
+  const Vector2d b_by_b = along_b * e_b - turn_b * apart, apart_by_b = turn_b * e_b - steep;
+  const Vector2d a_by_b = both * e_b - turn_a * apart;
+  mean.aa = e_a * a_by_a.transpose() + apart * apart_by_a.transpose();
+  mean.bb = e_b * b_by_b.transpose() - apart * apart_by_b.transpose();
+  mean.ab = e_a * a_by_b.transpose() + apart * apart_by_b.transpose();
+  mean.aa.diagonal().array() += two - fu;
+  mean.bb.diagonal().array() += two - fv;
+  mean.ab.diagonal().array() -= two;
   return mean;
 }
 

@@ -40,7 +40,7 @@ TEST(Step, FreeFlightHangsBelowTheHandByWeightOverStiffness) {
 TEST(Step, EndsWhereTheHolderBalancesAllOtherForces) {
   const Scene scene = testing::paper();
   State state = draw_start(scene, 5, 1);
-  StepResult r{state, {}, StepStatus::ok, 0, 0};
+  StepResult r(state);
   for (int n = 0; n < 6000; ++n) {
     Pose hand = r.state.hand;
     hand[0] -= 8e-9;
