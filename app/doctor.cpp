@@ -51,7 +51,7 @@ std::string mend_locking(int error) {
 }
 
 int doctor(const Arguments& a) {
-  if (a.device == "auto" || a.device.starts_with("fake:") || a.device.starts_with("/dev/"))
+  if (a.device == "auto" || a.device.starts_with("fake:") || a.device.starts_with("/dev/hidraw"))
     throw BadInput("--device " + a.device +
                    ": must be a profile, \"pen\" or a file; devices that are connected are listed "
                    "with any");
