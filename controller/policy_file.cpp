@@ -120,11 +120,17 @@ std::string read_weights(const std::string& file) {
 
 }  // namespace
 
-void write_policy(const std::string& file, const PolicyFile& p) {
-  const Policy& policy = p.policy;
+std::string weights_file(const std::string& file) {
   const fs::path weights = fs::path(file).replace_extension(".safetensors");
   if (weights == fs::path(file))
     throw BadInput(file + ": a controller file must not end in .safetensors, its weights do");
+  return weights.string();
+}
+
+void write_policy(const std::string& file, const PolicyFile& p) {
+  const Policy& policy = p.policy;
+  const fs::path weights = weights_file(file);
+  if (fs::is_directory(file)) throw FileTrouble(file + ": is a directory");
   const std::string bytes =
       safetensors_bytes(to_tensors(policy.members), {{"format", kFormat}, {"method", "torch"}});
 

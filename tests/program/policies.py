@@ -248,6 +248,9 @@ int main(void) {
         self.needs_torch()
         self.refused(2, "fit", self.episodes, "--method", "torch", "--out", self.path("x.safetensors"),
                      says=[".safetensors"])
+        os.mkdir(self.path("taken.safetensors"))
+        self.refused(3, "fit", self.episodes, "--method", "torch", "--out", self.path("taken.json"),
+                     says=["taken.safetensors"])
         good = open(self.shared + "/c.safetensors", "rb").read()
         shutil.copy(self.file, self.folder)
         for bad in (b"", good[:7], good[:100], good[:-4], good + b"0000", b"\xff" * 8 + good[8:],
