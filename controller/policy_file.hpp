@@ -8,14 +8,9 @@
 #include <vector>
 
 #include "controller/policy.hpp"
-#include "sim/json_fields.hpp"
+#include "controller/trained_episode.hpp"
 
 namespace ferrule {
-
-// An episode it was trained on or held against.
-struct TrainedEpisode {
-  std::string file, sha1;
-};
 
 // How one member's training went.
 struct MemberTraining {
