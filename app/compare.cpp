@@ -152,6 +152,7 @@ void print_tables(const std::vector<Entry>& entries) {
                d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
   }
   fmt::print("of the same trials, alone; time and peak force: medians of the differences\n");
+  std::fflush(stdout);  // what follows takes long, and may be ended by Ctrl-C
 }
 
 Json to_json(const Entry& e) {
@@ -207,7 +208,6 @@ std::vector<Learner> add_learned(const Arguments& a, const DemonstrationSet& set
                                  std::vector<Contestant>& contestants) {
   std::vector<Learner> ways;
   for (const Learner& learner : chosen_learners(a)) {
-    if (interrupted()) break;
     try {
       contestants.push_back(fitted(learner, set));
       ways.push_back(learner);
@@ -224,7 +224,6 @@ std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
                               const std::vector<Vector2d>& starts) {
   std::vector<Entry> entries;
   for (const Contestant& c : contestants) {
-    if (interrupted()) return entries;
     entries.push_back(tried(a, scene, c, felt, starts));
   }
   const Entry& teacher = *std::find_if(
@@ -245,7 +244,6 @@ std::vector<Learning> from_fewer(const Arguments& a, const Scene& scene,
       continue;
     }
     for (const Learner& learner : ways) {
-      if (interrupted()) return learning;
       try {
         const Contestant c = fitted(learner, first_of(set, count));
         learning.push_back({c.name, count, summarise(campaign(a, scene, c.make, c.name))});
@@ -270,7 +268,7 @@ std::vector<Transfer> tried_there(const Arguments& a, const Scene& other,
                                   const std::vector<Contestant>& contestants) {
   std::vector<Transfer> transfer;
   const std::vector<Contestant> there = unlearned(other, set, a.skill, a.seed);
-  for (std::size_t i = 0; i < contestants.size() && !interrupted(); ++i) {
+  for (std::size_t i = 0; i < contestants.size(); ++i) {
     const Contestant& c = i < there.size() ? there[i] : contestants[i];
     const std::string what = other.name + ", " + c.name;
     transfer.push_back({other.name, c.name, summarise(campaign(a, other, c.make, what)),
@@ -317,17 +315,14 @@ int compare_verb(const Arguments& a) {
   if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
   const std::vector<Scene> others = other_scenes(a, scene);
   if (!a.plot.empty()) make_plot_folder(a.plot);
-  watch_for_interrupt();
 
   std::vector<Contestant> contestants = unlearned(scene, set, a.skill, a.seed);
   const std::vector<Learner> ways = add_learned(a, set, contestants);
   std::vector<Vector2d> starts;
   for (std::size_t k = 0; k < a.trials; ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
-  if (interrupted()) return kInterrupted;
   const std::vector<Entry> entries =
       tried_here(a, scene, contestants, set.demonstrations.front(), starts);
-  if (interrupted()) return kInterrupted;
   if (!a.json) {
     fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
                set.demonstrations.size(), a.trials);
@@ -340,11 +335,9 @@ int compare_verb(const Arguments& a) {
   std::vector<Transfer> transfer;
   for (const Scene& other : others) {
     const std::vector<Transfer> there = tried_there(a, other, set, contestants);
-    if (interrupted()) return kInterrupted;
     if (!a.json) print_transfer(there);
     transfer.insert(transfer.end(), there.begin(), there.end());
   }
-  if (interrupted()) return kInterrupted;
 
   if (!a.plot.empty()) {
     draw(a.plot, entries, learning, starts);

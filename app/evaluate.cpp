@@ -49,16 +49,19 @@ int evaluate_verb(const Arguments& a) {
   if (law && !a.baseline.empty()) {
     const std::vector<TrialResult> other = campaign(constant, "baseline");
     const CampaignSummary baseline = summarise(other);
-    const Comparison comparison = compare(results, other);
     json["baseline"] = {{"controller", a.baseline}};
     json["baseline"].update(to_json(baseline));
-    add_json(comparison, json["baseline"]);
-    if (!a.json)
-      fmt::print(
-          "{}same trials: {:+.1f} percentage points (95 % {:+.1f} to {:+.1f}), McNemar p = "
-          "{:.2g}\n",
-          to_text(a.baseline, baseline), 100 * comparison.difference, 100 * comparison.interval.low,
-          100 * comparison.interval.high, comparison.mcnemar_p);
+    if (!a.json) fmt::print("{}", to_text(a.baseline, baseline));
+    if (baseline.feasible > 0) {
+      const Comparison comparison = compare(results, other);
+      add_json(comparison, json["baseline"]);
+      if (!a.json)
+        fmt::print(
+            "same trials: {:+.1f} percentage points (95 % {:+.1f} to {:+.1f}), McNemar p = "
+            "{:.2g}\n",
+            100 * comparison.difference, 100 * comparison.interval.low,
+            100 * comparison.interval.high, comparison.mcnemar_p);
+    }
   }
   if (a.json) print_json(json);
   return kDone;
@@ -109,9 +112,11 @@ void add_json(const Comparison& c, Json& json) {
 }
 
 std::string to_text(const std::string& who, const CampaignSummary& s) {
-  std::string text =
-      fmt::format("{}: {} of {} inserted, {:.1f} % (95 % {:.1f} to {:.1f})\n", who, s.successes,
-                  s.feasible, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high);
+  std::string text = fmt::format("{}: {} of {} inserted", who, s.successes, s.feasible);
+  if (s.feasible > 0)
+    text += fmt::format(", {:.1f} % (95 % {:.1f} to {:.1f})", 100 * s.success_rate,
+                        100 * s.wilson.low, 100 * s.wilson.high);
+  text += "\n";
   for (int i = 1; i < kOutcomes; ++i)
     if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
       text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);

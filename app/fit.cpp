@@ -2,9 +2,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <filesystem>
+
 #include "app/fit_torch.hpp"
 #include "app/law_plot.hpp"
 #include "app/verb.hpp"
+#include "controller/policy_file.hpp"
 #include "learn/fit_law.hpp"
 
 namespace ferrule {
@@ -40,7 +43,20 @@ void print_cross_validation(const ControllerFile& c) {
                1e3 * law.error, 1e3 * law.standard_error, law.kind == c.kind ? "  chosen" : "");
 }
 
+// What could not be written after the fit is refused before it.
+void expect_place_for(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (fs::is_directory(file, error)) throw FileTrouble(file + ": is a directory");
+  const fs::path folder = fs::path(file).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error))
+    throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
+}
+
 int fit_verb(const Arguments& a) {
+  expect_place_for(a.out);
+  if (!a.plot.empty()) expect_place_for(a.plot);
+  if (a.method == "torch") expect_place_for(weights_file(a.out));
   const DemonstrationSet set = load_demonstrations(a.folder);
   if (a.method == "torch") return fit_torch(set, a.folder, a.out, a.plot, a.seed, a.torch, a.json);
   FitReport report;

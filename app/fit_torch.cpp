@@ -59,8 +59,8 @@ int fit_torch(const DemonstrationSet& set, const std::string& folder, const std:
   } catch (const BadInput& error) {
     throw BadInput(folder + ": " + error.what());
   }
-  if (!plot.empty()) write_svg(plot, training_plot(fit.curves));
   write_policy(out, fit.file);
+  if (!plot.empty()) write_svg(plot, training_plot(fit.curves));
   if (json) {
     print_json(parse_json(read_text(out), out));
     return kDone;

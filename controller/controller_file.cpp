@@ -93,8 +93,8 @@ void write_controller(const std::string& file, const ControllerFile& c) {
                {"reaction_time_s", c.reaction_time},
                {"trained_on",
                 {{"scenes", c.scenes},
-                 {"episodes", c.episodes},
-                 {"held_out", c.held_out},
+                 {"episodes", to_json(c.episodes)},
+                 {"held_out", to_json(c.held_out)},
                  {"rows", c.rows},
                  {"seed", c.seed}}},
                {"metrics",
@@ -125,8 +125,8 @@ ControllerFile parse_controller(const Json& json, const std::string& file) {
   c.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   JsonFields trained = fields.object("trained_on");
   c.scenes = text_list(trained, "scenes");
-  c.episodes = text_list(trained, "episodes");
-  c.held_out = text_list(trained, "held_out");
+  c.episodes = read_episodes(trained, "episodes", file);
+  c.held_out = read_episodes(trained, "held_out", file);
   c.rows = static_cast<std::size_t>(trained.integer("rows", 0, INT64_MAX));
   c.seed = static_cast<std::uint64_t>(trained.integer("seed", 0, INT64_MAX));
   trained.finish();

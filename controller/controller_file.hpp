@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "controller/law.hpp"
-#include "sim/json_fields.hpp"
+#include "controller/trained_episode.hpp"
 
 namespace ferrule {
 
@@ -29,9 +29,8 @@ struct ControllerFile {
   std::vector<FittedGain> gains = std::vector<FittedGain>(kGains);  // as gain_table(kind)
   double reaction_time = 0;  // delay of the demonstrator, identified and not imitated [s]
   // Provenance.
-  std::vector<std::string> scenes;    // names of the scenes it was learned in
-  std::vector<std::string> episodes;  // files it was fitted to
-  std::vector<std::string> held_out;
+  std::vector<std::string> scenes;  // names of the scenes it was learned in
+  std::vector<TrainedEpisode> episodes, held_out;
   double residual = 0, held_out_residual = 0;    // root mean square of the velocity error [m/s]
   std::vector<CrossValidated> cross_validation;  // of the laws that were compared, if any
   std::size_t rows = 0;

@@ -77,12 +77,6 @@ Json scaled_channel(const Channel& channel, double mean, double scale) {
   return {{"name", channel.name}, {"unit", channel.unit}, {"mean", mean}, {"scale", scale}};
 }
 
-Json episode_list(const std::vector<TrainedEpisode>& episodes) {
-  Json list = Json::array();
-  for (const TrainedEpisode& e : episodes) list.push_back({{"file", e.file}, {"sha1", e.sha1}});
-  return list;
-}
-
 // Calls `read(fields of entry, index)` for each object of the list at `key`.
 template <class Read>
 void for_each(JsonFields& fields, const std::string& key, const std::string& file,
@@ -98,15 +92,6 @@ void for_each(JsonFields& fields, const std::string& key, const std::string& fil
   }
 }
 
-std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string& key,
-                                          const std::string& file) {
-  std::vector<TrainedEpisode> episodes;
-  for_each(fields, key, file, 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
-    episodes.push_back({entry.text("file"), entry.text("sha1")});
-  });
-  return episodes;
-}
-
 std::size_t count(JsonFields& fields, const std::string& key) {
   return static_cast<std::size_t>(fields.integer(key, 0, INT64_MAX));
 }
@@ -120,11 +105,17 @@ std::string read_weights(const std::string& file) {
 
 }  // namespace
 
-void write_policy(const std::string& file, const PolicyFile& p) {
-  const Policy& policy = p.policy;
+std::string weights_file(const std::string& file) {
   const fs::path weights = fs::path(file).replace_extension(".safetensors");
   if (weights == fs::path(file))
     throw BadInput(file + ": a controller file must not end in .safetensors, its weights do");
+  return weights.string();
+}
+
+void write_policy(const std::string& file, const PolicyFile& p) {
+  const Policy& policy = p.policy;
+  const fs::path weights = weights_file(file);
+  if (fs::is_directory(file)) throw FileTrouble(file + ": is a directory");
   const std::string bytes =
       safetensors_bytes(to_tensors(policy.members), {{"format", kFormat}, {"method", "torch"}});
 
@@ -169,8 +160,8 @@ void write_policy(const std::string& file, const PolicyFile& p) {
       {"training", {{"input_noise", p.input_noise}, {"weight_decay", p.weight_decay}}},
       {"trained_on",
        {{"scenes", p.scenes},
-        {"episodes", episode_list(p.episodes)},
-        {"held_out", episode_list(p.held_out)},
+        {"episodes", to_json(p.episodes)},
+        {"held_out", to_json(p.held_out)},
         {"rows", p.rows},
         {"seed", p.seed}}},
       {"metrics",

@@ -8,14 +8,9 @@
 #include <vector>
 
 #include "controller/policy.hpp"
-#include "sim/json_fields.hpp"
+#include "controller/trained_episode.hpp"
 
 namespace ferrule {
-
-// An episode it was trained on or held against.
-struct TrainedEpisode {
-  std::string file, sha1;
-};
 
 // How one member's training went.
 struct MemberTraining {
@@ -48,8 +43,10 @@ struct PolicyFile {
   std::vector<DaggerRound> dagger;
 };
 
-// Writes the weights beside `file` (its stem with .safetensors), then `file`, which names them and
-// their hash. Throws FileTrouble.
+// Where the weights of a controller `file` are: beside it, its stem with .safetensors. Throws
+// BadInput where that is `file` itself.
+std::string weights_file(const std::string& file);
+// Writes the weights, then `file`, which names them and their hash. Throws BadInput, FileTrouble.
 void write_policy(const std::string& file, const PolicyFile& policy);
 // Throws FileTrouble, BadInput.
 PolicyFile read_policy(const std::string& file);

@@ -57,4 +57,12 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
   return set;
 }
 
+std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstration*>& set) {
+  std::vector<TrainedEpisode> episodes;
+  for (const Demonstration* d : set) episodes.push_back({d->file, d->sha1});
+  std::sort(episodes.begin(), episodes.end(),
+            [](const auto& a, const auto& b) { return a.file < b.file; });
+  return episodes;
+}
+
 }  // namespace ferrule

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "capture/episode.hpp"
+#include "controller/trained_episode.hpp"
 
 namespace ferrule {
 
@@ -35,5 +36,8 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
 // All episodes of a folder. Throws FileTrouble, and BadInput if they were recorded with different
 // scalings.
 DemonstrationSet load_demonstrations(const std::string& folder);
+
+// For the file of what was learned from them, sorted by file.
+std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstration*>& set);
 
 }  // namespace ferrule

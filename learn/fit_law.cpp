@@ -11,13 +11,6 @@ namespace {
 
 constexpr std::size_t kFewestEpisodes = 3;
 
-std::vector<std::string> sorted_files(const std::vector<const Demonstration*>& demonstrations) {
-  std::vector<std::string> files;
-  for (const Demonstration* d : demonstrations) files.push_back(d->file);
-  std::sort(files.begin(), files.end());
-  return files;
-}
-
 std::vector<Samples> samples_of(const std::vector<const Demonstration*>& demonstrations,
                                 double reaction) {
   std::vector<Samples> all;
@@ -88,8 +81,8 @@ FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional
   c.kind = *kind;
   c.gains = law_gains(*kind, train, scales, solution);
   c.scenes = set.scenes;
-  c.episodes = sorted_files(parts.training);
-  c.held_out = sorted_files(parts.testing);
+  c.episodes = trained_episodes(parts.training);
+  c.held_out = trained_episodes(parts.testing);
   c.rows = rows(train);
   c.seed = seed;
   c.residual = root_mean_square_error(c.law(), train);

@@ -107,14 +107,6 @@ double root_mean_square(const Policy& policy, const RawRows& rows) {
   return std::sqrt(error.squaredNorm() / static_cast<double>(error.cols()));
 }
 
-std::vector<TrainedEpisode> named(const Demonstrations& set) {
-  std::vector<TrainedEpisode> episodes;
-  for (const Demonstration* d : set) episodes.push_back({d->file, d->sha1});
-  std::sort(episodes.begin(), episodes.end(),
-            [](const auto& a, const auto& b) { return a.file < b.file; });
-  return episodes;
-}
-
 }  // namespace
 
 Eigen::MatrixXd policy_velocities(const Policy& policy, const Eigen::MatrixXd& inputs) {
@@ -148,8 +140,8 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
   f.input_noise = settings.training.input_noise;
   f.weight_decay = settings.training.weight_decay;
   f.scenes = set.scenes;
-  f.episodes = named(training);
-  f.held_out = named(held_out);
+  f.episodes = trained_episodes(training);
+  f.held_out = trained_episodes(held_out);
   f.seed = settings.seed;
 
   const auto epochs = static_cast<std::size_t>(settings.training.epochs);

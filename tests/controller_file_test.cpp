@@ -15,8 +15,8 @@ ControllerFile example() {
     c.gains[i] = {0.1 + static_cast<double>(i) / 3, 0.01, 10};
   c.gains[4].low = c.gains[4].high = NAN;
   c.scenes = {"demo"};
-  c.episodes = {"a.h5", "b.h5"};
-  c.held_out = {"c.h5"};
+  c.episodes = {{"a.h5", "12ab"}, {"b.h5", "34cd"}};
+  c.held_out = {{"c.h5", "56ef"}};
   c.rows = 1234;
   c.reaction_time = 0.17;
   return c;
@@ -30,6 +30,7 @@ TEST(ControllerFile, IsReadBackExactly) {
   EXPECT_EQ(back.law().gains(), example().law().gains());
   EXPECT_TRUE(std::isnan(back.gains[4].low));
   EXPECT_EQ(back.episodes, example().episodes);
+  EXPECT_EQ(back.held_out, example().held_out);
   EXPECT_EQ(back.reaction_time, 0.17);
 }
 
@@ -63,6 +64,7 @@ TEST(ControllerFile, BrokenOnesAreRefusedWithTheirKey) {
   };
   says("/gains/ramp_time/value", 0, "gains.ramp_time.value = 0: must be positive");
   says("/gains/yield_y/unit", "N", "gains.yield_y.unit");
+  says("/trained_on/episodes/1", "b.h5", "trained_on.episodes[1] = \"b.h5\": must be an object");
   says("/format_version", 1, "format_version = 1");
   says("/surprise", 1, "surprise = 1: unknown key");
   says("/gains/cruise_speed/value", "fast", "must be a number");

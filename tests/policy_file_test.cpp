@@ -88,6 +88,13 @@ TEST(PolicyFile, BrokenOnesAreRefusedWithTheirKey) {
   says("/surprise", 1, "surprise = 1: unknown key");
 }
 
+TEST(PolicyFile, IsWrittenWholeOrNotAtAll) {
+  const testing::TemporaryFolder folder;
+  std::filesystem::create_directory(folder / "c.json");
+  EXPECT_THROW(write_policy(folder / "c.json", testing::random_policy_file()), FileTrouble);
+  EXPECT_FALSE(std::filesystem::exists(folder / "c.safetensors"));
+}
+
 TEST(PolicyFile, RefusesWeightsThatAreNotItsOwn) {
   const testing::TemporaryFolder folder;
   PolicyFile file = testing::random_policy_file();

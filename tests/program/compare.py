@@ -1,9 +1,11 @@
 import json
 import math
 import os
+import signal
+import subprocess
 import xml.dom.minidom
 
-from case import Case, main
+from case import PROGRAM, Case, main
 
 # Short: 30 um instead of 270.
 SCENE = ["--set", "start.distance_um=20", "--set", "success.depth_um=10",
@@ -128,6 +130,29 @@ class Compare(Case):
         found = json.loads(self.done("evaluate", "--baseline", "constant-velocity", "--scene",
                                      "tolerance", *none, "--trials", 5, "--json").stdout)
         self.assertEqual((found["feasible"], found["success_rate"]), (0, None))
+
+    # With nothing to compare there is no difference, and that is no error.
+    def test_a_baseline_beside_a_controller_without_any_feasible_pair(self):
+        law = self.path("law.json")
+        self.done("fit", self.out, "--law", "linear", "--out", law)
+        arguments = ("evaluate", law, "--baseline", "constant-velocity", "--scene", "tolerance",
+                     "--set", "tolerance.bore_diameter_um=[124,124.2]", "--trials", 3)
+        found = json.loads(self.done(*arguments, "--json").stdout)
+        self.assertEqual((found["feasible"], found["baseline"]["feasible"]), (0, 0))
+        self.assertNotIn("difference", found["baseline"])
+        self.assertNotIn("nan", self.done(*arguments).stdout)
+
+    # A campaign may take long; nobody waits for its end.
+    def test_ctrl_c_ends_it_at_once(self):
+        process = subprocess.Popen([PROGRAM, "compare", self.out, "--trials", "100000", "--learners",
+                                    "linear"], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        self.addCleanup(process.kill)
+        while b"fitted" not in process.stderr.readline():
+            pass
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.communicate(timeout=10)[0], b"")
+        self.assertIn(process.returncode, (130, -signal.SIGINT))
 
     def test_sensors_and_tolerances_that_cannot_be(self):
         for setting, says in (("sensor.noise_uN=-1", "sensor.noise_uN = -1: must not be negative"),

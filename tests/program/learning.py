@@ -114,6 +114,12 @@ class Learning(Case):
         self.refused(2, "fit", out, "--out", self.path("c.json"), says=["too few demonstrations"])
         self.assertFalse(os.path.exists(self.path("c.json")))
         self.refused(3, "fit", self.path("none"), "--out", self.path("c.json"), says=["none"])
+        # Before anything is fitted.
+        os.mkdir(self.path("c.d"))
+        self.refused(3, "fit", out, "--out", self.path("nowhere/c.json"), says=["nowhere"])
+        self.refused(3, "fit", out, "--out", self.path("c.d"), says=["is a directory"])
+        self.refused(3, "fit", out, "--out", self.path("c.json"), "--plot",
+                     self.path("nowhere/c.svg"), says=["nowhere"])
         self.refused(3, "evaluate", self.path("none.json"), says=["none.json"])
         for text, code in (("{}", 2), ("", 2), ('{"format": "ferrule controller"}', 2)):
             with open(self.path("bad.json"), "w") as f:
