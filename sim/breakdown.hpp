@@ -8,8 +8,8 @@
 namespace ferrule {
 
 struct PointForce {
-  Vector3d force = Vector3d::Zero();  // on the fibre [N]
-  Vector3d point = Vector3d::Zero();  // where it acts [m]
+  Vector3d force = {0, 0, 0};  // on the fibre [N]
+  Vector3d point = {0, 0, 0};  // where it acts [m]
 
   // As a wrench on the rod at `tip` (sim/state.hpp).
   Wrench wrench(const Pose& tip) const noexcept {
