@@ -49,6 +49,8 @@ void compare(const Case& c, const std::vector<Pose>& poses, SteppingRow& row) {
 SteppingRow simulate(const Case& c, const std::string& method, double dt) {
   SteppingRow row{method, c.name, dt, 0, 0, 0, 0};
   const auto steps = std::lround(c.duration / dt);
+  std::vector<Pose> hand;  // the input: not what is measured
+  for (long n = 1; n <= steps; ++n) hand.push_back(c.hand(static_cast<double>(n) * dt));
   std::vector<Pose> poses;
   long iterations = 0;
   const auto run = [&](bool keep_poses) {
@@ -56,7 +58,7 @@ SteppingRow simulate(const Case& c, const std::string& method, double dt) {
     std::size_t next = 0;
     for (long n = 1; n <= steps; ++n) {
       const double t = static_cast<double>(n) * dt;
-      const StepResult r = step(c.world, state, c.hand(t), dt);
+      const StepResult r = step(c.world, state, hand[static_cast<std::size_t>(n - 1)], dt);
       state = r.state;
       if (!keep_poses) continue;
       iterations += r.iterations;
