@@ -223,9 +223,7 @@ std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
                               const std::vector<Contestant>& contestants, const Demonstration& felt,
                               const std::vector<Vector2d>& starts) {
   std::vector<Entry> entries;
-  for (const Contestant& c : contestants) {
-    entries.push_back(tried(a, scene, c, felt, starts));
-  }
+  for (const Contestant& c : contestants) entries.push_back(tried(a, scene, c, felt, starts));
   const Entry& teacher = *std::find_if(
       entries.begin(), entries.end(), [](const Entry& e) { return e.contestant.name == kTeacher; });
   for (Entry& e : entries)

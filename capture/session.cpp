@@ -33,15 +33,18 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
                   held_stiffness(scene.world, state, period).topLeftCorner<3, 3>();
     return feedback->hold(pose, stiffness);
   };
+  const auto trusts = [&](double t, const HandSample& read) {
+    return !feedback || feedback->trusts(t, read.age, read.pose);
+  };
   Outcome outcome = Outcome::stopped_short;
-  std::string why;
   HandSample sample = device.read(0);
+  bool trusted = trusts(0, sample);
   HandPose pose = holder(sample.pose);
   HandTwist velocity = HandTwist::Zero();                      // over the period before
   for (std::int64_t n = 0; n == 0 || !sample.finished; ++n) {  // one row at least
     const double t = static_cast<double>(n) * period;
     if (feedback && sample.stalled) feedback->ramp_again(t);
-    if (feedback && !feedback->trusts(t, sample.age, sample.pose)) {
+    if (!trusted) {
       device.render(HandWrench::Zero());
       return {Outcome::interrupted, watch.summary(), feedback->fault()};
     }
@@ -60,8 +63,7 @@ EpisodeEnd run_episode(const Scene& scene, const State& start, Device& device, F
 
     const std::optional<Outcome> now = watch.after(result);
     const HandSample next = device.read(static_cast<double>(n + 1) * period);
-    const bool trusted =
-        !feedback || feedback->trusts(static_cast<double>(n + 1) * period, next.age, next.pose);
+    trusted = trusts(static_cast<double>(n + 1) * period, next);
     const HandPose next_pose = trusted ? holder(next.pose) : pose;
     if (!next_pose.allFinite()) return {Outcome::invalid_output, watch.summary(), kNotFinite};
     const HandTwist command = (next_pose - pose) / period;
