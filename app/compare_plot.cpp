@@ -7,7 +7,6 @@ namespace ferrule {
 namespace {
 
 constexpr const char* kInserted = "inserted [%]";
-constexpr int kHeight = 560;  // with a long legend below
 
 Axes percent_axes(const char* x_label) {
   Axes axes;
@@ -56,7 +55,7 @@ Plot misalignment_plot(const std::vector<std::pair<std::string, std::vector<Ring
     }
     axes.series.push_back(series);
   }
-  return {"Success against misalignment", {axes}, 860, kHeight};
+  return {"Success against misalignment", {axes}};
 }
 
 Plot learning_plot(const std::vector<Learning>& learning) {
@@ -70,7 +69,7 @@ Plot learning_plot(const std::vector<Learning>& learning) {
     series->x.push_back(static_cast<double>(l.demonstrations));
     series->y.push_back(100 * l.summary.success_rate);
   }
-  return {"Success against the number of demonstrations", {axes}, 860, kHeight};
+  return {"Success against the number of demonstrations", {axes}};
 }
 
 Plot failure_map(const std::string& controller, const std::vector<TrialResult>& results,

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -35,21 +36,32 @@ bool long_names(const Plot& plot) {
   return false;
 }
 
+// Height of a legend below a panel.
+int legend_height(const Plot& plot) {
+  std::size_t names = 0;
+  for (const Axes& axes : plot.panels) names = std::max(names, axes.series.size());
+  return long_names(plot) ? 20 * static_cast<int>(names) : 0;
+}
+
 std::string script(const Plot& plot) {
   const int panels = static_cast<int>(plot.panels.size());
+  const bool legend_below = long_names(plot);
   std::string s = fmt::format(
       "set encoding utf8\n"
       "set terminal svg size {},{} dynamic enhanced font 'sans-serif,14' background '#ffffff'\n"
       "set multiplot layout {},1 title {} noenhanced\n"
       "set border 3 lc rgb '#444444'\nset tics nomirror\nset grid lc rgb '#dddddd'\n"
       "set key {} noenhanced\nset format '%g'\n"
-      "set lmargin at screen 0.13\nset rmargin at screen {}\nset autoscale xfix\n{}",
-      plot.width, panels * plot.panel_height, panels, quoted(plot.title),
-      long_names(plot) ? "below maxcols 2" : "outside right top", long_names(plot) ? 0.95 : 0.77,
+      "set lmargin at screen 0.13\nset rmargin at screen {}\n{}",
+      plot.width, panels * (plot.panel_height + legend_height(plot)), panels, quoted(plot.title),
+      legend_below ? "below maxcols 2" : "outside right top", legend_below ? 0.95 : 0.77,
       plot.equal_scales ? "set size ratio -1\nset offsets graph 0.05, 0.05, 0.05, 0.05\n" : "");
   for (int p = 0; p < panels; ++p) {
     const Axes& axes = plot.panels[static_cast<std::size_t>(p)];
     std::string command = "plot ";
+    const bool lines = std::all_of(axes.series.begin(), axes.series.end(),
+                                   [](const Series& one) { return one.style == Series::line; });
+    s += lines ? "set autoscale xfix\n" : "set autoscale x\n";  // points would be cut in half
     for (std::size_t i = 0; i < axes.series.size(); ++i) {
       const Series& series = axes.series[i];
       s += fmt::format("$d{}_{} << EOD\n", p, i);
@@ -74,8 +86,8 @@ std::string script(const Plot& plot) {
                      axes.log_y ? "set" : "unset");
     const auto bound = [](double y) { return std::isfinite(y) ? fmt::format("{}", y) : "*"; };
     s += fmt::format("set yrange [{}:{}]\n", bound(axes.y_low), bound(axes.y_high));
-    s += fmt::format("set xlabel {} noenhanced\nset ylabel {} noenhanced\n", quoted(axes.x_label),
-                     quoted(axes.y_label));
+    s += fmt::format("set xlabel {}{} noenhanced\nset ylabel {} noenhanced\n", quoted(axes.x_label),
+                     legend_below ? ".\"\\n \"" : "", quoted(axes.y_label));
     s += command + "\n";
   }
   return s + "unset multiplot\n";

@@ -23,7 +23,7 @@ struct Axes {
 struct Plot {
   std::string title;
   std::vector<Axes> panels;  // one above the other
-  int width = 860, panel_height = 420;
+  int width = 860, panel_height = 420;  // a legend below is added to the height
   bool equal_scales = false;  // one unit is as long on x as on y
 };
 
