@@ -43,7 +43,7 @@ double cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
   const World with = with_only(plan, scene, term.name), without = with_only(plan, scene, "");
   const auto time = [&](const World& world) {
     const Lagged lagged = lag(world, term.state, term.state.hand, plan.step);
-    return nanoseconds_per_call([&](long) { keep(potential(world, lagged, term.state.tip)); }, 2e5);
+    return nanoseconds_per_call([&](long) { keep(Potential(world, lagged, term.state.tip)); }, 2e5);
   };
   double most = time(with), least = time(without);
   for (int turn = 1; turn < kTurns; ++turn) {

@@ -58,7 +58,7 @@ int rates(double t, N_Vector y, N_Vector dy, void* data) {
   if (!tip.allFinite()) return 1;
   State state = p.start;
   state.tip = tip;
-  const Pose gradient = potential(p.world, lag(p.world, state, p.hand(t), 0), tip).gradient.full();
+  const Pose gradient = Potential(p.world, lag(p.world, state, p.hand(t), 0), tip).gradient.full();
   Eigen::Map<Pose> moving(N_VGetArrayPointer(dy));
   const Matrix5 c = damping(p.world, tip);
   if (!p.inertial) {

@@ -92,11 +92,11 @@ SteppingRow explicit_euler(const Case& c, double dt) {
     const double t = static_cast<double>(n) * dt;
     const Pose hand = c.hand(t - dt);
     const Lagged still = lag(c.world, state, hand, 0);
-    const Potential there = potential(c.world, still, state.tip);
+    const Potential there(c.world, still, state.tip);
     // At the step's start drag has no force, and what it adds to the Hessian is the damping over
     // dt.
     const Matrix5 damping =
-        potential(c.world, lag(c.world, state, hand, dt), state.tip).hessian.full() -
+        Potential(c.world, lag(c.world, state, hand, dt), state.tip).hessian.full() -
         there.hessian.full();
     state.tip -= damping.llt().solve(there.gradient.full());
     if (state.tip.head<3>().norm() > 1) state.tip.setConstant(kNan);

@@ -14,6 +14,7 @@ ContactDepth end_depth(const World& world, const ContactSide& side,
   const EdgeDepth d = edge_depth(world.profile, x_rim, radial.eccentricity + r);
 
   ContactDepth depth;
+  depth.point << tip.x, tip.e + r * radial.normal;
   if (side.side == EdgeSide::face) {
     if (d.throat() <= 0) return depth;
     depth.value = d.face;
@@ -40,12 +41,14 @@ ContactDepth side_depth(const World& world, const ContactSide& side,
   ContactDepth depth;
   if (!side.side_can_touch || tip.x >= 0) return depth;
   const double arm = -tip.x;
-  const Radial radial(eccentricity(tip, arm), world.annulus.clearance());
+  const Vector2d e = eccentricity(tip, arm);
+  const Radial radial(e, world.annulus.clearance());
   depth.value = radial.eccentricity - world.annulus.clearance();
   depth.arm = {arm, -1};
   depth.lean.setZero();
-  depth.slope << 0, radial.normal;
+  depth.slope = across(radial.normal);
   depth.curve = radial.curving;
+  depth.point = across(e);
   return depth;
 }
 
@@ -67,15 +70,6 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const PoseVector& tip) noexcept {
   return {end_depth(world, side, tip), side_depth(world, side, tip)};
-}
-
-Vector3d contact_point(const World& world, ContactPlace place, const PoseVector& tip) noexcept {
-  if (place == kSide) return across(eccentricity(tip, -tip.x));
-  const Vector2d e = tip.e;
-  const Vector2d n = Radial(e, world.annulus.clearance()).normal;
-  Vector3d point;
-  point << tip.x, e + world.annulus.fibre_radius * n;
-  return point;
 }
 
 }  // namespace ferrule

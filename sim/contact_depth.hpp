@@ -31,10 +31,15 @@ struct Radial {
     eccentricity = off_axis ? std::sqrt(squared) : smooth * (3 + q * (6 - q)) / 8;
     const double turn = inverse * (1.5 - 0.5 * q);  // 1/|e| off the axis
     normal = turn * e;
-    curving = -inverse * inverse * inverse * e * e.transpose();
-    curving.diagonal().array() += turn;
+    const Vector2d bend = -inverse * inverse * inverse * e;
+    curving = turn * kIdentity + bend * e.transpose();
   }
 };
+
+// A vector across the bore in three dimensions.
+inline Vector3d across(const Vector2d& n) noexcept {
+  return {0, n.x(), n.y()};
+}
 
 // The depth d [m] of one contact, -infinity where there is none, as a function of the point p = (x
 // + lean.tilt, eccentricity at `arm`), with its derivatives by that.
@@ -44,6 +49,9 @@ struct ContactDepth {
   Vector2d lean;             // [m]
   Vector3d slope;            // [-]
   Matrix2d curve;            // by the eccentricity [1/m]
+  // Where it acts, to first order in the tilts: so that the wrench of its normal there is minus the
+  // gradient of its depth [m].
+  Vector3d point;
 
   // From the ferrule into the fibre, unit.
   Vector3d normal(const Vector2d& tilt) const noexcept {
@@ -76,14 +84,5 @@ ContactSide contact_side(const World& world, const State& state) noexcept;
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const PoseVector& tip) noexcept;
-
-// Where the contact at `place` acts, to first order in the tilts: so that the wrench of its normal
-// there is minus the gradient of its depth.
-Vector3d contact_point(const World& world, ContactPlace place, const PoseVector& tip) noexcept;
-
-// A vector across the bore in three dimensions.
-inline Vector3d across(const Vector2d& n) noexcept {
-  return {0, n.x(), n.y()};
-}
 
 }  // namespace ferrule

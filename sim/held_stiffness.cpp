@@ -86,7 +86,7 @@ class Probe {
 Matrix5 held_stiffness(const World& world, const State& state, double dt) noexcept {
   const Matrix5& holder = world.holder.stiffness;
   const Lagged lagged = lag(world, state, state.hand, dt);
-  const Eigen::LLT<Matrix5> hessian(potential(world, lagged, state.tip).hessian.full());
+  const Eigen::LLT<Matrix5> hessian(Potential(world, lagged, state.tip).hessian.full());
   if (hessian.info() != Eigen::Success) return holder;
   return holder - holder * hessian.solve(holder);
 }

@@ -21,14 +21,19 @@ using Eigen::Matrix2d;
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-// A vector of five in the blocks of a pose: x, across e = (y, z), tilts t. (Blocks of two that are
-// always read as they were written are what a processor forwards from store to load at once.)
+// In memory: adding to a diagonal entry by entry would leave columns that were written in halves,
+// and a processor forwards from store to load at once only what it reads in the blocks it was
+// written in.
+inline const Matrix2d kIdentity = Matrix2d::Identity();
+
+// A vector of five in the blocks of a pose: x, across e = (y, z), tilts t.
 struct PoseVector {
-  double x = 0;
-  Vector2d e = Vector2d::Zero(), t = Vector2d::Zero();
+  Vector2d e = Vector2d::Zero();
+  double x = 0;  // between them: full() would else read the end of e and the begin of t as one
+  Vector2d t = Vector2d::Zero();
 
   PoseVector() = default;
-  PoseVector(double x_, const Vector2d& e_, const Vector2d& t_) noexcept : x(x_), e(e_), t(t_) {}
+  PoseVector(double x_, const Vector2d& e_, const Vector2d& t_) noexcept : e(e_), x(x_), t(t_) {}
   PoseVector(const Pose& p) noexcept {
     const Vector2d first = p.head<2>(), second = p.segment<2>(2);
     x = first[0];

@@ -40,20 +40,13 @@ void add_friction(Energy& total, const World& world, const Lagged& lagged,
   total.add_point(friction.arm, lean, slope, curve);
 }
 
-AdhesionForce shared_adhesion(const World& world, const Lagged& lagged, int place,
-                              double depth) noexcept {
-  if (!world.adhesion) return {};
-  AdhesionForce force =
-      adhesion(*world.adhesion, depth, lagged.branch[static_cast<std::size_t>(place)]);
-  const double share = lagged.adhesion_share;
-  force.potential *= share;
-  force.force *= share;
-  force.slope *= share;
-  return force;
+ContactForce wall_force(const World& world, double depth) noexcept {
+  return world.wall && depth != -INFINITY ? wall(*world.wall, depth) : ContactForce{};
 }
 
-ContactForce wall_force(const World& world, double depth) noexcept {
-  return world.wall ? wall(*world.wall, depth) : ContactForce{};
+AdhesionForce adhesion_force(const World& world, double depth, int branch) noexcept {
+  return world.adhesion && depth != -INFINITY ? adhesion(*world.adhesion, depth, branch)
+                                              : AdhesionForce{};
 }
 
 // Drag along x over the step, by the inserted length before and now (Lagged::axial_drag).
@@ -188,36 +181,37 @@ Energy potential_at_start(const World& world, const Lagged& lagged,
   return total;
 }
 
-Potential potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept {
-  Potential total;
-  Energy& bore = total.bore;
+Potential::Potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept
+    : depth(contact_depths(world, lagged.contact, tip)),
+      push{wall_force(world, depth[kEnd].value), wall_force(world, depth[kSide].value)},
+      pull{adhesion_force(world, depth[kEnd].value, lagged.branch[kEnd]),
+           adhesion_force(world, depth[kSide].value, lagged.branch[kSide])} {
+  if (lagged.adhesion_share != 1)
+    for (AdhesionForce& shared : pull) {
+      shared.potential *= lagged.adhesion_share;
+      shared.force *= lagged.adhesion_share;
+      shared.slope *= lagged.adhesion_share;
+    }
   const bool inserted = lagged.contact.side_can_touch;
-  if (inserted) add_surface_forces(bore, total.surface, world, lagged.length, lagged.bridge, tip);
+  if (inserted) add_surface_forces(bore, surface, world, lagged.length, lagged.bridge, tip);
   if (world.meniscus && inserted && tip.x < 0) {
-    const double pull = meniscus(*world.meniscus, world.annulus.fibre_radius);
-    bore.value += pull * tip.x;
-    bore.value_scale -= pull * tip.x;
-    bore.gradient.x += pull;
-    bore.force_scale += pull;
+    const double inwards = meniscus(*world.meniscus, world.annulus.fibre_radius);
+    bore.value += inwards * tip.x;
+    bore.value_scale -= inwards * tip.x;
+    bore.gradient.x += inwards;
+    bore.force_scale += inwards;
   }
-  total.depth = contact_depths(world, lagged.contact, tip);
-  const Vector2d tilt = tip.t;
-  for (int place = 0; place < kContactPlaces; ++place) {
-    const auto at = static_cast<std::size_t>(place);
-    const ContactDepth& depth = total.depth[at];
-    if (depth.value == -INFINITY) continue;
-    const ContactForce push = total.push[at] = wall_force(world, depth.value);
-    const AdhesionForce pull = total.pull[at] = shared_adhesion(world, lagged, place, depth.value);
-    bore.value += push.potential + pull.potential;
-    bore.value_scale += push.potential + std::abs(pull.potential);
-    const double force = push.force + pull.force, stiffness = push.slope + pull.slope;
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    bore.value += push[at].potential + pull[at].potential;
+    bore.value_scale += push[at].potential + std::abs(pull[at].potential);
+    const double force = push[at].force + pull[at].force;
+    const double stiffness = push[at].slope + pull[at].slope;
     if (force == 0 && stiffness == 0) continue;
-    bore.force_scale += push.force + std::abs(pull.force);
-    depth.add_to(bore, tilt, force, stiffness);
+    bore.force_scale += push[at].force + std::abs(pull[at].force);
+    depth[at].add_to(bore, tip.t, force, stiffness);
   }
-  static_cast<Energy&>(total) = bore;
-  add_step(total, world, lagged, tip);
-  return total;
+  static_cast<Energy&>(*this) = bore;
+  add_step(*this, world, lagged, tip);
 }
 
 void forces(const World& world, const Lagged& lagged, const PoseVector& tip, const Potential& there,
@@ -254,13 +248,12 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     const ContactDepth& depth = there.depth[at];
     if (depth.value == -INFINITY) continue;
     const Vector3d normal = depth.normal(tip.t);
-    const Vector3d point = contact_point(world, static_cast<ContactPlace>(place), tip);
-    b.wall[at] = {there.push[at].force * normal, point};
-    b.adhesion[at] = {there.pull[at].force * normal, point};
+    b.wall[at] = {there.push[at].force * normal, depth.point};
+    b.adhesion[at] = {there.pull[at].force * normal, depth.point};
     const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
     b.friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
-                      {tip.x + friction.arm, point.y(), point.z()}};
+                      {tip.x + friction.arm, depth.point.y(), depth.point.z()}};
   }
 }
 

@@ -68,17 +68,17 @@ struct Contacts {
   bool bridge = false;
 };
 
-// The energy at a pose, with the parts of it that forces() needs.
+// The energy of a step that ends at `tip`, up to a constant, with the parts of it that forces()
+// needs.
 struct Potential : Energy {
+  Potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept;
+
   Energy bore;  // surface forces, contacts and meniscus: what does not depend on the step itself
   SurfaceGradients surface = {PoseVector(), PoseVector(), PoseVector()};
   std::array<ContactDepth, kContactPlaces> depth;
   std::array<ContactForce, kContactPlaces> push;   // of the wall
   std::array<AdhesionForce, kContactPlaces> pull;  // of the adhesion
 };
-
-// Where the step ends at `tip`. The energy is that of the step, up to a constant.
-Potential potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept;
 
 // Its gradient and Hessian where the step starts, from those of the bore's part there.
 Energy potential_at_start(const World& world, const Lagged& lagged,

@@ -27,7 +27,7 @@ constexpr double kStraight = 0.3;  // of the gradient, that known forces may be 
 // A search for the minimum: where it has got to.
 struct Minimum {
   Minimum(const World& world, const Lagged& lagged, const PoseVector& start) noexcept
-      : tip(start), there(potential(world, lagged, start)) {}
+      : tip(start), there(world, lagged, start) {}
 
   PoseVector tip;
   Potential there;
@@ -144,7 +144,7 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
     for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
       PoseVector trial = found.tip;
       trial += fraction * newton;
-      const Potential there = potential(world, lagged, trial);
+      const Potential there(world, lagged, trial);
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
           1e-15 * (here.value_scale + here.force_scale * (found.tip.length() + radius));
@@ -302,7 +302,7 @@ void advance(const World& world, const Pose& command, double dt, int depth,
   Minimum found(world, lagged, end.tip);
   if (end.told && !follow(world, lagged, end, state.known->curvature, found)) {
     found.tip = state.tip;
-    found.there = potential(world, lagged, state.tip);
+    found.there = Potential(world, lagged, state.tip);
   }
   if (holds_still)
     found.converged = true;
@@ -314,7 +314,7 @@ void advance(const World& world, const Pose& command, double dt, int depth,
     lagged = lag_again(world, state, lagged, found.tip.full());
     const int before = found.iterations;
     found.iterations = 0;
-    found.there = potential(world, lagged, found.tip);
+    found.there = Potential(world, lagged, found.tip);
     minimise(world, lagged, found);
     result.iterations += found.iterations;
     if (found.iterations == 0 && before == 0) break;
@@ -370,12 +370,26 @@ StepResult hang(const World& world, const State& state, const Pose& hand, double
   return result;
 }
 
+// Near the ferrule, or with inertia: in sub-steps to the command.
+StepResult follow_hand(const World& world, const State& state, const Pose& hand,
+                       double dt) noexcept {
+  StepResult result(state);
+  result.state.time = state.time + dt;
+  const Pose& from = state.hand;
+  const int parts = substeps_for(world, state, hand, dt);
+  const double part = dt / parts;
+  for (int k = 1; k < parts; ++k)
+    advance(world, from + static_cast<double>(k) / parts * (hand - from), part, 0, result);
+  advance(world, hand, part, 0, result);
+  return result;
+}
+
 // Nothing to do: the state is unchanged, and so are the forces.
 StepResult refuse(const World& world, const State& state) noexcept {
   StepResult result(state);
   result.status = StepStatus::bad_command;
   const Lagged lagged = lag(world, state, state.hand, 0);
-  forces(world, lagged, state.tip, potential(world, lagged, state.tip), result.forces);
+  forces(world, lagged, state.tip, Potential(world, lagged, state.tip), result.forces);
   return result;
 }
 
@@ -384,15 +398,7 @@ StepResult refuse(const World& world, const State& state) noexcept {
 StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept {
   if (!hand.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
   if (flies_free(world, state, hand)) return hang(world, state, hand, dt);
-  StepResult result(state);
-  const Pose from = state.hand;
-  const int parts = substeps_for(world, state, hand, dt);
-  for (int k = 1; k <= parts; ++k) {
-    const double part = static_cast<double>(k) / parts;
-    advance(world, k == parts ? hand : Pose(from + part * (hand - from)), dt / parts, 0, result);
-  }
-  result.state.time = state.time + dt;
-  return result;
+  return follow_hand(world, state, hand, dt);
 }
 
 }  // namespace ferrule

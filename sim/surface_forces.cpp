@@ -223,24 +223,25 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   }
   if (free.to > free.from) {
     const double part = free.to - free.from;
-    const LineMean mean = line_mean(law, eccentricity(tip, free.from), eccentricity(tip, free.to));
+    // The mean over the part of the laws times its length.
+    const LineMean mean = line_mean({law.clearance, part * law.cubed, part * law.single},
+                                    eccentricity(tip, free.from), eccentricity(tip, free.to));
     for (std::size_t i = 0; i < 2; ++i) {
-      const Vector2d a = part * mean.by_a[i], b = part * mean.by_b[i];
-      const Vector2d across = a + b, turn = free.from * a + free.to * b;
+      const Vector2d across = mean.by_a[i] + mean.by_b[i];
+      const Vector2d turn = free.from * mean.by_a[i] + free.to * mean.by_b[i];
       by_term[terms[i]].e += across;
       by_term[terms[i]].t += turn;
       total.gradient.e += across;
       total.gradient.t += turn;
-      total.value += part * mean.value[i];
-      total.value_scale -= part * mean.value[i];
+      total.value += mean.value[i];
+      total.value_scale -= mean.value[i];
       total.force_scale += across.norm();
     }
-    const Matrix2d aa = part * mean.aa, ab = part * mean.ab, bb = part * mean.bb;
-    const Matrix2d to_a = aa + ab.transpose(), to_b = ab + bb;  // columns by e_a, by e_b
+    const Matrix2d to_a = mean.aa + mean.ba, to_b = mean.ab + mean.bb;  // columns by e_a, by e_b
     total.hessian.ee += to_a + to_b;
     total.hessian.et += free.from * to_a + free.to * to_b;
-    total.hessian.tt += free.from * free.from * aa + free.to * free.to * bb +
-                        free.from * free.to * (ab + ab.transpose());
+    total.hessian.tt += free.from * (free.from * mean.aa + free.to * mean.ab) +
+                        free.to * (free.from * mean.ba + free.to * mean.bb);
   }
 
   // A longer overlap gains the energy per length at the mouth.

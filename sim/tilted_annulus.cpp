@@ -127,12 +127,10 @@ LineMean line_mean(const TiltedAnnulus& law, const Vector2d& e_a, const Vector2d
   const Vector2d a_by_a = along_a * e_a + turn_a * apart, apart_by_a = turn_a * e_a + steep;
   const Vector2d b_by_b = along_b * e_b - turn_b * apart, apart_by_b = turn_b * e_b - steep;
   const Vector2d a_by_b = both * e_b - turn_a * apart;
-  mean.aa = e_a * a_by_a.transpose() + apart * apart_by_a.transpose();
-  mean.bb = e_b * b_by_b.transpose() - apart * apart_by_b.transpose();
-  mean.ab = e_a * a_by_b.transpose() + apart * apart_by_b.transpose();
-  mean.aa.diagonal().array() += two - fu;
-  mean.bb.diagonal().array() += two - fv;
-  mean.ab.diagonal().array() -= two;
+  mean.aa = (two - fu) * kIdentity + e_a * a_by_a.transpose() + apart * apart_by_a.transpose();
+  mean.bb = (two - fv) * kIdentity + e_b * b_by_b.transpose() - apart * apart_by_b.transpose();
+  mean.ab = e_a * a_by_b.transpose() + apart * apart_by_b.transpose() - two * kIdentity;
+  mean.ba = a_by_b * e_a.transpose() + apart_by_b * apart.transpose() - two * kIdentity;
   return mean;
 }
 

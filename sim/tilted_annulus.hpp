@@ -38,7 +38,7 @@ struct LineMean {
   std::array<double, 2> value{};                                        // [J/m]
   std::array<Vector2d, 2> by_a = {Vector2d::Zero(), Vector2d::Zero()};  // [N/m]
   std::array<Vector2d, 2> by_b = {Vector2d::Zero(), Vector2d::Zero()};  // [N/m]
-  Matrix2d aa, ab, bb;                                                  // [N/m^2]
+  Matrix2d aa, ab, ba, bb;                                              // [N/m^2]
 };
 
 // |e_a| < C and |e_b| < C.

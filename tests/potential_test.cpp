@@ -47,7 +47,7 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
   const World world = testing::paper().world;
   int compared = 0;
   for (const Case& c : cases(world, 3)) {
-    const Potential here = potential(world, c.lagged, c.tip);
+    const Potential here(world, c.lagged, c.tip);
     const Pose gradient = here.gradient.full();
     for (int i = 0; i < 5; ++i) {
       const double h = 2e-12 / length_of(i);
@@ -55,7 +55,7 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
           [&](double d) {
             Pose tip = c.tip;
             tip[i] += d;
-            return potential(world, c.lagged, tip).value;
+            return Potential(world, c.lagged, tip).value;
           },
           0, h);
       // What rounding of the energy leaves of a difference.
@@ -73,7 +73,7 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
 TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 4)) {
-    const Potential here = potential(world, c.lagged, c.tip);
+    const Potential here(world, c.lagged, c.tip);
     const Matrix5 hessian = here.hessian.full();
     // The laws' slope jumps at the ends of their printed range.
     const double gap =
@@ -85,7 +85,7 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
             [&](double d) {
               Pose tip = c.tip;
               tip[i] += d;
-              return potential(world, c.lagged, tip).gradient.full()[j];
+              return Potential(world, c.lagged, tip).gradient.full()[j];
             },
             0, 1e-13 / length_of(i));
         const double scale =
@@ -98,7 +98,7 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
 TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 5)) {
-    const Potential here = potential(world, c.lagged, c.tip);
+    const Potential here(world, c.lagged, c.tip);
     Breakdown b;
     forces(world, c.lagged, c.tip, here, b);
     const Wrench left = b.sum(c.tip) - b.holder + here.gradient.full();

@@ -64,13 +64,13 @@ TEST(Step, ResultIsALocalMinimumOfThePotential) {
     const Lagged lagged = lag(scene.world, state, hand, 1e-3);
     const StepResult r = step(scene.world, state, hand, 1e-3);
     if (n % 500 == 499 && r.substeps == 1) {
-      const double value = potential(scene.world, lagged, r.state.tip).value;
+      const double value = Potential(scene.world, lagged, r.state.tip).value;
       RandomStream random(9, static_cast<std::uint64_t>(n), Draw::start);
       for (int k = 0; k < 200; ++k) {
         Pose near = r.state.tip;
         const double reach = 1e-9 * random.uniform();
         for (int i = 0; i < 5; ++i) near[i] += (i < 3 ? 1 : 1e4) * reach * random.normal();
-        const Potential there = potential(scene.world, lagged, near);
+        const Potential there(scene.world, lagged, near);
         EXPECT_GE(there.value, value - 1e-14 * there.value_scale);
       }
     }

@@ -96,7 +96,7 @@ TEST(TiltedAnnulus, GradientAndHessianAreDerivatives) {
         return i < 2 ? m.by_a[0][i] + m.by_a[1][i] : m.by_b[0][i - 2] + m.by_b[1][i - 2];
       };
       Eigen::Matrix4d hessian;
-      hessian << here.aa, here.ab, here.ab.transpose(), here.bb;
+      hessian << here.aa, here.ab, here.ba, here.bb;
       const double scale = std::max(std::abs(gradient(here, 0)) + std::abs(gradient(here, 1)),
                                     std::abs(gradient(here, 2)) + std::abs(gradient(here, 3)));
       for (int i = 0; i < 4; ++i) {
