@@ -115,7 +115,7 @@ int hard(const Arguments& a) {
   if (!a.json)
     fmt::print("{:<62} {:>8} {:>9} {:<7} {}\n", "case", "step [s]", "error", "status", "result");
   for (const HardRow& r : rows) {
-    const char* status = !r.finite ? "NaN" : r.passed() ? "ok" : "wrong";
+    const char* status = !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
     failed += !r.passed();
     list.push_back({{"case", r.name},
                     {"step_s", number_or_null(r.step_s)},
