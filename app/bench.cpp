@@ -180,6 +180,8 @@ void add_bench(CLI::App& app, Run& run) {
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] {
     run = [a] {
+      if (!a->what.empty() && !a->plot.empty())
+        throw BadInput("--plot: there is nothing to draw of bench " + a->what);
       return a->what == "hard"      ? hard(*a)
              : a->what == "capture" ? capture(*a)
                                     : speed_and_error(*a);

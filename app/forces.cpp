@@ -60,11 +60,15 @@ void check_fits(const World& world, double gap_nm, double length_um, double tilt
 }
 
 int forces_verb(const Arguments& a) {
-  Scene scene = load_scene(a.scene.scene, a.scene.settings, Planning::none);  // nothing left out
-  if (!a.form.empty()) {
+  // Nothing is left out. The settings are those of the form asked for.
+  const bool own_form = a.form.empty();
+  Scene scene = load_scene(a.scene.scene, own_form ? a.scene.settings : std::vector<std::string>{},
+                           Planning::none);
+  if (!own_form) {
+    for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
     const std::string file = a.scene.scene + " with --form " + a.form;
     set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
-    scene = parse_scene(scene.document, file);
+    scene = parse_scene(scene.document, file, Planning::none);
   }
   const std::vector<double> depths =
       a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");

@@ -49,6 +49,9 @@ class Bench(Case):
         self.refused(2, "plan", "--tolerance", 0.9, says=["--tolerance"])
         self.refused(2, "forces", "--set", "accuracy=2", says=["accuracy = 2"])
 
+    def test_there_is_no_plot_of_capture(self):
+        self.refused(2, "bench", "capture", "--plot", self.path("plots"), says=["--plot"])
+
     def test_capture_takes_exactly_what_fits(self):
         rows = json.loads(self.done("bench", "capture", "--json").stdout)["rows"]
         self.assertGreater(len(rows), 1000)

@@ -162,6 +162,22 @@ class Forces(Case):
         self.refused(2, "forces", "--form", "printed", "--set",
                      'laws.drag={"form": "corrected", "viscosity_Pa_s": 1}', says=["drag"])
 
+    def test_settings_are_those_of_the_form(self):
+        # Maugis at lambda 20 with a = 1 um, R_s = 62.5 um: the depth, then the force back.
+        k, w, sphere = 4.2726925917809e10, 0.144, 62.5e-6
+        scale_a = (math.pi * w * sphere**2 / k) ** (1 / 3)
+        scale_d = (math.pi**2 * w**2 * sphere / k**2) ** (1 / 3)
+        point = json.loads(self.done("contact", "--lambda", 20, "--radius", 1e-6 / scale_a,
+                                     "--json").stdout)["rows"][0]
+        row = json.loads(self.done("forces", "--form", "corrected", "--set",
+                                   "laws.adhesion.maugis_lambda=20", "--depth-nm",
+                                   1e9 * scale_d * point["D"], "--json").stdout)["rows"][0]
+        self.assertAlmostEqual(row["adhesion_uN"] / (1e6 * math.pi * w * sphere * point["P"]), 1,
+                               delta=1e-7)
+        self.refused(2, "forces", "--form", "corrected", "--set",
+                     "laws.adhesion.maugis_lambda=101", says=["0.01 to 100"])
+        self.refused(2, "forces", "--set", "laws.adhesion.maugis_lambda=20", says=["0.12 to 5.8"])
+
     def test_names_cannot_reach_the_plotting_program(self):
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
         scene["name"] = f"x\nsystem \"touch {self.path('reached')}\"\n#'"
