@@ -1,5 +1,8 @@
 #include "sim/potential.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace ferrule {
 namespace {
 
@@ -51,6 +54,39 @@ ContactForce wall_force(const World& world, double depth) noexcept {
 AdhesionForce adhesion_force(const World& world, double depth, int branch) noexcept {
   return world.adhesion && depth != -INFINITY ? adhesion(*world.adhesion, depth, branch)
                                               : AdhesionForce{};
+}
+
+// The share of the side's patch that the end leaves, by the inserted length.
+struct PatchShare {
+  double value, slope, curve;  // [-], [1/m], [1/m^2]
+
+  explicit PatchShare(double length) noexcept {
+    const double p = std::clamp(length / kPatch, 0.0, 1.0), rest = 1 - p;
+    value = p * p * p * (10 - p * (15 - 6 * p));
+    slope = 30 * p * p * rest * rest / kPatch;
+    curve = 60 * p * rest * (1 - 2 * p) / (kPatch * kPatch);
+  }
+};
+
+// What the end cuts off the side's contact.
+void cut_patch(Potential& there, const PoseVector& tip) noexcept {
+  const PatchShare share(-tip.x);
+  ContactForce &wall = there.push[kSide], &adhesion = there.pull[kSide];
+  there.push_out = share.slope * wall.potential;
+  there.pull_out = share.slope * adhesion.potential;
+  const Vector2d turn =
+      share.slope * (wall.force + adhesion.force) * there.depth[kSide].slope.tail<2>();
+  Energy& bore = there.bore;
+  bore.gradient.x -= there.push_out + there.pull_out;
+  bore.force_scale += std::abs(there.push_out) + std::abs(there.pull_out);
+  bore.hessian.xx += share.curve * (wall.potential + adhesion.potential) + 2 * turn.dot(tip.t);
+  bore.hessian.xe -= turn;
+  bore.hessian.xt += tip.x * turn;
+  for (ContactForce* part : {&wall, &adhesion}) {
+    part->potential *= share.value;
+    part->force *= share.value;
+    part->slope *= share.value;
+  }
 }
 
 // Drag along x over the step, by the inserted length before and now (Lagged::axial_drag).
@@ -176,6 +212,7 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
     const double share = both && world.friction->form == Form::printed ? 0.5 : 1.0;
     friction.limit = share * ferrule::friction(*world.friction, a);
+    if (place == kSide) friction.limit *= PatchShare(lagged.length).value;
     friction.stiffness = stuck_stiffness(*world.friction, a);
   }
   return lagged;
@@ -204,6 +241,7 @@ Potential::Potential(const World& world, const Lagged& lagged, const PoseVector&
       shared.force *= lagged.adhesion_share;
       shared.slope *= lagged.adhesion_share;
     }
+  if (-tip.x < kPatch && depth[kSide].value != -INFINITY) cut_patch(*this, tip);
   const bool inserted = lagged.contact.side_can_touch;
   if (inserted) add_surface_forces(bore, surface, world, lagged.length, lagged.bridge, tip);
   if (world.meniscus && inserted && tip.x < 0) {
@@ -262,6 +300,10 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     const Vector3d normal = depth.normal(tip.t);
     b.wall[at] = {there.push[at].force * normal, depth.point};
     b.adhesion[at] = {there.pull[at].force * normal, depth.point};
+    if (place == kSide) {
+      b.wall[at].force.x() += there.push_out;
+      b.adhesion[at].force.x() += there.pull_out;
+    }
     const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
     const Vector2d to_axis = lean(world, lagged, place);

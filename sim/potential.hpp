@@ -8,6 +8,10 @@
 // inserted length as it changes, and so pull the fibre in by what a longer overlap gains; printed
 // ones know no axial force, and take the length of the step's start.
 //
+// The side's contact is a patch some kPatch wide, which the fibre's end cuts where it is near the
+// mouth: its energy and friction fade with the inserted length, by (p^3 (10 - 15 p + 6 p^2)),
+// p = l/kPatch. So a fibre slides off the rim, and what adhesion gave is paid back on the way.
+//
 // The paper knows one contact between fibre and bore; where end and side touch at once (the fibre
 // lies along the wall) its printed adhesion and friction are shared between them in equal parts.
 #pragma once
@@ -19,6 +23,8 @@
 #include "sim/world.hpp"
 
 namespace ferrule {
+
+inline constexpr double kPatch = 0.5e-6;  // diameter of a contact 1 nm deep [m]
 
 struct LaggedFriction {
   bool acts = false;    // the rest is only set where it does
@@ -80,6 +86,8 @@ struct Potential : Energy {
   std::array<ContactDepth, kContactPlaces> depth;
   std::array<ContactForce, kContactPlaces> push;   // of the wall
   std::array<AdhesionForce, kContactPlaces> pull;  // of the adhesion
+  double push_out = 0,
+         pull_out = 0;  // of wall and adhesion along x, where the end cuts a patch [N]
 };
 
 // Its gradient and Hessian where the step starts, from those of the bore's part there.
