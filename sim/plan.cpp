@@ -29,8 +29,9 @@ const std::vector<double> kInertialSteps = {1e-3, 1e-4, 2e-5, 1e-5, 5e-6};
 constexpr double kShare = 0.2;  // of the tolerance that all that is left out may take
 constexpr double kShareWhereItSticks = 1e-4;
 constexpr double kShareOfFidelity = 0.2;
-constexpr double kShareOfInertia = 0.8;  // which it may change where it is left out unmeasured
-constexpr double kMeasured = 0.3;        // of the tolerance that the chosen model may miss by
+constexpr double kShareOfInertia = 0.8;     // which it may change where it is left out unmeasured
+constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
+constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
 
 Scene changed(const Scene& scene, const std::function<void(Json&)>& change) {
   Json document = scene.document;
@@ -160,7 +161,7 @@ struct Choice {
   Reduced model;
   LeftOut left_out;
   std::array<double, kSurfaceTerms> coarser{};  // largest errors of the fidelity [N]
-  double error;                                 // measured; infinite if nothing was good enough
+  double error;  // largest that is to be expected: that measured over the share it may have
 };
 
 // The cheapest fidelity of surface forces that is good enough, and its errors.
@@ -189,7 +190,8 @@ struct Room {
 // What is left out where that is good enough, else with every term; then the longest step.
 Choice choose(const Reference& reference, const Room& room) {
   const World& world = reference.scene.world;
-  const double enough = kMeasured * room.tolerance;
+  const double measured = world.drag ? kMeasuredWithDrag : kMeasured;
+  const double enough = measured * room.tolerance;
   const auto share = [&](double part) {
     return (reference.sticks ? kShareWhereItSticks : part) * room.tolerance;
   };
@@ -204,7 +206,7 @@ Choice choose(const Reference& reference, const Room& room) {
     full_error = reference.error(reduced_scene(reference.scene, longer).world, INFINITY);
   }
   Choice nothing_reduced = full;
-  nothing_reduced.error = full_error;
+  nothing_reduced.error = full_error / measured;
   if (full_error > enough) return nothing_reduced;
 
   std::vector<LeftOut> tries = {smallest_terms(reference, share(kShare))};
@@ -224,6 +226,7 @@ Choice choose(const Reference& reference, const Room& room) {
       c.error = reference.error(reduced_scene(reference.scene, c.model).world, enough);
       if (c.error > enough) continue;
       if (step == room.steps.back()) c.error = std::max(c.error, full_error);
+      c.error /= measured;
       return c;
     }
   }

@@ -14,9 +14,16 @@
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
 // since there small forces decide where it comes to rest, and so for a coarser fidelity. What is
-// chosen is then run, and has to stay below a third of the tolerance in every probe. Without drag
-// and inertia nothing depends on time, and the step is that of control, 1 ms. Where even the finest
-// two steps differ by more than that, the full model is the plan, and that difference its bound.
+// chosen is then run, and has to stay below a third of the tolerance in every probe, with drag
+// below a twentieth: the shorter the rest of the fibre that liquid holds, the faster it moves, and
+// motions differ in that by as much. Without drag and inertia nothing depends on time, and the step
+// is that of control, 1 ms. Where even the finest two steps differ by more than that, the full
+// model is the plan. The bound is what was measured over the share it may have: other motions than
+// the probes differ by more.
+//
+// Where the scene does not say which dynamics it has, inertia is judged by the hand's acceleration
+// alone: how long a fibre without damping rings where it snaps or hits, the bound does not speak of.
+// Parts with a tolerance are planned for as a pair of the nominal diameters.
 #pragma once
 
 #include <string>

@@ -41,19 +41,36 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
   const Vector2d aside(around(0.6 * c), around(0.6 * c));
   const double ty = around(lean), tz = around(lean);
   const bool misaligned = k % 4 == 3;  // straight down from where it is
-  if (misaligned) {
+  // From wall to wall across the bore, as deep as the scene goes; every other time near its mouth,
+  // and out while pressed.
+  const bool across = world.drag && k % 2 == 1 && !misaligned, at_mouth = k % 8 == 5;
+  if (across) {
+    const double deep = at_mouth ? 0.25 * depth : scene.success.depth;
+    const double less = at_mouth ? -mouth : std::max(0.5 * deep, deep - deepest);
+    const double angle = std::numbers::pi * random.uniform();
+    const double y = push * std::cos(angle), z = push * std::sin(angle);
+    tips.front() << -deep, aside, 0, 0;
+    next(-deep, y, z, 0, 0);
+    next(-less, y, z, 0, 0);
+    next(-less, aside.x(), aside.y(), 0, 0);
+    next(-deep, aside.x(), aside.y(), 0, 0);
+    next(-deep, y, z, 0, 0);
+    next(-deep, -y, -z, 0, 0);
+    next(-less, -y, -z, 0, 0);
+  } else if (misaligned) {
     next(-depth, start.tip[1], start.tip[2], start.tip[3], start.tip[4]);
   } else {
     tips.front() << mouth, aside, ty, tz;
     next(-depth, aside.x(), aside.y(), ty, tz);
   }
   for (const double side : {1.0, -1.0}) {
+    if (across) break;
     const double angle = std::numbers::pi * random.uniform();
     const double y = side * push * std::cos(angle), z = side * push * std::sin(angle);
     next(-depth, y, z, ty + around(lean), tz + around(lean));
     next(-(0.4 + 0.2 * random.uniform()) * depth, y, z, ty, tz);
   }
-  next(misaligned ? outside : mouth, aside.x(), aside.y(), 0, 0);
+  if (!across) next(misaligned ? outside : mouth, aside.x(), aside.y(), 0, 0);
 
   const double lever = depth + world.annulus.fibre_radius;
   const auto way_to = [&](std::size_t i) {
@@ -71,7 +88,7 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
                                                               : kLongest;
   for (std::size_t i = 1; i < tips.size(); ++i) {
     const Pose from = hand.back(), to = tips[i] - world.holder.sag;
-    const double part = speed * (0.5 + 0.5 * random.uniform());
+    const double part = speed * (across ? 1 : 0.5 + 0.5 * random.uniform());
     const auto steps = static_cast<std::size_t>(std::ceil(
         std::max(kPeakOfMinimumJerk * way_to(i) / part, 2 * kSpeedingUp) / kSamplePeriod));
     for (std::size_t n = 1; n <= steps; ++n) {

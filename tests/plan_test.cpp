@@ -211,6 +211,53 @@ TEST_P(PlanOfRandomScenes, IsRightForMotionsItHasNotSeen) {
   EXPECT_GE(compared, 2 * (kScenes / 4));
 }
 
+// In, pressed against the wall, and out while pressed: the fibre slips out of the liquid the faster
+// the less of it is left inside.
+std::vector<Pose> pressed_out(const Scene& scene) {
+  const double c = scene.world.annulus.clearance(), depth = 0.5 * scene.success.depth;
+  const double push = c + 0.5 * scene.limits.force / scene.world.holder.stiffness(1, 1);
+  std::vector<Pose> hand = {testing::pose(2e-6, 0.2 * c, 0) - scene.world.holder.sag};
+  for (const Pose& tip :
+       {testing::pose(-depth, 0, 0), testing::pose(-depth, 0.8 * push, -0.6 * push),
+        testing::pose(2e-6, 0.8 * push, -0.6 * push)}) {
+    const Pose from = hand.back(), move = tip - scene.world.holder.sag - from;
+    const double steps = std::ceil(move.head<3>().norm() / (1e-3 * 0.8 * scene.limits.speed));
+    for (double n = 1; n <= steps; ++n) hand.push_back(from + n / steps * move);
+  }
+  return hand;
+}
+
+TEST(Plan, IsRightForAFibreThatIsPulledOutOfALiquidWhilePressed) {
+  constexpr double tolerance = 0.1;
+  std::size_t reached = 0;
+  for (std::uint64_t k = 0; k < kScenes / 20; ++k) {
+    RandomStream random(31, k, Draw::start);
+    const auto decades = [&](double low, double high) {
+      return low * std::pow(high / low, random.uniform());
+    };
+    Json d = testing::paper().document;
+    d["ferrule"]["bore_diameter_um"] = 125 + decades(0.4, 4);
+    d["laws"] = {{"electrostatic", {{"form", "printed"}, {"voltage_V", decades(0.1, 1)}}},
+                 {"drag", {{"form", "corrected"}, {"viscosity_Pa_s", decades(1e-3, 10)}}}};
+    d["holder"]["stiffness_N_m"] = decades(0.1, 20);
+    d["dynamics"] = "quasi_static";
+    d["limits"]["force_uN"] = decades(5, 50);
+    d["limits"]["speed_um_s"] = decades(3, 70);
+    d["success"]["depth_um"] = decades(5, 30);
+    const Scene scene = parse_scene(d, "random scene");
+    const Plan plan = make_plan(scene, tolerance);
+    if (plan.error_bound > tolerance) continue;  // it says so
+    ++reached;
+    const std::vector<Pose> hand = pressed_out(scene);
+    const State start = at_rest(scene.world, hand.front() + scene.world.holder.sag);
+    const SampledRun exact = sample_run(full_model(scene, 2e-5), start, hand, scene.limits.force);
+    const SampledRun run =
+        sample_run(parse_scene(plan.document, "planned").world, start, hand, INFINITY);
+    EXPECT_LE(run_error(run, exact, hand, scene.world), tolerance) << "scene " << k;
+  }
+  EXPECT_GE(reached, kScenes / 100);
+}
+
 INSTANTIATE_TEST_SUITE_P(Quarters, PlanOfRandomScenes, ::testing::Range<std::uint64_t>(0, 4));
 
 }  // namespace
