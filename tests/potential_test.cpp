@@ -23,11 +23,17 @@ struct Case {
 };
 
 // Poses where every term acts somewhere: random ones, each with the history of a short motion.
+// Every fourth has its end so near the mouth that it cuts the side's contact.
 std::vector<Case> cases(const World& world, std::uint64_t seed) {
   std::vector<Case> all;
   for (std::uint64_t k = 0; k < 60; ++k) {
     RandomStream random(seed, k, Draw::start);
-    State state = at_rest(world, random_pose(random, world));
+    Pose tip = random_pose(random, world);
+    if (k % 4 == 0) {
+      tip[0] = -(0.1 + 0.8 * random.uniform()) * kPatch;
+      tip.segment<2>(1) = 1.002 * world.annulus.clearance() * tip.segment<2>(1).normalized();
+    }
+    State state = at_rest(world, tip);
     Pose hand = state.hand;
     for (int n = 0; n < 3; ++n) {
       hand[0] -= 5e-9;
@@ -101,8 +107,10 @@ TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
 
 TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   const World world = testing::paper().world;
+  int cut = 0;
   for (const Case& c : cases(world, 5)) {
     const Potential here(world, c.lagged, c.tip);
+    cut += here.push_out + here.pull_out != 0;
     Breakdown b;
     forces(world, c.lagged, c.tip, here, b);
     const Wrench left = b.sum(c.tip) - b.holder + here.gradient.full();
@@ -110,6 +118,7 @@ TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
     // Moments to first order in the tilts: arms of the radius times a tilt are left out.
     EXPECT_LT(left.tail<2>().norm(), 1e-2 * 62.5e-6 * here.force_scale);
   }
+  EXPECT_GT(cut, 5);
 }
 
 TEST(Potential, OfTwoContactsSharesTheAdhesionOfOne) {

@@ -106,6 +106,7 @@ TEST(Step, ALeadInGathersExactlyTheFibresWithinItsRim) {
     EXPECT_EQ(end.tip[0] < -1e-6, part < 1) << part;
   }
 }
+
 // On the bore's axis surface forces push neither way, but their potential curves down steeply
 // there. That must not keep the fibre from following the hand along the axis.
 TEST(Step, AFibreOnTheAxisFollowsTheHandIn) {
@@ -118,6 +119,32 @@ TEST(Step, AFibreOnTheAxisFollowsTheHandIn) {
     state = r.state;
   }
   EXPECT_LT(std::abs(state.tip[0] + 50e-6), 1e-12);
+}
+
+// Pressed against the rim of the mouth and pulled out: the end cuts the side's contact, which ends
+// there without a jump of its energy.
+TEST(Step, AFibrePulledOutAlongAWallSlidesOffTheRim) {
+  for (const char* name : {"paper", "dry", "demo"})
+    for (const double aside : {-17e-6, -3e-6, 5e-6}) {
+      const World world = load_scene(name).world;
+      State state = at_rest(world, testing::pose(20e-6, 0.1e-6, 0));
+      int stuck = 0;
+      const auto go = [&](double x, double y, int steps) {
+        const Pose from = state.hand;
+        for (int n = 1; n <= steps; ++n) {
+          const Pose move = testing::pose(x * n / steps, y * n / steps, 0);
+          const StepResult r = step(world, state, from + move, 1e-3);
+          stuck += r.status != StepStatus::ok;
+          state = r.state;
+        }
+      };
+      go(-60e-6, 0, 2000);
+      go(0, aside, 1000);
+      ASSERT_TRUE(state.contact[kSide].closed) << name << " " << aside;
+      go(100e-6, 0, 4000);
+      EXPECT_EQ(stuck, 0) << name << " " << aside;
+      EXPECT_GT(state.tip[0], 50e-6) << name << " " << aside;
+    }
 }
 
 TEST(Step, AHandThatJumpsTenCentimetresIsStoppedByTheFace) {
