@@ -92,7 +92,8 @@ int fit_verb(const Arguments& a) {
   }
   fmt::print("reaction time {:.2f} s (identified, not imitated)\n", c.reaction_time);
   fmt::print("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
-             c.episodes.size(), c.held_out.size(), set.unsuccessful, c.rows);
+             c.trained_on.episodes.size(), c.trained_on.held_out.size(), set.unsuccessful,
+             c.trained_on.rows);
   fmt::print("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand); {:.1f} % explained\n",
              1e3 * c.residual, 1e3 * c.held_out_residual, 100 * report.explained);
   fmt::print("{}\nwrote {}\n", report.summary, a.out);

@@ -75,7 +75,8 @@ int fit_torch(const DemonstrationSet& set, const std::string& folder, const std:
                r.trials, r.rows, r.held_out_loss);
   fmt::print("reaction time {:.2f} s (identified, not imitated)\n", f.reaction_time);
   fmt::print("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
-             f.episodes.size(), f.held_out.size(), set.unsuccessful, f.rows);
+             f.trained_on.episodes.size(), f.trained_on.held_out.size(), set.unsuccessful,
+             f.trained_on.rows);
   fmt::print("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand)\n", 1e3 * f.residual,
              1e3 * f.held_out_residual);
   fmt::print("wrote {}\n", out);

@@ -226,8 +226,8 @@ void write_report(const std::string& file, const Report& r) {
       "<p>{} training episodes, {} held out. Velocity residual {:.3g} mm/s, held out {:.3g} mm/s; "
       "the law explains {:.0f} % of the velocities' variance. The operators' reaction time was "
       "identified as {:.2f} s and is not imitated.</p>\n",
-      c.episodes.size(), c.held_out.size(), 1e3 * c.residual, 1e3 * c.held_out_residual,
-      100 * r.fit.explained, c.reaction_time);
+      c.trained_on.episodes.size(), c.trained_on.held_out.size(), 1e3 * c.residual,
+      1e3 * c.held_out_residual, 100 * r.fit.explained, c.reaction_time);
 
   html += "<h2>By itself</h2>\n" + success_table(learned, baseline);
   html += fmt::format(

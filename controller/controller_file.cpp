@@ -6,17 +6,6 @@ namespace {
 constexpr const char* kFormat = "ferrule controller";
 constexpr std::int64_t kFormatVersion = 2;  // in 1 the insertion law sped up otherwise
 
-std::vector<std::string> text_list(JsonFields& fields, const std::string& key) {
-  const Json& value = fields.raw(key);
-  if (!value.is_array()) fields.refuse(key, "must be a list of texts");
-  std::vector<std::string> list;
-  for (const Json& each : value) {
-    if (!each.is_string()) fields.refuse(key, "must be a list of texts");
-    list.push_back(each);
-  }
-  return list;
-}
-
 double optional_number(JsonFields& fields, const std::string& key) {
   return fields.has(key) ? fields.number(key, rule::any())
                          : std::numeric_limits<double>::quiet_NaN();
@@ -91,12 +80,7 @@ void write_controller(const std::string& file, const ControllerFile& c) {
                {"law", name(c.kind)},
                {"gains", gains},
                {"reaction_time_s", c.reaction_time},
-               {"trained_on",
-                {{"scenes", c.scenes},
-                 {"episodes", to_json(c.episodes)},
-                 {"held_out", to_json(c.held_out)},
-                 {"rows", c.rows},
-                 {"seed", c.seed}}},
+               {"trained_on", to_json(c.trained_on)},
                {"metrics",
                 {{"residual_m_s", c.residual},
                  {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
@@ -123,13 +107,7 @@ ControllerFile parse_controller(const Json& json, const std::string& file) {
     c.gains.push_back(read_gain(gains.object(gain.name), gain));
   gains.finish();
   c.reaction_time = fields.number("reaction_time_s", rule::not_negative());
-  JsonFields trained = fields.object("trained_on");
-  c.scenes = text_list(trained, "scenes");
-  c.episodes = read_episodes(trained, "episodes", file);
-  c.held_out = read_episodes(trained, "held_out", file);
-  c.rows = static_cast<std::size_t>(trained.integer("rows", 0, INT64_MAX));
-  c.seed = static_cast<std::uint64_t>(trained.integer("seed", 0, INT64_MAX));
-  trained.finish();
+  c.trained_on = read_trained_on(fields, file);
   JsonFields metrics = fields.object("metrics");
   c.residual = metrics.number("residual_m_s", rule::not_negative());
   c.held_out_residual = optional_number(metrics, "held_out_residual_m_s");

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "controller/law.hpp"
-#include "controller/trained_episode.hpp"
+#include "controller/trained_on.hpp"
 
 namespace ferrule {
 
@@ -29,12 +29,9 @@ struct ControllerFile {
   std::vector<FittedGain> gains = std::vector<FittedGain>(kGains);  // as gain_table(kind)
   double reaction_time = 0;  // delay of the demonstrator, identified and not imitated [s]
   // Provenance.
-  std::vector<std::string> scenes;  // names of the scenes it was learned in
-  std::vector<TrainedEpisode> episodes, held_out;
+  TrainedOn trained_on;
   double residual = 0, held_out_residual = 0;    // root mean square of the velocity error [m/s]
   std::vector<CrossValidated> cross_validation;  // of the laws that were compared, if any
-  std::size_t rows = 0;
-  std::uint64_t seed = 0;
 
   Law law() const;
 };

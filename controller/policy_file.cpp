@@ -158,12 +158,7 @@ void write_policy(const std::string& file, const PolicyFile& p) {
         {"highest_log_sd", kHighestLogSd}}},
       {"reaction_time_s", p.reaction_time},
       {"training", {{"input_noise", p.input_noise}, {"weight_decay", p.weight_decay}}},
-      {"trained_on",
-       {{"scenes", p.scenes},
-        {"episodes", to_json(p.episodes)},
-        {"held_out", to_json(p.held_out)},
-        {"rows", p.rows},
-        {"seed", p.seed}}},
+      {"trained_on", to_json(p.trained_on)},
       {"metrics",
        {{"members", training},
         {"residual_m_s", p.residual},
@@ -217,18 +212,7 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
   p.input_noise = training.number("input_noise", rule::not_negative());
   p.weight_decay = training.number("weight_decay", rule::not_negative());
   training.finish();
-  JsonFields trained = fields.object("trained_on");
-  const Json& scenes = trained.raw("scenes");
-  if (!scenes.is_array()) trained.refuse("scenes", "must be a list of texts");
-  for (const Json& each : scenes) {
-    if (!each.is_string()) trained.refuse("scenes", "must be a list of texts");
-    p.scenes.push_back(each);
-  }
-  p.episodes = read_episodes(trained, "episodes", file);
-  p.held_out = read_episodes(trained, "held_out", file);
-  p.rows = count(trained, "rows");
-  p.seed = count(trained, "seed");
-  trained.finish();
+  p.trained_on = read_trained_on(fields, file);
   JsonFields metrics = fields.object("metrics");
   for_each(metrics, "members", file, 0, kMostMembers, [&](JsonFields& entry, std::size_t) {
     p.members.push_back({static_cast<int>(entry.integer("epochs", 0, INT32_MAX)),

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "controller/policy.hpp"
-#include "controller/trained_episode.hpp"
+#include "controller/trained_on.hpp"
 
 namespace ferrule {
 
@@ -34,10 +34,7 @@ struct PolicyFile {
   double input_noise = 0;   // standard deviation added to scaled inputs
   double weight_decay = 0;  // of AdamW
   // Provenance.
-  std::vector<std::string> scenes;  // names of the scenes it was learned in
-  std::vector<TrainedEpisode> episodes, held_out;
-  std::size_t rows = 0;
-  std::uint64_t seed = 0;
+  TrainedOn trained_on;
   std::vector<MemberTraining> members;
   double residual = 0, held_out_residual = 0;  // root mean square of the velocity error [m/s]
   std::vector<DaggerRound> dagger;

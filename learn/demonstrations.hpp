@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "capture/episode.hpp"
-#include "controller/trained_episode.hpp"
+#include "controller/trained_on.hpp"
 
 namespace ferrule {
 

@@ -80,11 +80,8 @@ FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional
     throw BadInput("the fit did not converge from any start: " + solution.summary);
   c.kind = *kind;
   c.gains = law_gains(*kind, train, scales, solution);
-  c.scenes = set.scenes;
-  c.episodes = trained_episodes(parts.training);
-  c.held_out = trained_episodes(parts.testing);
-  c.rows = rows(train);
-  c.seed = seed;
+  c.trained_on = {set.scenes, trained_episodes(parts.training), trained_episodes(parts.testing),
+                  rows(train), seed};
   c.residual = root_mean_square_error(c.law(), train);
   c.held_out_residual = root_mean_square_error(c.law(), test);
   report.summary = solution.summary;

@@ -139,10 +139,8 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
   f.reaction_time = reaction_time(training);
   f.input_noise = settings.training.input_noise;
   f.weight_decay = settings.training.weight_decay;
-  f.scenes = set.scenes;
-  f.episodes = trained_episodes(training);
-  f.held_out = trained_episodes(held_out);
-  f.seed = settings.seed;
+  f.trained_on = {set.scenes, trained_episodes(training), trained_episodes(held_out), 0,
+                  settings.seed};
 
   const auto epochs = static_cast<std::size_t>(settings.training.epochs);
   const RawRows test = rows_of(held_out, f.reaction_time, f.policy);
@@ -154,8 +152,9 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     if (train.input.cols() < kFewestRows || test.input.cols() == 0)
       throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed",
                                  train.input.cols(), kFewestRows));
-    if (round > 0) f.dagger.back().rows = static_cast<std::size_t>(train.input.cols()) - f.rows;
-    f.rows = static_cast<std::size_t>(train.input.cols());
+    const auto rows = static_cast<std::size_t>(train.input.cols());
+    if (round > 0) f.dagger.back().rows = rows - f.trained_on.rows;
+    f.trained_on.rows = rows;
     set_scales(f.policy, train);
     const TrainingRows train_scaled = scaled(f.policy, train), test_scaled = scaled(f.policy, test);
     f.policy.members.clear();

@@ -14,10 +14,10 @@ ControllerFile example() {
   for (std::size_t i = 0; i < kGains; ++i)
     c.gains[i] = {0.1 + static_cast<double>(i) / 3, 0.01, 10};
   c.gains[4].low = c.gains[4].high = NAN;
-  c.scenes = {"demo"};
-  c.episodes = {{"a.h5", "12ab"}, {"b.h5", "34cd"}};
-  c.held_out = {{"c.h5", "56ef"}};
-  c.rows = 1234;
+  c.trained_on.scenes = {"demo"};
+  c.trained_on.episodes = {{"a.h5", "12ab"}, {"b.h5", "34cd"}};
+  c.trained_on.held_out = {{"c.h5", "56ef"}};
+  c.trained_on.rows = 1234;
   c.reaction_time = 0.17;
   return c;
 }
@@ -29,8 +29,8 @@ TEST(ControllerFile, IsReadBackExactly) {
   const ControllerFile back = read_controller(file);
   EXPECT_EQ(back.law().gains(), example().law().gains());
   EXPECT_TRUE(std::isnan(back.gains[4].low));
-  EXPECT_EQ(back.episodes, example().episodes);
-  EXPECT_EQ(back.held_out, example().held_out);
+  EXPECT_EQ(back.trained_on.episodes, example().trained_on.episodes);
+  EXPECT_EQ(back.trained_on.held_out, example().trained_on.held_out);
   EXPECT_EQ(back.reaction_time, 0.17);
 }
 

@@ -105,11 +105,12 @@ TEST(FitLaw, RefusesTooLittleWithTheReason) {
 
 TEST(FitLaw, HoldsOutWholeEpisodes) {
   const FitReport report = fit_law(synthetic(kLaw, 10, 1e-4), 3);
-  EXPECT_EQ(report.controller.held_out.size(), 2u);
-  EXPECT_EQ(report.controller.episodes.size(), 8u);
-  for (const auto& file : report.controller.held_out)
-    EXPECT_EQ(
-        std::count(report.controller.episodes.begin(), report.controller.episodes.end(), file), 0);
+  EXPECT_EQ(report.controller.trained_on.held_out.size(), 2u);
+  EXPECT_EQ(report.controller.trained_on.episodes.size(), 8u);
+  for (const auto& file : report.controller.trained_on.held_out)
+    EXPECT_EQ(std::count(report.controller.trained_on.episodes.begin(),
+                         report.controller.trained_on.episodes.end(), file),
+              0);
 }
 
 }  // namespace

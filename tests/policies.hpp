@@ -43,10 +43,10 @@ inline Policy random_policy(std::size_t members, std::vector<int> hidden, int sa
 inline PolicyFile random_policy_file() {
   PolicyFile f;
   f.policy = random_policy(2, {7, 5}, 3, 4);
-  f.scenes = {"demo"};
-  f.episodes = {{"a.h5", "da39a3ee5e6b4b0d3255bfef95601890afd80709"}};
-  f.held_out = {{"b.h5", "a9993e364706816aba3e25717850c26c9cd0d89d"}};
-  f.rows = 1234;
+  f.trained_on.scenes = {"demo"};
+  f.trained_on.episodes = {{"a.h5", "da39a3ee5e6b4b0d3255bfef95601890afd80709"}};
+  f.trained_on.held_out = {{"b.h5", "a9993e364706816aba3e25717850c26c9cd0d89d"}};
+  f.trained_on.rows = 1234;
   f.reaction_time = 0.17;
   f.members = {{30, 20, -1.5, -1.25}, {31, 25, -1.5, -1.0}};
   f.dagger = {{10, 9, 500, -1.125}};

@@ -31,7 +31,7 @@ TEST(PolicyFile, IsReadBackExactly) {
   EXPECT_EQ(back.policy.mean, file.policy.mean);
   EXPECT_EQ(back.policy.velocity_scale, file.policy.velocity_scale);
   EXPECT_EQ(back.policy.spacing, 4);
-  EXPECT_EQ(back.held_out[0].sha1, file.held_out[0].sha1);
+  EXPECT_EQ(back.trained_on.held_out[0].sha1, file.trained_on.held_out[0].sha1);
   EXPECT_EQ(back.members[1].best_epoch, 25);
   EXPECT_EQ(back.dagger[0].held_out_loss, -1.125);
   write_policy(folder / "d.json", back);
