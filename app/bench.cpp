@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include <map>
+#include <tuple>
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
@@ -114,7 +115,7 @@ int hard(const Arguments& a) {
   if (!a.json)
     fmt::print("{:<62} {:>8} {:>9} {:<7} {}\n", "case", "step [s]", "error", "status", "result");
   for (const HardRow& r : rows) {
-    const char* status = !r.finite ? "NaN" : r.passed() ? "ok" : "wrong";
+    const char* status = !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
     failed += !r.passed();
     list.push_back({{"case", r.name},
                     {"step_s", number_or_null(r.step_s)},
@@ -133,14 +134,16 @@ int hard(const Arguments& a) {
 int capture(const Arguments& a) {
   const std::vector<CaptureRow> rows = bench_capture();
   std::size_t wrong = 0;
-  std::map<std::pair<bool, double>, std::pair<std::size_t, std::size_t>> counts;
+  // By lead-in, offset and what must be.
+  std::map<std::tuple<bool, double, bool>, std::pair<std::size_t, std::size_t>> counts;
   Json list = Json::array();
   for (const CaptureRow& r : rows) {
-    wrong += r.inserted != r.expected;
-    auto& [in, all] = counts[{r.lead_in, r.offset_clearances}];
+    wrong += r.inserted != r.expected();
+    auto& [in, all] = counts[{r.lead_in, r.offset_clearances, r.expected()}];
     in += r.inserted;
     ++all;
     list.push_back({{"offset_clearances", r.offset_clearances},
+                    {"capture_clearances", r.capture_clearances},
                     {"direction_deg", r.direction_deg},
                     {"speed_um_s", r.speed_um_s},
                     {"step_s", r.step_s},
@@ -151,14 +154,15 @@ int capture(const Arguments& a) {
     print_json({{"rows", list}, {"wrong", wrong}});
     return wrong ? kFailed : kDone;
   }
-  fmt::print("{:<12} {:>10} {:>12}\n", "mouth", "offset", "inserted");
+  fmt::print("{:<12} {:>10} {:>12} {:>12}\n", "mouth", "offset", "must go in", "inserted");
   for (const auto& [key, count] : counts)
-    fmt::print("{:<12} {:>10g} {:>12}\n", key.first ? "lead-in" : "sharp", key.second,
+    fmt::print("{:<12} {:>10.5g} {:>12} {:>12}\n", std::get<0>(key) ? "lead-in" : "sharp",
+               std::get<1>(key), std::get<2>(key) ? "yes" : "no",
                fmt::format("{} of {}", count.first, count.second));
   fmt::print(
-      "offsets in clearances (sharp) or capture radii (lead-in); below 1 must go in, above 1 "
-      "must not\n{} of {} wrong\n",
-      wrong, rows.size());
+      "offsets in clearances; a sharp bore takes those below 1, a lead-in those below {:.5g}, its "
+      "rim\n{} of {} wrong\n",
+      rows.back().capture_clearances, wrong, rows.size());
   return wrong ? kFailed : kDone;
 }
 
@@ -176,6 +180,8 @@ void add_bench(CLI::App& app, Run& run) {
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->callback([a, &run] {
     run = [a] {
+      if (!a->what.empty() && !a->plot.empty())
+        throw BadInput("--plot: there is nothing to draw of bench " + a->what);
       return a->what == "hard"      ? hard(*a)
              : a->what == "capture" ? capture(*a)
                                     : speed_and_error(*a);

@@ -1,8 +1,9 @@
 #include "app/force_table.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-#include "sim/surface_forces.hpp"
+#include "sim/printed_range.hpp"
 
 namespace ferrule {
 namespace {
@@ -27,32 +28,59 @@ int contact_branch(const World& world) {
   return world.adhesion && world.adhesion->contact ? world.adhesion->contact->curve.branches() : 0;
 }
 
+// Mean of a corrected law along a fibre whose gap widens in a straight line from `gap` by `rise`;
+// beyond the bore's axis the opposite wall is the near one. Gauss-Legendre between the gaps where
+// the law ends and between those that are an octave apart.
+template <class Law>
+double mean_force(const Law& law, double clearance, double reach, double gap, double rise) {
+  std::vector<double> cuts = {0, 1};
+  const auto cut = [&](double h) {
+    for (const double there : {h, 2 * clearance - h})
+      if (const double part = (there - gap) / rise; part > 0 && part < 1) cuts.push_back(part);
+  };
+  for (double h = printed::kInteratomicDistance; h < clearance; h *= 2) cut(h);
+  cut(clearance);
+  cut(reach);
+  std::sort(cuts.begin(), cuts.end());
+  static const Quadrature nodes = Quadrature::gauss_legendre(kMostNodes);
+  double sum = 0;
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double width = cuts[i] - cuts[i - 1];
+    for (std::size_t n = 0; n < kMostNodes; ++n) {
+      const double h = gap + rise * (cuts[i - 1] + width * nodes.node[n]);
+      sum += width * nodes.weight[n] * (h > clearance ? -law(2 * clearance - h) : law(h));
+    }
+  }
+  return sum;
+}
+
 }  // namespace
 
 ForceRow force_row(const World& world, double gap_nm, double length_um,
-                   std::optional<double> depth_nm, double tilt) {
-  ForceRow row{gap_nm, length_um, depth_nm, 0, 0, 0, 0, 0, 0, 0};
-  const double gap = 1e-9 * gap_nm, length = 1e-6 * length_um;
-  const double c = world.annulus.clearance();
-  if (length > 0 && tilt == 0) {
-    if (const auto& law = world.van_der_waals)
-      row.van_der_waals = length * van_der_waals(*law, world.annulus, gap).force;
-    if (const auto& law = world.electrostatic)
-      row.electrostatic = length * electrostatic(*law, world.annulus, gap).force;
-    if (const auto& law = world.capillary)
-      row.capillary = length * capillary(*law, world.annulus, gap, true).force;
-  } else if (length > 0) {
-    // A fibre that leans away from the wall below it; the gap changes by decades along it.
-    World fine = world;
-    fine.quadrature = Quadrature::gauss_legendre(kMostNodes);
-    Pose tip;
-    tip << -length, gap - c, 0, tilt, 0;
-    Energy energy;
-    SurfaceGradients terms;
-    add_surface_forces(energy, terms, fine, length, true, tip);
-    row.van_der_waals = -terms[kVanDerWaals].e.x();
-    row.electrostatic = -terms[kElectrostatic].e.x();
-    row.capillary = -terms[kCapillary].e.x();
+                   std::optional<double> depth_nm, const Lie& lie) {
+  ForceRow row{gap_nm, length_um, depth_nm, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+  const Annulus& annulus = world.annulus;
+  const double gap = 1e-9 * gap_nm, length = 1e-6 * length_um, rise = length * lie.tilt;
+  const auto along = [&](Form form, double reach, const auto& law) {
+    if (length == 0) return 0.0;
+    if (form == Form::printed || rise == 0) return length * law(gap + 0.5 * rise);
+    return length * mean_force(law, annulus.clearance(), reach, gap, rise);
+  };
+  if (const auto& law = world.van_der_waals)
+    row.van_der_waals =
+        along(law->form, 0, [&](double h) { return van_der_waals(*law, annulus, h).force; });
+  if (const auto& law = world.electrostatic)
+    row.electrostatic =
+        along(law->form, 0, [&](double h) { return electrostatic(*law, annulus, h).force; });
+  if (const auto& law = world.capillary)
+    row.capillary = along(law->form, capillary_reach(*law, true),
+                          [&](double h) { return capillary(*law, annulus, h, true).force; });
+  if (length > 0 && world.meniscus) row.meniscus = meniscus(*world.meniscus, annulus.fibre_radius);
+  if (world.drag) {
+    const double eccentricity = std::abs(annulus.clearance() - gap - 0.5 * rise);
+    const DragCoefficients k = drag(*world.drag, annulus, eccentricity, length);
+    row.drag = k.axial * lie.speed;
+    row.squeeze = k.radial * lie.speed;
   }
   // Towards the wall below the fibre.
   if (world.gravity) row.gravity = -gravity(*world.gravity, world.fibre);
@@ -103,7 +131,10 @@ Json to_json(const ForceRow& row) {
           {"gravity_uN", kMicro * row.gravity},
           {"adhesion_uN", kMicro * row.adhesion},
           {"wall_uN", kMicro * row.wall},
-          {"friction_uN", kMicro * row.friction}};
+          {"friction_uN", kMicro * row.friction},
+          {"meniscus_uN", kMicro * row.meniscus},
+          {"drag_uN", kMicro * row.drag},
+          {"squeeze_uN", kMicro * row.squeeze}};
 }
 
 }  // namespace ferrule

@@ -10,7 +10,7 @@ namespace {
 struct Arguments {
   SceneArguments scene;
   std::string form, gap, length, depth, plot;
-  double tilt_mrad = 0;
+  double tilt_mrad = 0, speed_um_s = 10;
   bool json = false;
 };
 
@@ -21,25 +21,54 @@ std::vector<double> lengths(const std::string& text, const std::string& option) 
   return values;
 }
 
-void print_table(const std::vector<ForceRow>& rows) {
-  fmt::print("{:>9} {:>9} {:>8} {:>13} {:>13} {:>11} {:>9} {:>10} {:>10} {:>10}\n", "gap_nm",
+void print_table(const std::vector<ForceRow>& rows, bool liquid) {
+  fmt::print("{:>9} {:>9} {:>8} {:>13} {:>13} {:>11} {:>9} {:>10} {:>10} {:>10}", "gap_nm",
              "length_um", "depth_nm", "van_der_Waals", "electrostatic", "capillary", "gravity",
              "adhesion", "wall", "friction");
-  for (const ForceRow& r : rows)
+  if (liquid) fmt::print(" {:>10} {:>10} {:>10}", "meniscus", "drag", "squeeze");
+  fmt::print("\n");
+  for (const ForceRow& r : rows) {
     fmt::print(
-        "{:9.4g} {:9.4g} {:>8} {:13.6g} {:13.6g} {:11.6g} {:9.5g} {:10.6g} {:10.6g} {:10.6g}\n",
+        "{:9.4g} {:9.4g} {:>8} {:13.6g} {:13.6g} {:11.6g} {:9.5g} {:10.6g} {:10.6g} {:10.6g}",
         r.gap_nm, r.length_um, r.depth_nm ? fmt::format("{:.4g}", *r.depth_nm) : "-",
         1e6 * r.van_der_waals, 1e6 * r.electrostatic, 1e6 * r.capillary, 1e6 * r.gravity,
         1e6 * r.adhesion, 1e6 * r.wall, 1e6 * r.friction);
-  fmt::print("forces in uN; attraction negative, friction a magnitude; \"-\": not in contact\n");
+    if (liquid)
+      fmt::print(" {:10.6g} {:10.6g} {:10.6g}", 1e6 * r.meniscus, 1e6 * r.drag, 1e6 * r.squeeze);
+    fmt::print("\n");
+  }
+  fmt::print("forces in uN; attraction negative, friction{} {}; \"-\": not in contact\n",
+             liquid ? ", meniscus and drag" : "", liquid ? "magnitudes" : "a magnitude");
+}
+
+// The gap is the smallest where that at the middle does not exceed the clearance. Only printed laws
+// know no other wall.
+void check_fits(const World& world, double gap_nm, double length_um, double tilt_mrad) {
+  const auto corrected = [](const auto& law) { return law && law->form == Form::corrected; };
+  const bool walls = corrected(world.van_der_waals) || corrected(world.electrostatic) ||
+                     corrected(world.capillary) || world.drag;
+  const double clearance = 1e9 * world.annulus.clearance(), slack = 1e-9 * clearance;
+  if (!walls && tilt_mrad == 0) return;
+  if (gap_nm > clearance + slack)
+    throw BadInput(fmt::format("--gap-nm {:g}: the smallest gap is at most the clearance, {:g} nm",
+                               gap_nm, clearance));
+  if (gap_nm + 0.5 * length_um * tilt_mrad > clearance + slack)
+    throw BadInput(
+        fmt::format("--tilt-mrad {:g}: over {:g} um a gap of {:g} nm would not be the smallest; "
+                    "at most {:g} mrad fit",
+                    tilt_mrad, length_um, gap_nm, 2 * (clearance - gap_nm) / length_um));
 }
 
 int forces_verb(const Arguments& a) {
-  Scene scene = load_scene(a.scene.scene, a.scene.settings, Planning::none);  // nothing left out
-  if (!a.form.empty()) {
+  // Nothing is left out. The settings are those of the form asked for.
+  const bool own_form = a.form.empty();
+  Scene scene = load_scene(a.scene.scene, own_form ? a.scene.settings : std::vector<std::string>{},
+                           Planning::none);
+  if (!own_form) {
+    for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
     const std::string file = a.scene.scene + " with --form " + a.form;
     set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
-    scene = parse_scene(scene.document, file);
+    scene = parse_scene(scene.document, file, Planning::none);
   }
   const std::vector<double> depths =
       a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");
@@ -48,19 +77,15 @@ int forces_verb(const Arguments& a) {
   const std::vector<double> gaps = lengths(gap, "--gap-nm");
   const std::vector<double> inserted = lengths(a.length, "--length-um");
 
-  const double tilt = 1e-3 * a.tilt_mrad;
   for (const double g : gaps)
-    for (const double l : inserted)
-      if (tilt > 0 && 1e-9 * g + 1e-6 * l * tilt >= 2 * scene.world.annulus.clearance())
-        throw BadInput(fmt::format(
-            "--tilt-mrad {:g}: over {:g} um the fibre would leave the bore; at most {:g} mrad fit",
-            a.tilt_mrad, l, 1e3 * (2 * scene.world.annulus.clearance() - 1e-9 * g) / (1e-6 * l)));
+    for (const double l : inserted) check_fits(scene.world, g, l, a.tilt_mrad);
 
+  const Lie lie{1e-3 * a.tilt_mrad, 1e-6 * a.speed_um_s};
   std::vector<ForceRow> rows;
   for (const double g : gaps)
     for (const double l : inserted) {
-      if (depths.empty()) rows.push_back(force_row(scene.world, g, l, std::nullopt, tilt));
-      for (const double d : depths) rows.push_back(force_row(scene.world, g, l, d, tilt));
+      if (depths.empty()) rows.push_back(force_row(scene.world, g, l, std::nullopt, lie));
+      for (const double d : depths) rows.push_back(force_row(scene.world, g, l, d, lie));
     }
 
   if (!a.plot.empty()) {
@@ -77,7 +102,7 @@ int forces_verb(const Arguments& a) {
     for (const ForceRow& row : rows) list.push_back(to_json(row));
     print_json({{"scene", scene.name}, {"rows", list}});
   } else {
-    print_table(rows);
+    print_table(rows, scene.world.meniscus || scene.world.drag);
   }
   return kDone;
 }
@@ -101,6 +126,10 @@ void add_forces(CLI::App& app, Run& run) {
                    "Angle between the axes; the gap is the smallest then")
       ->capture_default_str()
       ->check(number_between(0, 100));
+  verb->add_option("--speed-um-s", a->speed_um_s,
+                   "Speed that drag is given for: along the bore, and towards the wall (squeeze)")
+      ->capture_default_str()
+      ->check(number_between(0, 1e9));
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
   verb->callback([a, &run] { run = [a] { return forces_verb(*a); }; });

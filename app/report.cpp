@@ -56,8 +56,10 @@ std::string number_or_dash(double x, const char* format) {
 
 Plot gap_plot(const Scene& scene) {
   std::vector<ForceRow> rows;
-  for (const double gap : parse_range("1:500:200:log", "gap"))
+  for (const double gap : parse_range("1:500:200:log", "gap")) {
+    if (1e-9 * gap > scene.world.annulus.clearance()) break;
     rows.push_back(force_row(scene.world, gap, 100, std::nullopt));
+  }
   Plot plot = force_plot(rows, Sweep::gap, scene.name);
   plot.title = "Non-contact forces against the gap, 100 um inserted";
   return plot;

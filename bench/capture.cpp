@@ -1,5 +1,6 @@
 #include "bench/capture.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -9,14 +10,22 @@
 namespace ferrule {
 namespace {
 
-// Lowers the hand from `from` to `to`; does the end get past `depth` into the bore?
-bool goes_in(const World& world, const Pose& from, double to, double speed, double dt,
-             double depth) {
-  State state = at_rest(world, from);
-  const auto steps = static_cast<long>(std::ceil((from[0] - to) / (speed * dt)));
+// Lowers a fibre from above the mouth at `offset` from the axis; does it get past `depth` into the
+// bore?
+bool goes_in(const World& world, const Vector2d& offset, double speed, double dt) {
+  constexpr double above = 0.5e-6, depth = 2.5e-6;
+  const double aside = std::max(0.0, offset.norm() - world.annulus.clearance());
+  const double tangent = world.profile.lead_in_tangent;
+  // The mouth's height there; a cone as steep takes the soft hand `aside` times its tangent deeper.
+  const double height = tangent > 0 ? std::min(world.profile.lead_in_length, aside / tangent) : 0;
+  const double travel = above + height + aside * tangent + depth + 0.5e-6;
+  Pose hand = Pose::Zero();
+  hand[0] = above + height;
+  hand.segment<2>(1) = offset;
+  State state = at_rest(world, hand);
+  const auto steps = static_cast<long>(std::ceil(travel / (speed * dt)));
   for (long n = 1; n <= steps; ++n) {
-    Pose hand = from;
-    hand[0] = from[0] + (to - from[0]) * static_cast<double>(n) / static_cast<double>(steps);
+    hand[0] = above + height - travel * static_cast<double>(n) / static_cast<double>(steps);
     state = step(world, state, hand, dt).state;
   }
   return state.tip[0] < -depth;
@@ -30,29 +39,25 @@ std::vector<CaptureRow> bench_capture() {
   sharp_edge.push_back("ferrule.lead_in=null");
   const World sharp = load_scene("paper", sharp_edge).world;
   const World cone = load_scene("paper", rigid).world;
-  const double clearance = sharp.annulus.clearance();
-  const double reach = cone.profile.mouth_radius() - cone.annulus.fibre_radius;
-  const double lead_in = cone.profile.lead_in_length;
+  const double range =
+      (cone.profile.mouth_radius() - cone.annulus.fibre_radius) / cone.annulus.clearance();
+  const std::vector<double> offsets = {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0};
 
   std::vector<CaptureRow> rows;
-  for (const bool with_cone : {false, true})
-    for (const double offset : {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0})
-      for (int k = 0; k < 8; ++k)
-        for (const double speed : {5e-6, 50e-6})
-          for (const double dt : {1e-4, 1e-3, 1e-2}) {
-            if (with_cone && (offset > 3 || (speed < 50e-6 && dt < 1e-3))) continue;
-            const double angle = k * std::numbers::pi / 4;
-            const double e = offset * (with_cone ? reach : clearance);
-            Pose from = Pose::Zero();
-            from[0] = with_cone ? lead_in + 0.5e-6 : 0.5e-6;
-            from[1] = e * std::cos(angle);
-            from[2] = e * std::sin(angle);
-            // Down a cone the soft hand has to push further than the fibre goes.
-            const double to = with_cone ? -lead_in - 5e-6 : -3e-6;
-            const bool in =
-                goes_in(with_cone ? cone : sharp, from, to, speed, dt, with_cone ? 1e-6 : 2.5e-6);
-            rows.push_back({offset, 45.0 * k, 1e6 * speed, dt, with_cone, in, offset < 1});
-          }
+  const auto lower = [&](const World& world, double capture, double offset) {
+    for (int k = 0; k < 8; ++k)
+      for (const double speed : {5e-6, 50e-6})
+        for (const double dt : {1e-4, 1e-3, 1e-2}) {
+          const double angle = k * std::numbers::pi / 4;
+          const Vector2d at =
+              offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
+          rows.push_back({offset, capture, 45.0 * k, 1e6 * speed, dt, world.profile.has_lead_in(),
+                          goes_in(world, at, speed, dt)});
+        }
+  };
+  for (const double offset : offsets) lower(sharp, 1, offset);
+  for (const double offset : offsets) lower(cone, range, offset);
+  for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0}) lower(cone, range, part * range);
   return rows;
 }
 

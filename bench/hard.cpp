@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -20,7 +21,8 @@ Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
   return p;
 }
 
-// Runs a motion and remembers whether anything was not finite or not converged.
+// Runs a motion and remembers whether anything was not finite or not converged, and the work of the
+// hand: it moves while the fibre holds still, then the fibre gives way.
 struct Run {
   const World& world;
   State state;
@@ -28,9 +30,16 @@ struct Run {
   double dt = 1e-3;
   bool finite = true;
   long steps = 0, not_converged = 0;
+  double work = 0, turned = 0;
 
   void to(const Pose& hand) {
+    const Pose stretch = state.tip - 0.5 * (state.hand + hand);
+    const double more = -(world.holder.stiffness * stretch).dot(hand - state.hand);
     const StepResult r = step(world, state, hand, dt);
+    if (r.status != StepStatus::bad_command) {
+      work += more;
+      turned += std::abs(more);
+    }
     state = r.state;
     forces = r.forces;
     finite = finite && to_row(state).allFinite() && forces.holder.allFinite();
@@ -41,6 +50,15 @@ struct Run {
     const Pose from = state.hand;
     for (long i = 1; i <= n; ++i)
       to(from + (goal - from) * (static_cast<double>(i) / static_cast<double>(n)));
+  }
+  // Goes far out and to `start`, a state in free air. Whether the closed motion gained energy, or
+  // the fibre did not come back.
+  bool gained_on_the_way_back(const State& start, long n) {
+    Pose out = state.hand;
+    out[0] = start.hand[0] + 100e-6;
+    sweep(out, n);
+    sweep(start.hand, n);
+    return work < -1e-9 * turned || (state.tip - start.tip).head<3>().norm() > 1e-12;
   }
 };
 
@@ -60,18 +78,23 @@ World adhesion_alone(double lambda) {
 HardRow snap_in() {
   const World world = load_scene("paper").world;
   const double c = world.annulus.clearance();
-  Run run{world, {}, {}};
-  run.state.tip = run.state.hand = pose(-50e-6, -(c - 100e-9), 0);
-  run.state.hand[1] += 5e-6;
-  run.sweep(run.state.hand + pose(0, -20e-6, 0), 2000);
+  // From free air into the bore, 400 nm from the wall, to 100 nm and on.
+  const State start = at_rest(world, pose(5e-6, 400e-9 - c, 0));
+  Run run{world, start, {}};
+  run.sweep(start.hand + pose(-55e-6, 0, 0), 2000);
+  run.sweep(start.hand + pose(-55e-6, -300e-9, 0), 100);
+  run.sweep(start.hand + pose(-55e-6, -20e-6, 0), 2000);
   const bool closed = run.state.contact[kEnd].closed || run.state.contact[kSide].closed;
+  const long failed = run.not_converged, steps = run.steps;
+  const bool gained = run.gained_on_the_way_back(start, 4000);
   return {"snap-in from 100 nm, printed singular laws",
           run.dt,
-          fmt::format("{}, {} of {} steps not converged", closed ? "in contact" : "apart",
-                      run.not_converged, run.steps),
-          closed && run.not_converged == 0 ? 0.0 : 1.0,
+          fmt::format("{}, {} of {} steps not converged", closed ? "in contact" : "apart", failed,
+                      steps),
+          closed && failed == 0 ? 0.0 : 1.0,
           0,
-          run.finite};
+          run.finite,
+          gained};
 }
 
 // One loop of approach and retreat loses the area between the branches.
@@ -119,7 +142,8 @@ HardRow pull_off(double lambda) {
                           1e18 * turned, std::abs(work) / turned),
       std::abs(work - lost) / (contact.force * contact.depth),
       1e-3,
-      run.finite};
+      run.finite,
+      work < -1e-6 * turned};
 }
 
 // A tilted fibre whose end rests on the lower wall; only contact and friction.
@@ -170,19 +194,22 @@ HardRow creep() {
 HardRow jam() {
   const World world = bare({"holder.tilt_stiffness_N_m_rad=1e-6", "holder.stiffness_N_m=5"});
   const double tilt = 12e-3;
-  Run run{world, at_rest(world, pose(1e-6, 0, 0, tilt, 0)), {}};
-  run.sweep(run.state.hand + pose(-200e-6, 0, 0), 20000);
+  const State start = at_rest(world, pose(1e-6, 0, 0, tilt, 0));
+  Run run{world, start, {}};
+  run.sweep(start.hand + pose(-200e-6, 0, 0), 20000);
   // It turns as it goes deeper, so that at every depth it touches at two points: depth tilt = 2 c.
   const double depth = run.state.inserted_length();
   const bool two = run.state.contact[kEnd].closed && run.state.contact[kSide].closed;
   const double tilt_now = run.state.tip[3];
+  const bool gained = run.gained_on_the_way_back(start, 20000);
   return {"two-point jam of a tilted fibre",
           run.dt,
           fmt::format("{} at {:.4g} um and {:.4g} mrad", two ? "two points" : "free", 1e6 * depth,
                       1e3 * tilt_now),
           two ? std::abs(depth * tilt_now / (2 * world.annulus.clearance()) - 1) : 1.0,
           5e-2,
-          run.finite};
+          run.finite,
+          gained};
 }
 
 HardRow refused(const std::string& bore, const std::string& fibre) {
@@ -203,23 +230,27 @@ HardRow refused(const std::string& bore, const std::string& fibre) {
 // Any step size: an insertion that starts misaligned ends at the same place.
 HardRow step_size(double dt) {
   const World world = load_scene("paper", {"laws.capillary=null", "laws.electrostatic=null"}).world;
-  const Pose start = pose(5e-6, -1e-6, 0.3e-6, 5e-4, 0), goal = pose(-10e-6, 0, 0, 5e-4, 0);
+  const State start = at_rest(world, pose(5e-6, -1e-6, 0.3e-6, 5e-4, 0));
+  const Pose goal = pose(-10e-6, 0, 0, 5e-4, 0);
+  constexpr double duration = 1.0;
   const auto end = [&](double period) {
-    Run run{world, at_rest(world, start), {}};
+    Run run{world, start, {}};
     run.dt = period;
-    const double duration = 1.0;
-    run.sweep(goal, std::max(1L, std::lround(duration / period)));
+    run.sweep(goal, std::lround(duration / period));
     return run;
   };
-  const Run run = end(dt), fine = end(1e-4);
-  const double nm = 1e9 * (run.state.tip - fine.state.tip).head<3>().norm();
+  Run run = end(dt);
+  const double nm = 1e9 * (run.state.tip - end(1e-4).state.tip).head<3>().norm();
+  const bool gained =
+      run.gained_on_the_way_back(start, std::min(20000L, std::lround(duration / dt)));
   return {"insertion, step size",
           dt,
           fmt::format("{:.2g} nm from that at 0.1 ms, {} of {} not converged (error in nm)", nm,
                       run.not_converged, run.steps),
           nm,
           5,
-          run.finite};
+          run.finite,
+          gained};
 }
 
 HardRow drift() {
@@ -263,26 +294,31 @@ HardRow eccentricity_near_clearance() {
 }
 
 HardRow forces_apart() {
-  // A holder of 1e-3 N/m and a wall of 1e4 N/m, forces of piconewtons and of newtons.
+  // A holder of 1e-3 N/m and a wall of 1e4 N/m, forces of tenths of a micronewton and a piconewton.
   const World world = bare({"holder.stiffness_N_m=0.001", "holder.tilt_stiffness_N_m_rad=1e-3",
                             "laws.meniscus={\"form\":\"corrected\",\"surface_tension_N_m\":1e-9,"
                             "\"contact_angle_deg\":0}"});
-  Run run{world, at_rest(world, pose(-50e-6, 0, 0)), {}};
-  run.sweep(run.state.hand + pose(0, 400e-6, 0), 400);
+  const State start = at_rest(world, pose(2e-6, 0, 0));
+  Run run{world, start, {}};
+  run.sweep(start.hand + pose(-52e-6, 0, 0), 100);
+  run.sweep(start.hand + pose(-52e-6, 400e-6, 0), 400);
   const double push = run.forces.holder[1], pull = run.forces.meniscus.force.x();
   const Wrench left = run.forces.sum(run.state.tip) - run.forces.holder;
+  const bool gained = run.gained_on_the_way_back(start, 400);
   return {"forces 1e6 apart in one scene",
           run.dt,
           fmt::format("wall {:.3g} uN, meniscus {:.3g} uN, imbalance along x {:.2g} uN",
                       -1e6 * push, 1e6 * pull, 1e6 * std::abs(left[0])),
           std::abs(left[0] / pull),
           1e-3,
-          run.finite};
+          run.finite,
+          gained};
 }
 
 HardRow bad_device() {
   const World world = load_scene("paper").world;
-  Run run{world, at_rest(world, pose(5e-6, -1e-6, 0)), {}};
+  const State start = at_rest(world, pose(5e-6, -1e-6, 0));
+  Run run{world, start, {}};
   run.sweep(pose(-10e-6, 0, 0), 1000);
   const State before = run.state;
   int wrong = 0;
@@ -292,17 +328,19 @@ HardRow bad_device() {
   wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
   r = step(world, before, before.hand, -1e-3);
   wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
-  run.to(before.hand + pose(0, 1e-3, -1e-3));  // a jump of a metre and a half in the hand
+  run.to(before.hand + pose(0, 1e-3, -1e-3));             // a jump of 1.4 mm, 0.35 m in the hand
   for (int i = 0; i < 1000; ++i) run.to(run.state.hand);  // a stall
   wrong += run.state.tip.segment<2>(1).norm() > world.annulus.clearance() + 50e-9;
   run.to(before.hand);
   wrong += (run.state.tip - before.tip).head<3>().norm() > 2e-6;
+  const bool gained = run.gained_on_the_way_back(start, 1000);
   return {"NaN, time running backwards, jump and stall of a device",
           1e-3,
           fmt::format("{} of 4 answered wrongly", wrong),
           static_cast<double>(wrong),
           0,
-          run.finite};
+          run.finite,
+          gained};
 }
 
 }  // namespace

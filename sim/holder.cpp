@@ -28,8 +28,9 @@ void finish(Holder& holder) {
 double Holder::bending_stress(const Pose& tip, const Pose& hand) const noexcept {
   if (free_length == 0) return 0;
   const Wrench w = stiffness * (tip - hand);
-  // Moments at the end and, from there along the free length, at the gripper.
-  const Vector2d at_end = w.tail<2>(), at_gripper = at_end - free_length * w.segment<2>(1);
+  // Moments at the end, without its share of the weight, and along the free length at the gripper.
+  const Vector2d at_end = w.tail<2>() - weight.tail<2>();
+  const Vector2d at_gripper = at_end - free_length * w.segment<2>(1);
   const double moment = std::max(at_end.norm(), at_gripper.norm());
   return moment * fibre_radius / second_moment(fibre_radius);
 }

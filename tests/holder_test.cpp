@@ -61,6 +61,21 @@ TEST(ElasticFibre, EulerLoadAndBendingStress) {
   EXPECT_CLOSE(holder.bending_stress(tip, Pose::Zero()), 0.69e9, 1e-2);
 }
 
+// Its own weight q per length bends a cantilever by q L^2/2 at the gripper, and not at the end; a
+// force F at the end adds F L there.
+TEST(ElasticFibre, BendingStressOfItsWeightIsThatOfTheClosedForm) {
+  const double length = 30e-3, load = kDensity * pi * kRadius * kRadius * kStandardGravity;
+  const Holder holder = silica(length);
+  const double per_moment = 4 / (pi * std::pow(kRadius, 3));
+  const double moment = 0.5 * load * length * length;
+  EXPECT_CLOSE(holder.bending_stress(holder.sag, Pose::Zero()), moment * per_moment, 1e-9);
+  Wrench force = Wrench::Zero();
+  force[1] = -3e-6;
+  const Pose bent = holder.sag + holder.stiffness.llt().solve(force);
+  EXPECT_CLOSE(holder.bending_stress(bent, Pose::Zero()), (moment + 3e-6 * length) * per_moment,
+               1e-9);
+}
+
 // The first bending mode of a clamped-free beam: omega = 3.5160 sqrt(E I/(rho A L^4)).
 TEST(ElasticFibre, VibratesAtTheFrequencyOfACantilever) {
   const double length = 10e-3;

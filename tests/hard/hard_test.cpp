@@ -11,6 +11,7 @@ TEST(Hard, EveryCaseEndsRight) {
   EXPECT_GE(rows.size(), 20u);
   for (const HardRow& row : rows) {
     EXPECT_TRUE(row.finite) << row.name;
+    EXPECT_FALSE(row.gained) << row.name;
     EXPECT_LE(row.error, row.tolerance) << row.name << ": " << row.result;
   }
 }

@@ -49,13 +49,26 @@ class Bench(Case):
         self.refused(2, "plan", "--tolerance", 0.9, says=["--tolerance"])
         self.refused(2, "forces", "--set", "accuracy=2", says=["accuracy = 2"])
 
+    def test_there_is_no_plot_of_capture(self):
+        self.refused(2, "bench", "capture", "--plot", self.path("plots"), says=["--plot"])
+
     def test_capture_takes_exactly_what_fits(self):
         rows = json.loads(self.done("bench", "capture", "--json").stdout)["rows"]
-        self.assertGreater(len(rows), 600)
+        self.assertGreater(len(rows), 1000)
+        # The cone's rim is at 125 um, the fibre's radius 62.5 um, the clearance 0.5 um.
         for row in rows:
-            self.assertEqual(row["inserted"], row["offset_clearances"] < 1, row)
-        self.assertEqual({row["direction_deg"] for row in rows}, {45.0 * k for k in range(8)})
-        self.assertEqual({row["step_s"] for row in rows}, {1e-4, 1e-3, 1e-2})
+            takes = 125 if row["lead_in"] else 1
+            self.assertAlmostEqual(row["capture_clearances"], takes, delta=1e-9 * takes)
+            self.assertEqual(row["inserted"], row["offset_clearances"] < takes, row)
+        for lead_in in (False, True):
+            mine = [row for row in rows if row["lead_in"] == lead_in]
+            self.assertGreaterEqual({row["offset_clearances"] for row in mine},
+                                    {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3, 10, 30})
+            self.assertGreater(max(row["offset_clearances"] for row in mine),
+                               mine[0]["capture_clearances"])
+            self.assertEqual({row["direction_deg"] for row in mine}, {45.0 * k for k in range(8)})
+            self.assertEqual({(row["speed_um_s"], row["step_s"]) for row in mine},
+                             {(v, dt) for v in (5, 50) for dt in (1e-4, 1e-3, 1e-2)})
 
 
 if __name__ == "__main__":

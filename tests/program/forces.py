@@ -65,6 +65,61 @@ class Forces(Case):
             self.assertLess(mean, 0)
             self.assertLessEqual(abs(tilted[name] / mean - 1), 1e-3, name)
 
+    def test_a_bridge_along_a_tilted_fibre_gives_its_energy_over_the_way(self):
+        # f = -dw/dh with w = -4 gamma cos(theta) x, so that its mean is that difference of w, for
+        # a bridge that ruptures on the way too, and for the one beyond the axis.
+        gamma, volume, rupture, c = 0.072, 2e-13, 210e-9, 500e-9
+        radius = 62.5e-6 * 63e-6 / c
+
+        def energy(h):
+            h = min(h, 2 * c - h, rupture)
+            low, high = 0, 1e-3
+            for _ in range(200):
+                x = (low + high) / 2
+                low, high = (x, high) if 2 * (h * x + x**3 / (6 * radius)) < volume else (low, x)
+            return -4 * gamma * 0.5 * low
+
+        for gap, tilt in ((10, 1), (10, 3), (1, 9.9), (200, 0.5), (0.2, 0.01)):
+            row = json.loads(self.done(
+                "forces", "--form", "corrected", "--gap-nm", gap, "--length-um", 100,
+                "--tilt-mrad", tilt, "--json", "--set", f"laws.capillary.volume_per_length_m2={volume}",
+                "--set", "laws.capillary.rupture_nm=210").stdout)["rows"][0]
+            h, rise = 1e-9 * gap, 100e-6 * 1e-3 * tilt
+            force = (energy(h) - energy(h + rise)) / rise * 100e-6
+            self.assertAlmostEqual(row["capillary_uN"] / (1e6 * force), 1, delta=1e-7)
+
+    def test_a_gap_that_cannot_be_the_smallest_is_refused(self):
+        for gap in (501, 1000, 1500):
+            self.refused(2, "forces", "--form", "corrected", "--gap-nm", gap,
+                         says=["--gap-nm", "clearance, 500 nm"])
+        self.refused(2, "forces", "--gap-nm", 10, "--tilt-mrad", 9.9, says=["9.8 mrad"])
+        self.done("forces", "--form", "corrected", "--gap-nm", 500)
+        self.done("forces", "--gap-nm", 10, "--tilt-mrad", 9.8)
+        self.done("forces", "--gap-nm", 1500)  # the printed laws know one wall
+
+    def test_liquid_in_the_gap(self):
+        mu, gamma, angle, length, v = 0.7, 0.031, math.radians(35), 130e-6, 3e-6
+        row = json.loads(self.done(
+            "forces", "--scene", "epoxy", "--gap-nm", 120, "--length-um", 130, "--speed-um-s", 3,
+            "--set", "roughness_nm=0", "--set", f"laws.drag.viscosity_Pa_s={mu}", "--set",
+            f"laws.meniscus.surface_tension_N_m={gamma}", "--set",
+            "laws.meniscus.contact_angle_deg=35", "--json").stdout)["rows"][0]
+        r, c = 62.5e-6, 500e-9
+        couette = squeeze = 0
+        n = 20000
+        for i in range(n):  # around the film of thickness c - e cos
+            cosine = math.cos(2 * math.pi * (i + 0.5) / n)
+            h = c - (c - 120e-9) * cosine
+            couette += 2 * math.pi * r * length * mu * v / h / n
+            squeeze += 2 * math.pi * r * length**3 * mu * v * cosine**2 / h**3 / n
+        self.assertAlmostEqual(row["drag_uN"] / (1e6 * couette), 1, delta=1e-6)
+        self.assertAlmostEqual(row["squeeze_uN"] / (1e6 * squeeze), 1, delta=1e-6)
+        self.assertAlmostEqual(row["meniscus_uN"] / (2e6 * math.pi * r * gamma * math.cos(angle)), 1,
+                               delta=1e-9)
+        table = self.done("forces", "--scene", "epoxy").stdout
+        self.assertIn("squeeze", table)
+        self.assertNotIn("squeeze", self.done("forces").stdout)
+
     def test_plot_is_a_drawing(self):
         file = self.path("plot.svg")
         for sweep in (["--gap-nm", "1:500:50:log"], ["--length-um", "0:200:21"],
@@ -106,6 +161,22 @@ class Forces(Case):
                      says=["laws.capillary.rupture_nm = 100", "film_nm"])
         self.refused(2, "forces", "--form", "printed", "--set",
                      'laws.drag={"form": "corrected", "viscosity_Pa_s": 1}', says=["drag"])
+
+    def test_settings_are_those_of_the_form(self):
+        # Maugis at lambda 20 with a = 1 um, R_s = 62.5 um: the depth, then the force back.
+        k, w, sphere = 4.2726925917809e10, 0.144, 62.5e-6
+        scale_a = (math.pi * w * sphere**2 / k) ** (1 / 3)
+        scale_d = (math.pi**2 * w**2 * sphere / k**2) ** (1 / 3)
+        point = json.loads(self.done("contact", "--lambda", 20, "--radius", 1e-6 / scale_a,
+                                     "--json").stdout)["rows"][0]
+        row = json.loads(self.done("forces", "--form", "corrected", "--set",
+                                   "laws.adhesion.maugis_lambda=20", "--depth-nm",
+                                   1e9 * scale_d * point["D"], "--json").stdout)["rows"][0]
+        self.assertAlmostEqual(row["adhesion_uN"] / (1e6 * math.pi * w * sphere * point["P"]), 1,
+                               delta=1e-7)
+        self.refused(2, "forces", "--form", "corrected", "--set",
+                     "laws.adhesion.maugis_lambda=101", says=["0.01 to 100"])
+        self.refused(2, "forces", "--set", "laws.adhesion.maugis_lambda=20", says=["0.12 to 5.8"])
 
     def test_names_cannot_reach_the_plotting_program(self):
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
