@@ -1,6 +1,6 @@
 #include "sim/step.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -79,8 +79,9 @@ class Eliminated {
   double over_xx_ = 0;
 };
 
-// The Newton direction; where the Hessian is not positive definite it is shifted by multiples of
-// the holder's stiffness until it is.
+// The Newton direction. Where the Hessian is not positive definite, with the magnitudes of its
+// eigenvalues (in units of the holder's stiffness) instead: what pushes sideways on the axis must
+// not slow the way along it.
 PoseVector newton_direction(const World& world, const Potential& here) noexcept {
   Eliminated hessian;
   if (hessian.of(here.hessian)) {
@@ -89,10 +90,14 @@ PoseVector newton_direction(const World& world, const Potential& here) noexcept 
     if (slope < 0 && std::isfinite(slope)) return newton;
   }
   const Pose gradient = here.gradient.full();
-  for (double factor = 0; factor < 1e30; factor = factor == 0 ? 1 : 4 * factor) {
-    const Eigen::LLT<Matrix5> cholesky(here.hessian.full() + factor * world.holder.stiffness);
-    if (cholesky.info() != Eigen::Success) continue;
-    const Pose direction = -cholesky.solve(gradient);
+  const Pose unit = world.holder.stiffness.diagonal().cwiseSqrt().cwiseInverse();
+  const Matrix5 scaled = unit.asDiagonal() * here.hessian.full() * unit.asDiagonal();
+  const Eigen::SelfAdjointEigenSolver<Matrix5> modes(scaled);
+  if (modes.info() == Eigen::Success) {
+    const Pose stiffness = modes.eigenvalues().cwiseAbs().cwiseMax(1e-3);
+    const Pose along = modes.eigenvectors().transpose() * unit.cwiseProduct(gradient);
+    const Pose direction =
+        -unit.cwiseProduct(modes.eigenvectors() * along.cwiseQuotient(stiffness));
     if (direction.allFinite() && direction.dot(gradient) < 0) return PoseVector(direction);
   }
   return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
