@@ -3,12 +3,17 @@
 namespace ferrule {
 namespace {
 
+// From the surface that touches to the fibre's axis [m]. At two points the end and the side touch
+// on opposite sides of the fibre.
+Vector2d lean(const World& world, const Lagged& lagged, int place) noexcept {
+  return -world.annulus.fibre_radius *
+         (place == kEnd ? lagged.contact.outward : lagged.side_outward);
+}
+
 // Material point of a contact: on the fibre's surface along x, on its axis across.
-Vector3d material_point(const World& world, const Lagged& lagged, const PoseVector& tip,
-                        double arm) noexcept {
-  const double r = world.annulus.fibre_radius;
+Vector3d material_point(const PoseVector& tip, double arm, const Vector2d& lean) noexcept {
   const Vector2d e = eccentricity(tip, arm);
-  return {tip.x - r * lagged.contact.outward.dot(tip.t), e.x(), e.y()};
+  return {tip.x + lean.dot(tip.t), e.x(), e.y()};
 }
 
 // Huber's potential of the tangential displacement: elastic while stuck, constant force beyond.
@@ -19,11 +24,10 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
                                    : Vector3d(-friction.limit * stretch.normalized());
 }
 
-void add_friction(Energy& total, const World& world, const Lagged& lagged,
-                  const LaggedFriction& friction, const PoseVector& tip) noexcept {
+void add_friction(Energy& total, const LaggedFriction& friction, const Vector2d& lean,
+                  const PoseVector& tip) noexcept {
   const Vector3d stretch =
-      friction.tangential * (material_point(world, lagged, tip, friction.arm) - friction.stuck);
-  const Vector2d lean = -world.annulus.fibre_radius * lagged.contact.outward;
+      friction.tangential * (material_point(tip, friction.arm, lean) - friction.stuck);
   const double length = stretch.norm();
   Vector3d slope = friction.stiffness * stretch;
   Matrix3d curve = friction.stiffness * friction.tangential;
@@ -62,6 +66,14 @@ struct AxialDrag {
   }
 };
 
+void add_frictions(Energy& total, const World& world, const Lagged& lagged,
+                   const PoseVector& tip) noexcept {
+  for (int place = 0; place < kContactPlaces; ++place) {
+    const LaggedFriction& friction = lagged.friction[static_cast<std::size_t>(place)];
+    if (friction.acts) add_friction(total, friction, lean(world, lagged, place), tip);
+  }
+}
+
 // Holder, weight, inertia, drag and friction: what a step adds to the forces in the bore.
 void add_step(Energy& total, const World& world, const Lagged& lagged,
               const PoseVector& tip) noexcept {
@@ -82,8 +94,7 @@ void add_step(Energy& total, const World& world, const Lagged& lagged,
     total.gradient.x -= axial.force;
     total.hessian.xx += axial.stiffness;
   }
-  for (const LaggedFriction& friction : lagged.friction)
-    if (friction.acts) add_friction(total, world, lagged, friction, tip);
+  add_frictions(total, world, lagged, tip);
 }
 
 void lag_drag(const World& world, double dt, Lagged& lagged) noexcept {
@@ -146,8 +157,10 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
     lagged.branch[place] = state.contact[place].branch;
   const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
   if (both && world.adhesion && world.adhesion->form == Form::printed) lagged.adhesion_share = 0.5;
-  if (!world.friction || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
-    return lagged;
+  if (!world.friction) return lagged;
+  const Vector2d at_mouth = eccentricity(lagged.from, -lagged.from.x);
+  if (at_mouth.norm() > 0) lagged.side_outward = at_mouth.normalized();
+  if (!state.contact[kEnd].closed && !state.contact[kSide].closed) return lagged;
 
   const auto depths = contact_depths(world, lagged.contact, state.tip);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
@@ -176,8 +189,7 @@ Energy potential_at_start(const World& world, const Lagged& lagged,
   total.hessian = bore.hessian;
   total.hessian += lagged.stiffness;
   if (lagged.axial_drag > 0) total.hessian.xx += AxialDrag(lagged, bore.at).stiffness;
-  for (const LaggedFriction& friction : lagged.friction)
-    if (friction.acts) add_friction(total, world, lagged, friction, bore.at);
+  add_frictions(total, world, lagged, bore.at);
   return total;
 }
 
@@ -252,8 +264,10 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     b.adhesion[at] = {there.pull[at].force * normal, depth.point};
     const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
-    b.friction[at] = {friction_force(friction, material_point(world, lagged, tip, friction.arm)),
-                      {tip.x + friction.arm, depth.point.y(), depth.point.z()}};
+    const Vector2d to_axis = lean(world, lagged, place);
+    const Vector2d surface = eccentricity(tip, friction.arm) - to_axis;
+    b.friction[at] = {friction_force(friction, material_point(tip, friction.arm, to_axis)),
+                      {tip.x + friction.arm, surface.x(), surface.y()}};
   }
 }
 
@@ -270,7 +284,7 @@ Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& ti
     contact.depth = contact.closed ? depth : 0.0;
     contact.branch = there.pull[at].branch;
     const double arm = place == kSide ? std::max(0.0, -tip.x) : 0.0;
-    now.material[at] = material_point(world, lagged, tip, arm);
+    now.material[at] = material_point(tip, arm, lean(world, lagged, place));
   }
   return now;
 }

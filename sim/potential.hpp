@@ -33,6 +33,8 @@ struct Lagged {
   PoseVector hand;    // the command at the step's end
   double length = 0;  // l_f [m]
   ContactSide contact;
+  // Unit direction from the bore's axis to the fibre's at the mouth: where its side touches.
+  Vector2d side_outward = Vector2d::UnitX();
   bool bridge = false;
   double adhesion_share = 1;
   std::array<int, kContactPlaces> branch{};

@@ -182,5 +182,81 @@ TEST(PegInHole, TwoPointForcesCarryTheMoment) {
   EXPECT_CLOSE(-r.forces.wall[kSide].force.y(), moment / state.inserted_length(), 1e-3);
 }
 
+// A fibre touching at two points, held by a moment. Friction of Hurtado and Kim on Hertz contacts
+// of normal force N is a friction coefficient mu(N), so that Whitney's closed forms apply.
+struct TwoPoints {
+  World world = testing::bare({R"(laws={"friction":{"form":"corrected","burgers_nm":0.48}})",
+                               "holder.tilt_stiffness_N_m_rad=1e-6"})
+                    .world;
+  State state;
+  StepResult last;
+
+  TwoPoints(double length, double moment) {
+    const double tilt = 2 * world.annulus.clearance() / length;
+    state.tip = state.hand = pose(-length, -0.5 * tilt * length, 0, tilt, 0);
+    hold(tilt + moment / 1e-6, 50);
+  }
+  // To a tilt of the hand, in small steps.
+  void hold(double tilt, int steps) {
+    const double from = state.hand[3];
+    for (int n = 1; n <= steps; ++n) {
+      Pose hand = state.hand;
+      hand[3] = from + (tilt - from) * n / steps;
+      move(hand);
+    }
+  }
+  void move(const Pose& hand) {
+    last = step(world, state, hand, 1e-3);
+    ASSERT_EQ(last.status, StepStatus::ok);
+    state = last.state;
+  }
+  double moment() const { return 1e-6 * (state.hand[3] - state.tip[3]); }
+  double coefficient(double normal) const {
+    const double a = std::cbrt(normal * world.wall->radius / world.wall->reduced_modulus);
+    return friction(*world.friction, a) / normal;
+  }
+};
+
+// Whitney 1982, jamming: under a moment M a peg at two points slides in where M/(r F) < l/(2 r mu),
+// F the push along the axis; below that push it is stuck. The tilt adds the axial part of the
+// normal force at the mouth.
+TEST(PegInHole, JamsUpToThePushThatWhitneySays) {
+  for (const double length : {40e-6, 80e-6, 200e-6})
+    for (const double moment : {2e-10, 1e-9}) {
+      TwoPoints peg(length, moment);
+      ASSERT_TRUE(peg.state.contact[kEnd].closed && peg.state.contact[kSide].closed);
+      const double normal = peg.moment() / length, mu = peg.coefficient(normal);
+      const double slides = normal * (2 * mu + peg.state.tip[3]);
+      const double x = peg.state.tip[0], stiffness = peg.world.holder.stiffness(0, 0);
+      const auto moved_under = [&](double push) {
+        Pose hand = peg.state.hand;
+        hand[0] = x - push / stiffness;
+        for (int n = 0; n < 20; ++n) peg.move(hand);
+        return x - peg.state.tip[0];
+      };
+      EXPECT_LT(moved_under(0.95 * slides), 1e-9) << length << " " << moment;
+      EXPECT_GT(moved_under(1.05 * slides), 10e-9) << length << " " << moment;
+    }
+}
+
+// Whitney 1982, wedging: without any force from the hand two contacts hold each other where their
+// friction cones contain the line between them, l/(2 r) <= mu; their forces are along that line.
+TEST(PegInHole, WedgesWhereTheFrictionConesMeet) {
+  for (const double length : {10e-6, 20e-6, 50e-6, 120e-6})
+    for (const double moment : {2e-11, 2e-10, 2e-9}) {
+      TwoPoints peg(length, moment);
+      for (int n = 0; n < 400; ++n)  // the hand goes where the fibre is, and holds nothing
+        peg.move(peg.state.hand + 0.2 * (peg.state.tip - peg.state.hand));
+      const Breakdown& f = peg.last.forces;
+      const double normal = f.wall[kEnd].force.y(), slender = 0.5 * length / 62.5e-6;
+      ASSERT_GT(normal, 1e-10) << length << " " << moment;
+      EXPECT_LT(f.holder.head<3>().norm(), 1e-6 * normal);
+      EXPECT_CLOSE(-f.wall[kSide].force.y(), normal, 2e-2);
+      EXPECT_GT(peg.coefficient(normal), slender) << length << " " << moment;
+      const double along = 0.5 * (f.friction[kEnd].force.x() - f.friction[kSide].force.x());
+      EXPECT_CLOSE(along, slender * normal, 2e-2) << length << " " << moment;
+    }
+}
+
 }  // namespace
 }  // namespace ferrule
