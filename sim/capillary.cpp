@@ -61,6 +61,11 @@ double capillary_reach(const Capillary& law, bool bridge) noexcept {
   return bridge ? law.rupture : 2 * law.film;
 }
 
+double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept {
+  const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
+  return 0.5 * std::cbrt(2.25 * law.volume * law.volume / radius);
+}
+
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept {
   if (law.form == Form::printed) return layer_law(law, h);
   const double reach = capillary_reach(law, bridge);

@@ -37,6 +37,10 @@ Capillary prepare(Capillary law, const Annulus& annulus) noexcept;
 // there is none yet; infinite for the printed form.
 double capillary_reach(const Capillary& law, bool bridge) noexcept;
 
+// Gap over which the force of a corrected bridge falls [m]: its half width is a function of
+// h/scale that is singular at -1.
+double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept;
+
 // Force per inserted length at gap h [m], any finite h. Zero, with a constant potential, beyond
 // capillary_reach(law, bridge).
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept;

@@ -22,7 +22,7 @@ std::string fidelity(const World& world, int term) {
     case 2:
       return "weight";
     case 3:
-      return printed(world.capillary) ? "patch" : "bridge, " + nodes();
+      return printed(world.capillary) ? "patch" : "bridge, nodes where it reaches";
     case 4:
       return printed(world.adhesion) ? "prescribed radius" : "Maugis table";
     case 5:

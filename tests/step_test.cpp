@@ -106,6 +106,19 @@ TEST(Step, ALeadInGathersExactlyTheFibresWithinItsRim) {
     EXPECT_EQ(end.tip[0] < -1e-6, part < 1) << part;
   }
 }
+// On the bore's axis surface forces push neither way, but their potential curves down steeply
+// there. That must not keep the fibre from following the hand along the axis.
+TEST(Step, AFibreOnTheAxisFollowsTheHandIn) {
+  const World world = testing::paper().world;
+  State state = at_rest(world, testing::pose(5e-6, 0, 0));
+  const Pose from = state.hand;
+  for (int n = 1; n <= 2000; ++n) {
+    const StepResult r = step(world, state, from + testing::pose(-27.5e-9 * n, 0, 0), 1e-3);
+    ASSERT_EQ(r.status, StepStatus::ok) << n;
+    state = r.state;
+  }
+  EXPECT_LT(std::abs(state.tip[0] + 50e-6), 1e-12);
+}
 
 // On the bore's axis surface forces push neither way, but their potential curves down steeply
 // there. That must not keep the fibre from following the hand along the axis.
