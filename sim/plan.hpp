@@ -22,8 +22,8 @@
 // the probes differ by more.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the hand's acceleration
-// alone: how long a fibre without damping rings where it snaps or hits, the bound does not speak of.
-// Parts with a tolerance are planned for as a pair of the nominal diameters.
+// alone: how long a fibre without damping rings where it snaps or hits, the bound does not speak
+// of. Parts with a tolerance are planned for as a pair of the nominal diameters.
 #pragma once
 
 #include <string>

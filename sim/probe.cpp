@@ -17,62 +17,93 @@ constexpr double kLongest = 16, kLongestWithDrag = 30, kLongestInertial = 2;  //
 // Of a probe [m].
 constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6, kDeepestInertial = 5e-6;
 constexpr double kMostLean = 0.03;  // [rad]
+constexpr double kMouth = 2e-6;     // so far outside, a fibre is out of the bore [m]
+
+double deepest(const World& world) noexcept {
+  return world.dynamics == Dynamics::inertial ? kDeepestInertial
+         : world.drag                         ? kDeepestWithDrag
+                                              : kDeepest;
+}
+
+double longest(const World& world) noexcept {
+  return world.dynamics == Dynamics::inertial ? kLongestInertial
+         : world.drag                         ? kLongestWithDrag
+                                              : kLongest;
+}
+
+// How far the hand goes aside to press the fibre against a wall [m].
+double push(const Scene& scene) noexcept {
+  return scene.world.annulus.clearance() +
+         0.7 * scene.limits.force / scene.world.holder.stiffness.block<2, 2>(1, 1).norm();
+}
+
+double around_zero(RandomStream& random, double scale) noexcept {
+  return scale * (2 * random.uniform() - 1);
+}
+
+Vector2d within_the_bore(RandomStream& random, const World& world) noexcept {
+  const double reach = 0.6 * world.annulus.clearance(), y = around_zero(random, reach);
+  return {y, around_zero(random, reach)};
+}
+
+Vector2d in_any_direction(RandomStream& random) noexcept {
+  const double angle = std::numbers::pi * random.uniform();
+  return {std::cos(angle), std::sin(angle)};
+}
+
+Pose tip_at(double x, const Vector2d& e, const Vector2d& t = Vector2d::Zero()) noexcept {
+  return PoseVector(x, e, t).full();
+}
+
+// In, pressed to one side and the other on the way back, and out; or, if misaligned, straight down
+// from the start and so on.
+std::vector<Pose> in_and_out(const Scene& scene, const Pose& start, bool misaligned,
+                             double most_lean, RandomStream& random) {
+  const World& world = scene.world;
+  const double depth = std::min(scene.success.depth, deepest(world));
+  const double lean = std::min(most_lean, world.annulus.clearance() / depth);
+  const auto leaning = [&] {
+    const double y = around_zero(random, lean);
+    return Vector2d(y, around_zero(random, lean));
+  };
+  const Vector2d aside = within_the_bore(random, world), tilt = leaning();
+  std::vector<Pose> tips;
+  if (misaligned)
+    tips = {start, tip_at(-depth, start.segment<2>(1), start.tail<2>())};
+  else
+    tips = {tip_at(kMouth, aside, tilt), tip_at(-depth, aside, tilt)};
+  for (const double side : {1.0, -1.0}) {
+    const Vector2d pressed = side * push(scene) * in_any_direction(random);
+    tips.push_back(tip_at(-depth, pressed, tilt + leaning()));
+    tips.push_back(tip_at(-(0.4 + 0.2 * random.uniform()) * depth, pressed, tilt));
+  }
+  tips.push_back(tip_at(misaligned ? world.profile.lead_in_length + kMouth : kMouth, aside));
+  return tips;
+}
+
+// From wall to wall, pulled and pushed while pressed: as deep as the scene goes, or near the mouth
+// and out of it.
+std::vector<Pose> from_wall_to_wall(const Scene& scene, bool at_mouth, RandomStream& random) {
+  const double most = deepest(scene.world), depth = scene.success.depth;
+  const double deep = at_mouth ? 0.25 * std::min(depth, most) : depth;
+  const double less = at_mouth ? -kMouth : std::max(0.5 * deep, deep - most);
+  const Vector2d aside = within_the_bore(random, scene.world);
+  const Vector2d pressed = push(scene) * in_any_direction(random);
+  return {tip_at(-deep, aside),    tip_at(-deep, pressed), tip_at(-less, pressed),
+          tip_at(-less, aside),    tip_at(-deep, aside),   tip_at(-deep, pressed),
+          tip_at(-deep, -pressed), tip_at(-less, -pressed)};
+}
 
 std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k) {
   RandomStream random(kProbeSeed, k, Draw::plan);
   const World& world = scene.world;
-  const double deepest = world.dynamics == Dynamics::inertial ? kDeepestInertial
-                         : world.drag                         ? kDeepestWithDrag
-                                                              : kDeepest;
-  const double c = world.annulus.clearance(), depth = std::min(scene.success.depth, deepest);
-  const auto around = [&](double scale) { return scale * (2 * random.uniform() - 1); };
-  const double push =
-      c + 0.7 * scene.limits.force / world.holder.stiffness.block<2, 2>(1, 1).norm();
+  const bool misaligned = k % 4 == 3, across = world.drag && k % 2 == 1 && !misaligned;
   // Half of them lean as the scene's starts do, half as much as the bore allows.
-  const double lean = std::min(k % 2 ? scene.start.tilt_sd : kMostLean, c / depth);
+  const double lean = k % 2 ? scene.start.tilt_sd : kMostLean;
+  const std::vector<Pose> tips = across ? from_wall_to_wall(scene, k % 8 == 5, random)
+                                        : in_and_out(scene, start.tip, misaligned, lean, random);
 
-  std::vector<Pose> tips = {start.tip};
-  const auto next = [&](double x, double y, double z, double ty, double tz) {
-    Pose p;
-    p << x, y, z, ty, tz;
-    tips.push_back(p);
-  };
-  const double outside = world.profile.lead_in_length + 2e-6, mouth = 2e-6;
-  const Vector2d aside(around(0.6 * c), around(0.6 * c));
-  const double ty = around(lean), tz = around(lean);
-  const bool misaligned = k % 4 == 3;  // straight down from where it is
-  // From wall to wall across the bore, as deep as the scene goes; every other time near its mouth,
-  // and out while pressed.
-  const bool across = world.drag && k % 2 == 1 && !misaligned, at_mouth = k % 8 == 5;
-  if (across) {
-    const double deep = at_mouth ? 0.25 * depth : scene.success.depth;
-    const double less = at_mouth ? -mouth : std::max(0.5 * deep, deep - deepest);
-    const double angle = std::numbers::pi * random.uniform();
-    const double y = push * std::cos(angle), z = push * std::sin(angle);
-    tips.front() << -deep, aside, 0, 0;
-    next(-deep, y, z, 0, 0);
-    next(-less, y, z, 0, 0);
-    next(-less, aside.x(), aside.y(), 0, 0);
-    next(-deep, aside.x(), aside.y(), 0, 0);
-    next(-deep, y, z, 0, 0);
-    next(-deep, -y, -z, 0, 0);
-    next(-less, -y, -z, 0, 0);
-  } else if (misaligned) {
-    next(-depth, start.tip[1], start.tip[2], start.tip[3], start.tip[4]);
-  } else {
-    tips.front() << mouth, aside, ty, tz;
-    next(-depth, aside.x(), aside.y(), ty, tz);
-  }
-  for (const double side : {1.0, -1.0}) {
-    if (across) break;
-    const double angle = std::numbers::pi * random.uniform();
-    const double y = side * push * std::cos(angle), z = side * push * std::sin(angle);
-    next(-depth, y, z, ty + around(lean), tz + around(lean));
-    next(-(0.4 + 0.2 * random.uniform()) * depth, y, z, ty, tz);
-  }
-  if (!across) next(misaligned ? outside : mouth, aside.x(), aside.y(), 0, 0);
-
-  const double lever = depth + world.annulus.fibre_radius;
+  const double lever = std::min(scene.success.depth, deepest(world)) + world.annulus.fibre_radius;
   const auto way_to = [&](std::size_t i) {
     const Pose move = tips[i] - tips[i - 1];
     return move.head<3>().norm() + lever * move.tail<2>().norm();
@@ -83,16 +114,13 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
   if (!world.drag && world.dynamics == Dynamics::quasi_static)
     speed = std::max(speed, kPeakOfMinimumJerk * all / (0.75 * kLongest));
   std::vector<Pose> hand = {tips.front() - world.holder.sag};
-  const double longest = world.dynamics == Dynamics::inertial ? kLongestInertial
-                         : world.drag                         ? kLongestWithDrag
-                                                              : kLongest;
   for (std::size_t i = 1; i < tips.size(); ++i) {
     const Pose from = hand.back(), to = tips[i] - world.holder.sag;
     const double part = speed * (across ? 1 : 0.5 + 0.5 * random.uniform());
     const auto steps = static_cast<std::size_t>(std::ceil(
         std::max(kPeakOfMinimumJerk * way_to(i) / part, 2 * kSpeedingUp) / kSamplePeriod));
     for (std::size_t n = 1; n <= steps; ++n) {
-      if (static_cast<double>(hand.size()) * kSamplePeriod > longest) return hand;
+      if (static_cast<double>(hand.size()) * kSamplePeriod > longest(world)) return hand;
       const double p = static_cast<double>(n) / static_cast<double>(steps);
       hand.push_back(from + minimum_jerk(p) * (to - from));
     }

@@ -6,6 +6,7 @@
 #include "sim/contact_depth.hpp"
 #include "sim/printed_range.hpp"
 #include "sim/tilted_annulus.hpp"
+#include "sim/tilted_bridge.hpp"
 
 namespace ferrule {
 namespace {
@@ -86,109 +87,6 @@ void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, 
   }
 }
 
-// Roots of a s^2 + 2 b s + d without cancellation, given b^2 - a d > 0.
-std::array<double, 2> roots(double a, double b, double d, double discriminant) noexcept {
-  const double q = b < 0 ? -b + std::sqrt(discriminant) : -b - std::sqrt(discriminant);
-  return {q / a, d / q};
-}
-
-// A place along the inserted length, and how it moves with the pose.
-struct Cut {
-  double arm = 0;       // [m]
-  PoseVector per_pose;  // [1, m/rad]
-};
-constexpr std::size_t kMostCuts = 64;
-const Quadrature kFewestNodes = Quadrature::gauss_legendre(5);  // the Hessian misleads with fewer
-constexpr double kSteepest = 3;  // factor of a gap's distance from the law's singularity in one
-
-// The corrected bridge, where the gap is below its reach: nodes between cuts, which are made where
-// the law ends or bends. The nodes move with the cuts, so that the gradient is that of the sum at
-// any order; the Hessian is the integral's.
-void add_bridge(Energy& total, const World& world, bool bridge, const PoseVector& tip,
-                PoseVector& gradient) noexcept {
-  const Capillary& law = *world.capillary;
-  const auto at = [&](double h) noexcept { return capillary(law, world.annulus, h, bridge); };
-  const double c = world.annulus.clearance(), reach = capillary_reach(law, bridge);
-  const double core = kRadialSmoothing * c;
-  const double length = inserted(world, tip), slope = inserted_slope(world, tip);
-  const double flat = core / length;  // a gap that changes less has no place where it is the reach
-  const Vector2d e = tip.e, t = tip.t;
-
-  const Quadrature& nodes =
-      world.quadrature.order < kFewestNodes.order ? kFewestNodes : world.quadrature;
-  std::array<Cut, kMostCuts> cuts;
-  cuts[1] = {length, {slope, Vector2d::Zero(), Vector2d::Zero()}};
-  std::size_t count = 2;
-  const double a = t.squaredNorm(), b = e.dot(t);
-  if (const double s = -b / a; a > flat * flat && s > 0 && s < length)  // nearest the bore's axis
-    cuts[count++] = {s, {0, -t / a, -(e + 2 * s * t) / a}};
-  // Where the eccentricity is `radius`, and the force per length ends with the step `force`.
-  const auto cut_at = [&](double radius, double force = 0) noexcept {
-    const double d = e.squaredNorm() - radius * radius, root = b * b - a * d;
-    if (!(radius > 0 && root > 0)) return;
-    for (const double s : roots(a, b, d, root)) {
-      if (!(s > 0 && s < length) || count == kMostCuts) continue;
-      const Vector2d normal = eccentricity(tip, s) / radius;
-      const double along = normal.dot(t), steep = std::max(std::abs(along), flat);
-      const Vector2d per_e = -std::copysign(1 / steep, along) * normal;
-      cuts[count++] = {s, {0, per_e, s * per_e}};
-      if (force != 0)
-        total.add_across(t, {s}, Vector2d::Zero(), force / steep * normal * normal.transpose());
-    }
-  };
-  if (reach < c) cut_at(c - reach, at(std::nextafter(reach, 0)).force);
-  cut_at(c);  // contact
-  // Between them by equal factors of the distance from where the law is singular.
-  const double scale = bridge_scale(law, world.annulus), most = 1 + std::min(reach, c) / scale;
-  const double parts = std::ceil(std::log(most) / std::log(kSteepest));
-  const double factor = std::pow(most, 1 / parts);
-  for (double rise = factor; rise < 0.99 * most; rise *= factor) cut_at(c - scale * (rise - 1));
-  // Near the bore's axis, where the direction turns.
-  for (double radius = core; radius < 0.5 * c; radius *= 10)
-    if (radius > c - reach) cut_at(radius);
-  const auto end = cuts.begin() + static_cast<std::ptrdiff_t>(count);
-  std::sort(cuts.begin(), end, [](const Cut& l, const Cut& r) { return l.arm < r.arm; });
-
-  for (auto to = cuts.begin() + 1; to != end; ++to) {
-    const Cut& from = *(to - 1);
-    const double width = to->arm - from.arm;
-    if (c - Radial(eccentricity(tip, from.arm + 0.5 * width), c).eccentricity >= reach) continue;
-    double by_from = 0, by_to = 0;
-    for (std::size_t n = 0; n < static_cast<std::size_t>(nodes.order); ++n) {
-      const double node = nodes.node[n], weight = nodes.weight[n];
-      const double arm = from.arm + node * width, part = weight * width;
-      const Radial radial(eccentricity(tip, arm), c);
-      const LineForce force = at(c - radial.eccentricity);
-      const Vector2d pull = part * force.force * radial.normal;
-      const Matrix2d stiff = part * (force.force * radial.curving -
-                                     force.slope * radial.normal * radial.normal.transpose());
-      total.value += part * force.potential;
-      total.value_scale += std::abs(part * force.potential);
-      total.force_scale += std::abs(part * force.force);
-      total.add_across(t, {arm}, pull, stiff);
-      gradient.e += pull;
-      gradient.t += arm * pull;
-      const double along = pull.dot(t), gain = weight * force.potential;
-      by_from += (1 - node) * along - gain;
-      by_to += node * along + gain;
-    }
-    PoseVector moved = by_from * from.per_pose;
-    moved += by_to * to->per_pose;
-    total.gradient += moved;
-    gradient += moved;
-  }
-
-  // A longer overlap gains the energy per length at the mouth.
-  if (slope == 0) return;
-  const Radial mouth(eccentricity(tip, length), c);
-  const LineForce force = at(c - mouth.eccentricity);
-  const Vector2d pull = force.force * mouth.normal;
-  total.force_scale += std::abs(force.potential);
-  total.hessian.xx += pull.dot(t);
-  total.hessian.xe += slope * pull;
-  total.hessian.xt += slope * length * pull;
-}
-
 // Where along the length the mean surfaces are apart: between the two arms. Outside, towards an
 // end, they touch.
 struct Apart {
@@ -200,11 +98,9 @@ Apart apart(const PoseVector& tip, double length, double widest) noexcept {
   const bool begins_apart = e.squaredNorm() <= limit;
   const bool ends_apart = (e + length * t).squaredNorm() <= limit;
   if (begins_apart && ends_apart) return {0, length};
-  const double a = t.squaredNorm(), b = e.dot(t), d = e.squaredNorm() - limit;
-  const double root = b * b - a * d;
-  if (!(root > 0)) return {0, 0};
-  auto [first, second] = roots(a, b, d, root);
-  if (first > second) std::swap(first, second);
+  const auto touching = arms_at(tip, widest);
+  if (!touching) return {0, 0};
+  const auto [first, second] = *touching;
   const double from = begins_apart ? 0 : std::clamp(first, 0.0, length);
   const double to = ends_apart ? length : std::clamp(second, 0.0, length);
   return from < to ? Apart{from, to} : Apart{0, 0};
@@ -393,7 +289,9 @@ void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& w
                     tip, by_term);
   corrected.van_der_waals = corrected.van_der_waals && !attracts;
   corrected.electrostatic = corrected.electrostatic && !charged;
-  if (corrected.capillary) add_bridge(total, world, bridge, tip, by_term[kCapillary]);
+  if (corrected.capillary)
+    add_tilted_bridge(total, by_term[kCapillary], world, bridge, tip, inserted(world, tip),
+                      inserted_slope(world, tip));
   corrected.capillary = false;
   if (corrected.any())
     add_nodes(total, world, world.quadrature, corrected, true, inserted(world, tip), bridge, tip,

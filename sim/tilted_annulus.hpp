@@ -12,7 +12,10 @@
 //     relative error below C^2/(24 r R') (3e-6 for a clearance of 0.5 um at r = 62.5 um)
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
+#include <optional>
 
 #include "sim/annulus.hpp"
 #include "sim/electrostatic.hpp"
@@ -43,6 +46,16 @@ struct LineMean {
 
 // |e_a| < C and |e_b| < C.
 LineMean line_mean(const TiltedAnnulus& law, const Vector2d& e_a, const Vector2d& e_b) noexcept;
+
+// The arms, ascending, at which the fibre's axis is `radius` from the bore's; none where it is not.
+inline std::optional<std::array<double, 2>> arms_at(const PoseVector& tip, double radius) noexcept {
+  const double a = tip.t.squaredNorm(), b = tip.e.dot(tip.t);
+  const double d = tip.e.squaredNorm() - radius * radius, root = b * b - a * d;
+  if (!(root > 0)) return std::nullopt;
+  // Roots of a s^2 + 2 b s + d, without cancellation.
+  const double q = b < 0 ? -b + std::sqrt(root) : -b - std::sqrt(root);
+  return std::array{std::min(q / a, d / q), std::max(q / a, d / q)};
+}
 
 // Largest relative error of the electrostatic closed form: C^2/(24 r R').
 double closed_form_error(const Annulus& annulus) noexcept;
