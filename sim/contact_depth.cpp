@@ -39,7 +39,7 @@ ContactDepth end_depth(const World& world, const ContactSide& side,
 ContactDepth side_depth(const World& world, const ContactSide& side,
                         const PoseVector& tip) noexcept {
   ContactDepth depth;
-  if (!side.side_can_touch || tip.x >= 0) return depth;
+  if (!(side.past_mouth(tip, world.annulus.fibre_radius) > 0)) return depth;
   const double arm = -tip.x;
   const Vector2d e = eccentricity(tip, arm);
   const Radial radial(e, world.annulus.clearance());
@@ -59,11 +59,12 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
   const PoseVector tip(state.tip);
   const Vector2d e = tip.e;
   if (e.norm() > 0) at.outward = e.normalized();
+  const Vector2d at_mouth = eccentricity(tip, -tip.x);
+  if (at_mouth.norm() > 0) at.mouth_outward = at_mouth.normalized();
   const double r = world.annulus.fibre_radius;
   const double x_rim = tip.x - r * at.outward.dot(tip.t);
   const EdgeDepth d = edge_depth(world.profile, x_rim, e.norm() + r);
   at.side = edge_side(d, state.side);
-  at.side_can_touch = at.side == EdgeSide::throat && tip.x < 0;
   return at;
 }
 

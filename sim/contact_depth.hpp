@@ -75,9 +75,14 @@ struct ContactDepth {
 // What a step holds fixed about the contacts (sim/potential.hpp).
 struct ContactSide {
   EdgeSide side = EdgeSide::throat;
-  Vector2d outward = Vector2d::UnitX();  // unit direction from the bore's axis to the fibre's end
-  // It was in the bore when the step began: the mouth's rim faces the side, and surface forces act.
-  bool side_can_touch = false;
+  // Unit directions from the bore's axis to the fibre's: at its end, and at the mouth.
+  Vector2d outward = Vector2d::UnitX(), mouth_outward = Vector2d::UnitX();
+
+  // Length of the side [m] that is past the mouth where it is nearest to the mouth's rim: there the
+  // rim of the end is r mouth_outward.tilt ahead of its centre. <= 0 outside.
+  double past_mouth(const PoseVector& tip, double fibre_radius) const noexcept {
+    return side == EdgeSide::face ? 0 : fibre_radius * mouth_outward.dot(tip.t) - tip.x;
+  }
 };
 
 ContactSide contact_side(const World& world, const State& state) noexcept;

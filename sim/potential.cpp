@@ -10,7 +10,7 @@ namespace {
 // on opposite sides of the fibre.
 Vector2d lean(const World& world, const Lagged& lagged, int place) noexcept {
   return -world.annulus.fibre_radius *
-         (place == kEnd ? lagged.contact.outward : lagged.side_outward);
+         (place == kEnd ? lagged.contact.outward : lagged.contact.mouth_outward);
 }
 
 // Material point of a contact: on the fibre's surface along x, on its axis across.
@@ -56,7 +56,7 @@ AdhesionForce adhesion_force(const World& world, double depth, int branch) noexc
                                               : AdhesionForce{};
 }
 
-// The share of the side's patch that the end leaves, by the inserted length.
+// The share of the side's patch that the end leaves, by the length of the side past the mouth.
 struct PatchShare {
   double value, slope, curve;  // [-], [1/m], [1/m^2]
 
@@ -68,21 +68,30 @@ struct PatchShare {
   }
 };
 
-// What the end cuts off the side's contact.
-void cut_patch(Potential& there, const PoseVector& tip) noexcept {
-  const PatchShare share(-tip.x);
+// What the end cuts off the side's contact: its energy U times the share S of the length, which
+// grows by -1 with x and by `ahead` with the tilts.
+void cut_patch(Potential& there, const PatchShare& share, const Vector2d& ahead,
+               const PoseVector& tip) noexcept {
   ContactForce &wall = there.push[kSide], &adhesion = there.pull[kSide];
   there.push_out = share.slope * wall.potential;
   there.pull_out = share.slope * adhesion.potential;
+  const double out = there.push_out + there.pull_out;
+  const double bend = share.curve * (wall.potential + adhesion.potential);
+  // S' dU, by the eccentricity at the mouth.
   const Vector2d turn =
       share.slope * (wall.force + adhesion.force) * there.depth[kSide].slope.tail<2>();
+  const double along = turn.dot(tip.t), arm = -tip.x;
   Energy& bore = there.bore;
-  bore.gradient.x -= there.push_out + there.pull_out;
+  bore.gradient.x -= out;
+  bore.gradient.t += out * ahead;
   bore.force_scale += std::abs(there.push_out) + std::abs(there.pull_out);
-  bore.hessian.xx += share.curve * (wall.potential + adhesion.potential) + 2 * turn.dot(tip.t);
+  const Matrix2d mixed = turn * ahead.transpose();
+  bore.hessian.xx += bend + 2 * along;
   bore.hessian.xe -= turn;
-  bore.hessian.xt += tip.x * turn;
-  for (ContactForce* part : {&wall, &adhesion}) {
+  bore.hessian.xt -= (bend + along) * ahead + arm * turn;
+  bore.hessian.et += mixed;
+  bore.hessian.tt += bend * ahead * ahead.transpose() + arm * (mixed + mixed.transpose());
+  for (ContactForce* part : {&wall, static_cast<ContactForce*>(&adhesion)}) {
     part->potential *= share.value;
     part->force *= share.value;
     part->slope *= share.value;
@@ -193,10 +202,8 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
     lagged.branch[place] = state.contact[place].branch;
   const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
   if (both && world.adhesion && world.adhesion->form == Form::printed) lagged.adhesion_share = 0.5;
-  if (!world.friction) return lagged;
-  const Vector2d at_mouth = eccentricity(lagged.from, -lagged.from.x);
-  if (at_mouth.norm() > 0) lagged.side_outward = at_mouth.normalized();
-  if (!state.contact[kEnd].closed && !state.contact[kSide].closed) return lagged;
+  if (!world.friction || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
+    return lagged;
 
   const auto depths = contact_depths(world, lagged.contact, state.tip);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
@@ -210,10 +217,11 @@ Lagged lag(const World& world, const State& state, const Pose& hand, double dt) 
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
+    const double past = lagged.contact.past_mouth(lagged.from, world.annulus.fibre_radius);
+    const double patch = place == kSide ? PatchShare(past).value : 1.0;
     const double share = both && world.friction->form == Form::printed ? 0.5 : 1.0;
-    friction.limit = share * ferrule::friction(*world.friction, a);
-    if (place == kSide) friction.limit *= PatchShare(lagged.length).value;
-    friction.stiffness = stuck_stiffness(*world.friction, a);
+    friction.limit = patch * share * ferrule::friction(*world.friction, a);
+    friction.stiffness = patch * stuck_stiffness(*world.friction, a);
   }
   return lagged;
 }
@@ -241,8 +249,10 @@ Potential::Potential(const World& world, const Lagged& lagged, const PoseVector&
       shared.force *= lagged.adhesion_share;
       shared.slope *= lagged.adhesion_share;
     }
-  if (-tip.x < kPatch && depth[kSide].value != -INFINITY) cut_patch(*this, tip);
-  const bool inserted = lagged.contact.side_can_touch;
+  const double r = world.annulus.fibre_radius, past = lagged.contact.past_mouth(tip, r);
+  if (past > 0 && past < kPatch)
+    cut_patch(*this, PatchShare(past), r * lagged.contact.mouth_outward, tip);
+  const bool inserted = lagged.contact.side == EdgeSide::throat;
   if (inserted) add_surface_forces(bore, surface, world, lagged.length, lagged.bridge, tip);
   if (world.meniscus && inserted && tip.x < 0) {
     const double inwards = meniscus(*world.meniscus, world.annulus.fibre_radius);
@@ -281,7 +291,7 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     (*terms[i])[1] = {across(mouth),
                       end + Vector3d(length, length * tip.t.x(), length * tip.t.y())};
   }
-  if (world.meniscus && lagged.contact.side_can_touch && tip.x < 0)
+  if (world.meniscus && lagged.contact.side == EdgeSide::throat && tip.x < 0)
     b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, end};
   if (lagged.axial_drag > 0) {
     const double axial = 0.5 * AxialDrag(lagged, tip).force;
@@ -300,10 +310,6 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     const Vector3d normal = depth.normal(tip.t);
     b.wall[at] = {there.push[at].force * normal, depth.point};
     b.adhesion[at] = {there.pull[at].force * normal, depth.point};
-    if (place == kSide) {
-      b.wall[at].force.x() += there.push_out;
-      b.adhesion[at].force.x() += there.pull_out;
-    }
     const LaggedFriction& friction = lagged.friction[at];
     if (!friction.acts) continue;
     const Vector2d to_axis = lean(world, lagged, place);
@@ -311,12 +317,19 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     b.friction[at] = {friction_force(friction, material_point(tip, friction.arm, to_axis)),
                       {tip.x + friction.arm, surface.x(), surface.y()}};
   }
+  if (there.push_out == 0 && there.pull_out == 0) return;
+  const Vector2d rim = tip.e + world.annulus.fibre_radius * lagged.contact.mouth_outward;
+  for (const auto& [term, force] :
+       {std::pair(&b.wall[kEnd], there.push_out), std::pair(&b.adhesion[kEnd], there.pull_out)}) {
+    term->force.x() += force;
+    term->point = {tip.x, rim.x(), rim.y()};
+  }
 }
 
 Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& tip,
                   const Potential& there) noexcept {
   Contacts now;
-  now.bridge = lagged.contact.side_can_touch && bridge_at(world, lagged.bridge, tip);
+  now.bridge = lagged.contact.side == EdgeSide::throat && bridge_at(world, lagged.bridge, tip);
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const double depth = there.depth[at].value;
@@ -325,7 +338,7 @@ Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& ti
     contact.closed = depth > 0 || there.pull[at].radius > 0;
     contact.depth = contact.closed ? depth : 0.0;
     contact.branch = there.pull[at].branch;
-    const double arm = place == kSide ? std::max(0.0, -tip.x) : 0.0;
+    const double arm = place == kSide ? -tip.x : 0.0;
     now.material[at] = material_point(tip, arm, lean(world, lagged, place));
   }
   return now;

@@ -9,8 +9,9 @@
 // ones know no axial force, and take the length of the step's start.
 //
 // The side's contact is a patch some kPatch wide, which the fibre's end cuts where it is near the
-// mouth: its energy and friction fade with the inserted length, by (p^3 (10 - 15 p + 6 p^2)),
-// p = l/kPatch. So a fibre slides off the rim, and what adhesion gave is paid back on the way.
+// mouth: its energy and friction fade with the length l of the side that is past it
+// (ContactSide::past_mouth), by p^3 (10 - 15 p + 6 p^2), p = l/kPatch. So a fibre slides off the
+// rim, and what adhesion gave is paid back on the way.
 //
 // The paper knows one contact between fibre and bore; where end and side touch at once (the fibre
 // lies along the wall) its printed adhesion and friction are shared between them in equal parts.
@@ -39,8 +40,6 @@ struct Lagged {
   PoseVector hand;    // the command at the step's end
   double length = 0;  // l_f [m]
   ContactSide contact;
-  // Unit direction from the bore's axis to the fibre's at the mouth: where its side touches.
-  Vector2d side_outward = Vector2d::UnitX();
   bool bridge = false;
   double adhesion_share = 1;
   std::array<int, kContactPlaces> branch{};
@@ -86,8 +85,8 @@ struct Potential : Energy {
   std::array<ContactDepth, kContactPlaces> depth;
   std::array<ContactForce, kContactPlaces> push;   // of the wall
   std::array<AdhesionForce, kContactPlaces> pull;  // of the adhesion
-  double push_out = 0,
-         pull_out = 0;  // of wall and adhesion along x, where the end cuts a patch [N]
+  // Of wall and adhesion along x, at the rim of the end, where it cuts the side's patch [N].
+  double push_out = 0, pull_out = 0;
 };
 
 // Its gradient and Hessian where the step starts, from those of the bore's part there.

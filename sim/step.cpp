@@ -163,7 +163,10 @@ void minimise(const World& world, const Lagged& lagged, Minimum& found) noexcept
         break;
       }
     }
-    if (!moved) break;
+    if (!moved) {  // rounding leaves nothing lower
+      found.converged = left <= kNearForce * here.force_scale;
+      break;
+    }
   }
 }
 
