@@ -22,9 +22,9 @@ struct Axes {
 
 struct Plot {
   std::string title;
-  std::vector<Axes> panels;  // one above the other
+  std::vector<Axes> panels;             // one above the other
   int width = 860, panel_height = 420;  // a legend below is added to the height
-  bool equal_scales = false;  // one unit is as long on x as on y
+  bool equal_scales = false;            // one unit is as long on x as on y
 };
 
 // Throws FileTrouble if gnuplot is not there or refuses.
