@@ -15,6 +15,7 @@ namespace ferrule {
 namespace {
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kFineStep = 1e-6;  // [s]
 
 struct Case {
   std::string name;
@@ -137,16 +138,17 @@ Case free_flight() {
   return c;
 }
 
-// A tilted fibre wedged between end and side, corrected laws, pushed in through adhesive.
-Case two_contacts() {
+// A tilted fibre wedged between end and side, corrected laws, pushed in through adhesive. Without a
+// reference yet.
+Case wedged(const std::string& name, const std::string& friction) {
   const World world =
       load_scene("paper", {"roughness_nm=5", "laws.van_der_waals.form=corrected",
                            "laws.electrostatic.form=corrected", "laws.gravity.form=corrected",
-                           "laws.capillary=null", "laws.adhesion.form=corrected",
-                           "laws.friction=null", "ferrule.lead_in=null",
+                           "laws.capillary=null", "laws.adhesion.form=corrected", friction,
+                           "ferrule.lead_in=null",
                            "laws.drag={\"form\":\"corrected\",\"viscosity_Pa_s\":0.5}"})
           .world;
-  Case c{"two contacts in adhesive", world, {}, {}, 0.5, every(0.01, 0.5), {}};
+  Case c{name, world, {}, {}, 0.5, every(0.01, 0.5), {}};
   const double clearance = world.annulus.clearance(), length = 50e-6;
   c.start.tip << -length, clearance, 0, -2 * clearance / length, 0;
   c.start.hand = c.start.tip;
@@ -162,7 +164,26 @@ Case two_contacts() {
   // Closed and at rest before it moves.
   for (int n = 0; n < 2000; ++n) c.start = step(world, c.start, hand(0), 1e-3).state;
   c.start.time = 0;
-  c.exact = reference_trajectory(world, c.start, c.hand, c.times);
+  return c;
+}
+
+Case two_contacts() {
+  Case c = wedged("two contacts in adhesive", "laws.friction=null");
+  c.exact = reference_trajectory(c.world, c.start, c.hand, c.times);
+  return c;
+}
+
+// The stuck state of friction is no differential equation: the reference is the same method in
+// steps of 1 us.
+Case two_contacts_with_friction() {
+  Case c = wedged("two contacts with friction", "laws.friction.form=corrected");
+  State state = c.start;
+  long n = 0;
+  for (const double time : c.times) {
+    for (; static_cast<double>(n) * kFineStep < time - 0.5 * kFineStep; ++n)
+      state = step(c.world, state, c.hand(static_cast<double>(n + 1) * kFineStep), kFineStep).state;
+    c.exact.push_back(state.tip);
+  }
   return c;
 }
 
@@ -196,6 +217,9 @@ std::vector<SteppingRow> bench_stepping() {
   const Case wedge = two_contacts();
   for (const double dt : {1e-2, 5e-3, 1e-3, 1e-4})
     rows.push_back(simulate(wedge, "backward_euler", dt));
+  const Case rubbing = two_contacts_with_friction();
+  for (const double dt : {1e-2, 1e-3, 1e-4})
+    rows.push_back(simulate(rubbing, "backward_euler", dt));
   // The naive baseline, from the step of the simulator down to one that it survives.
   for (double dt = 1e-3; dt > 1e-8; dt /= 10) {
     rows.push_back(explicit_euler(wedge, dt));

@@ -18,7 +18,8 @@ struct SteppingRow {
 };
 
 // Cases: free flight (reference: closed form); insertion through adhesive with contact of end and
-// side, corrected laws (reference: CVODE); vibration of an elastic fibre with inertia (CVODE).
+// side, corrected laws (reference: CVODE), and with friction (reference: steps of 1 us); vibration
+// of an elastic fibre with inertia (CVODE).
 std::vector<SteppingRow> bench_stepping();
 
 }  // namespace ferrule

@@ -6,6 +6,8 @@
 namespace ferrule {
 namespace {
 
+constexpr double kSlipsOn = 0.95;  // of the friction limit
+
 // From the surface that touches to the fibre's axis [m]. At two points the end and the side touch
 // on opposite sides of the fibre.
 Vector2d lean(const World& world, const Lagged& lagged, int place) noexcept {
@@ -27,15 +29,16 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
                                    : Vector3d(-friction.limit * stretch.normalized());
 }
 
+// It slips where the stuck spring would hold more than `slips` times its limit.
 void add_friction(Energy& total, const LaggedFriction& friction, const Vector2d& lean,
-                  const PoseVector& tip) noexcept {
+                  const PoseVector& tip, double slips) noexcept {
   const Vector3d stretch =
       friction.tangential * (material_point(tip, friction.arm, lean) - friction.stuck);
   const double length = stretch.norm();
   Vector3d slope = friction.stiffness * stretch;
   Matrix3d curve = friction.stiffness * friction.tangential;
   double value = 0.5 * friction.stiffness * length * length;
-  if (friction.stiffness * length > friction.limit) {
+  if (friction.stiffness * length > slips * friction.limit) {
     const Vector3d direction = stretch / length;
     value = friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
     slope = friction.limit * direction;
@@ -111,11 +114,11 @@ struct AxialDrag {
   }
 };
 
-void add_frictions(Energy& total, const World& world, const Lagged& lagged,
-                   const PoseVector& tip) noexcept {
+void add_frictions(Energy& total, const World& world, const Lagged& lagged, const PoseVector& tip,
+                   double slips = 1) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
     const LaggedFriction& friction = lagged.friction[static_cast<std::size_t>(place)];
-    if (friction.acts) add_friction(total, friction, lean(world, lagged, place), tip);
+    if (friction.acts) add_friction(total, friction, lean(world, lagged, place), tip, slips);
   }
 }
 
@@ -234,7 +237,8 @@ Energy potential_at_start(const World& world, const Lagged& lagged,
   total.hessian = bore.hessian;
   total.hessian += lagged.stiffness;
   if (lagged.axial_drag > 0) total.hessian.xx += AxialDrag(lagged, bore.at).stiffness;
-  add_frictions(total, world, lagged, bore.at);
+  // What has just slipped slips on, under a limit that may have grown.
+  add_frictions(total, world, lagged, bore.at, kSlipsOn);
   return total;
 }
 

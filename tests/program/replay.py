@@ -43,6 +43,14 @@ class Replay(Case):
         with h5py.File(file) as f:
             data = f["data/demo_0/states"]
             chunk = data.id.get_chunk_info(1)
+            states = data[:]
+
+        def says_the_same(name):  # the last byte of a deflate stream may have bits without meaning
+            with h5py.File(name) as f:
+                try:
+                    return numpy.array_equal(f["data/demo_0/states"][:], states)
+                except OSError:
+                    return False
         draw = random.Random(1)
         for _ in range(25):
             changed = bytearray(whole)
@@ -51,7 +59,8 @@ class Replay(Case):
             with open(self.path("flipped.h5"), "wb") as out:
                 out.write(changed)
             run = ferrule("replay", self.path("flipped.h5"), "--verify")
-            self.assertIn(run.returncode, (1, 3), at)
+            if not says_the_same(self.path("flipped.h5")):
+                self.assertIn(run.returncode, (1, 3), at)
         for _ in range(60):  # anywhere: no crash, no hang
             changed = bytearray(whole)
             for _ in range(20):
