@@ -96,12 +96,27 @@ TEST(Identify, WhatTheRecordingsTellNothingAboutIsOpen) {
   EXPECT_GE(i.parameters[1].high, 0.48);
 }
 
-// Friction knows one shear modulus, that of both materials together: either can stand for the
+// A meniscus pulls with its tension times the cosine of the contact angle: either can stand for the
 // other.
 TEST(Identify, ParametersThatStandForEachOtherAreOpen) {
+  const auto liquid = [](double tension) {
+    const Json law = {
+        {"form", "corrected"}, {"surface_tension_N_m", tension}, {"contact_angle_deg", 40}};
+    return scene_with({"laws.meniscus=" + law.dump()});
+  };
+  const auto data = recordings(liquid(0.01), 1e-8, 1);
+  const Identification i =
+      identify(data, liquid(0.012),
+               {"laws.meniscus.surface_tension_N_m", "laws.meniscus.contact_angle_deg"}, 1);
+  EXPECT_EQ(i.parameters[0].told, Told::open);
+  EXPECT_EQ(i.parameters[1].told, Told::open);
+}
+
+// The clearance tells much of the difference of two diameters, and little of either.
+TEST(Identify, ParametersThatAlmostStandForEachOtherAreOpen) {
   const auto data = recordings(scene_with({}), 1e-8, 1);
-  const Identification i = identify(data, scene_with({"ferrule.shear_GPa=60"}),
-                                    {"fibre.shear_GPa", "ferrule.shear_GPa"}, 1);
+  const Identification i = identify(data, scene_with({"ferrule.bore_diameter_um=126.2"}),
+                                    {"fibre.diameter_um", kBore}, 1);
   EXPECT_GT(std::abs(i.correlation(0, 1)), 0.99);
   EXPECT_EQ(i.parameters[0].told, Told::open);
   EXPECT_EQ(i.parameters[1].told, Told::open);
