@@ -1,9 +1,9 @@
 #include "sim/step.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
+#include "sim/newton.hpp"
 #include "sim/potential.hpp"
 
 namespace ferrule {
@@ -40,67 +40,6 @@ struct Minimum {
 double residual(const World& world, const PoseVector& gradient) noexcept {
   return std::max({std::abs(gradient.x), gradient.e.cwiseAbs().maxCoeff(),
                    gradient.t.cwiseAbs().maxCoeff() / world.holder.tilt_length});
-}
-
-// The inverse of a symmetric matrix; false where it is not positive definite.
-bool invert(const Matrix2d& m, Matrix2d& inverse) noexcept {
-  const double determinant = m(0, 0) * m(1, 1) - m(1, 0) * m(0, 1), over = 1 / determinant;
-  inverse.col(0) = Vector2d(m(1, 1), -m(1, 0)) * over;
-  inverse.col(1) = Vector2d(-m(0, 1), m(0, 0)) * over;
-  return m(0, 0) > 0 && determinant > 0;
-}
-
-// A symmetric matrix with the tilts eliminated, then y and z: for solving h d = -g.
-class Eliminated {
- public:
-  // False where h is not positive definite.
-  bool of(const PoseMatrix& h) noexcept {
-    if (!invert(h.tt, over_tt_)) return false;
-    et_over_tt_ = h.et * over_tt_;
-    xt_over_tt_ = over_tt_ * h.xt;
-    if (!invert(h.ee - et_over_tt_ * h.et.transpose(), over_ee_)) return false;
-    const Vector2d xe = h.xe - et_over_tt_ * h.xt;
-    xe_over_ee_ = over_ee_ * xe;
-    const double xx = h.xx - xt_over_tt_.dot(h.xt) - xe_over_ee_.dot(xe);
-    over_xx_ = 1 / xx;
-    return xx > 0;
-  }
-
-  PoseVector solve(const PoseVector& g) const noexcept {
-    const Vector2d ge = g.e - et_over_tt_ * g.t;
-    const double x = -(g.x - xt_over_tt_.dot(g.t) - xe_over_ee_.dot(ge)) * over_xx_;
-    const Vector2d e = -(over_ee_ * ge) - x * xe_over_ee_;
-    return {x, e, -(over_tt_ * g.t) - x * xt_over_tt_ - et_over_tt_.transpose() * e};
-  }
-
- private:
-  Matrix2d over_tt_, over_ee_, et_over_tt_;
-  Vector2d xt_over_tt_, xe_over_ee_;
-  double over_xx_ = 0;
-};
-
-// The Newton direction. Where the Hessian is not positive definite, with the magnitudes of its
-// eigenvalues (in units of the holder's stiffness) instead: what pushes sideways on the axis must
-// not slow the way along it.
-PoseVector newton_direction(const World& world, const Potential& here) noexcept {
-  Eliminated hessian;
-  if (hessian.of(here.hessian)) {
-    const PoseVector newton = hessian.solve(here.gradient);
-    const double slope = newton.dot(here.gradient);
-    if (slope < 0 && std::isfinite(slope)) return newton;
-  }
-  const Pose gradient = here.gradient.full();
-  const Pose unit = world.holder.stiffness.diagonal().cwiseSqrt().cwiseInverse();
-  const Matrix5 scaled = unit.asDiagonal() * here.hessian.full() * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix5> modes(scaled);
-  if (modes.info() == Eigen::Success) {
-    const Pose stiffness = modes.eigenvalues().cwiseAbs().cwiseMax(1e-3);
-    const Pose along = modes.eigenvectors().transpose() * unit.cwiseProduct(gradient);
-    const Pose direction =
-        -unit.cwiseProduct(modes.eigenvectors() * along.cwiseQuotient(stiffness));
-    if (direction.allFinite() && direction.dot(gradient) < 0) return PoseVector(direction);
-  }
-  return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
 }
 
 // How far a move takes the end or the other end of the inserted length [m].

@@ -1,0 +1,51 @@
+// Directions to the minimum of an energy of the pose.
+#pragma once
+
+#include "sim/energy.hpp"
+#include "sim/world.hpp"
+
+namespace ferrule {
+
+// The inverse of a symmetric matrix; false where it is not positive definite.
+inline bool invert(const Matrix2d& m, Matrix2d& inverse) noexcept {
+  const double determinant = m(0, 0) * m(1, 1) - m(1, 0) * m(0, 1), over = 1 / determinant;
+  inverse.col(0) = Vector2d(m(1, 1), -m(1, 0)) * over;
+  inverse.col(1) = Vector2d(-m(0, 1), m(0, 0)) * over;
+  return m(0, 0) > 0 && determinant > 0;
+}
+
+// A symmetric matrix with the tilts eliminated, then y and z: for solving h d = -g.
+class Eliminated {
+ public:
+  // False where h is not positive definite.
+  bool of(const PoseMatrix& h) noexcept {
+    if (!invert(h.tt, over_tt_)) return false;
+    et_over_tt_ = h.et * over_tt_;
+    xt_over_tt_ = over_tt_ * h.xt;
+    if (!invert(h.ee - et_over_tt_ * h.et.transpose(), over_ee_)) return false;
+    const Vector2d xe = h.xe - et_over_tt_ * h.xt;
+    xe_over_ee_ = over_ee_ * xe;
+    const double xx = h.xx - xt_over_tt_.dot(h.xt) - xe_over_ee_.dot(xe);
+    over_xx_ = 1 / xx;
+    return xx > 0;
+  }
+
+  PoseVector solve(const PoseVector& g) const noexcept {
+    const Vector2d ge = g.e - et_over_tt_ * g.t;
+    const double x = -(g.x - xt_over_tt_.dot(g.t) - xe_over_ee_.dot(ge)) * over_xx_;
+    const Vector2d e = -(over_ee_ * ge) - x * xe_over_ee_;
+    return {x, e, -(over_tt_ * g.t) - x * xt_over_tt_ - et_over_tt_.transpose() * e};
+  }
+
+ private:
+  Matrix2d over_tt_, over_ee_, et_over_tt_;
+  Vector2d xt_over_tt_, xe_over_ee_;
+  double over_xx_ = 0;
+};
+
+// The Newton direction. Where the Hessian is not positive definite, with the magnitudes of its
+// eigenvalues (in units of the holder's stiffness) instead: what pushes sideways on the axis must
+// not slow the way along it.
+PoseVector newton_direction(const World& world, const Energy& here) noexcept;
+
+}  // namespace ferrule
