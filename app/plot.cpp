@@ -59,7 +59,7 @@ std::string script(const Plot& plot) {
   for (int p = 0; p < panels; ++p) {
     const Axes& axes = plot.panels[static_cast<std::size_t>(p)];
     std::string command = "plot ";
-    const bool lines = std::all_of(axes.series.begin(), axes.series.end(),
+    const bool lines = std::any_of(axes.series.begin(), axes.series.end(),
                                    [](const Series& one) { return one.style == Series::line; });
     s += lines ? "set autoscale xfix\n" : "set autoscale x\n";  // points would be cut in half
     for (std::size_t i = 0; i < axes.series.size(); ++i) {
