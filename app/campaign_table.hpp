@@ -2,7 +2,7 @@
 #pragma once
 
 #include "controller/campaign.hpp"
-#include "sim/json_fields.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 

@@ -8,9 +8,11 @@
 #include "app/campaign_table.hpp"
 #include "app/compare_plot.hpp"
 #include "app/verb.hpp"
-#include "bench/contest.hpp"
 #include "capture/episode.hpp"
 #include "controller/supervisor.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "learn/candidates.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "app/plot.hpp"
-#include "bench/contest.hpp"
+#include "learn/candidates.hpp"
 
 namespace ferrule {
 

@@ -1,8 +1,8 @@
 // How the verbs show a device that is connected: `devices` and `doctor`.
 #pragma once
 
-#include "haptic/device_list.hpp"
-#include "sim/json_fields.hpp"
+#include "haptic/hid/device_list.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 

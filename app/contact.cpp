@@ -3,7 +3,7 @@
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
-#include "sim/maugis.hpp"
+#include "sim/laws/maugis.hpp"
 
 namespace ferrule {
 namespace {

@@ -7,9 +7,11 @@
 #include "app/recording.hpp"
 #include "app/report.hpp"
 #include "app/verb.hpp"
-#include "capture/simulated_operator.hpp"
 #include "controller/controller_file.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

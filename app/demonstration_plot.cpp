@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "insertion/scene_scaling.hpp"
+
 namespace ferrule {
 
 Plot demonstration_plot(const Episode& episode, const Scene& scene) {

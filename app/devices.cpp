@@ -9,9 +9,9 @@
 
 #include "app/connected.hpp"
 #include "app/verb.hpp"
-#include "capture/hand_device.hpp"
-#include "haptic/force_stick.hpp"
-#include "haptic/space_mouse.hpp"
+#include "haptic/hid/force_stick.hpp"
+#include "haptic/hid/space_mouse.hpp"
+#include "insertion/hand_device.hpp"
 
 namespace ferrule {
 namespace {

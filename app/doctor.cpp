@@ -8,8 +8,10 @@
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "capture/haptic_loop.hpp"
-#include "capture/rendering.hpp"
 #include "haptic/real_time.hpp"
+#include "insertion/rendering.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/stiffness_range.hpp"
 #include "sim/step.hpp"
 
 namespace ferrule {

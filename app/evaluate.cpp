@@ -6,6 +6,7 @@
 #include "capture/episode.hpp"
 #include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
+#include "insertion/scene_scaling.hpp"
 
 namespace ferrule {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/printed_range.hpp"
+#include "sim/laws/printed_range.hpp"
 
 namespace ferrule {
 namespace {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "app/plot.hpp"
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 

@@ -1,4 +1,4 @@
-#include "sim/plan.hpp"
+#include "sim/plan/plan.hpp"
 
 #include <fmt/format.h>
 

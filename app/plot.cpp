@@ -11,7 +11,7 @@
 #include <filesystem>
 #include <memory>
 
-#include "sim/json_fields.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 namespace {

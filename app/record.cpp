@@ -7,13 +7,15 @@
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
-#include "capture/hand_device.hpp"
-#include "capture/rendering.hpp"
-#include "capture/simulated_operator.hpp"
 #include "controller/load_controller.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
-#include "haptic/force_stick.hpp"
+#include "haptic/hid/force_stick.hpp"
+#include "insertion/hand_device.hpp"
+#include "insertion/rendering.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

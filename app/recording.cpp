@@ -6,8 +6,9 @@
 #include <filesystem>
 
 #include "app/verb.hpp"
-#include "capture/hand_device.hpp"
-#include "haptic/force_stick.hpp"
+#include "haptic/hid/force_stick.hpp"
+#include "insertion/hand_device.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

@@ -5,8 +5,8 @@
 
 #include "app/keys.hpp"
 #include "capture/haptic_loop.hpp"
-#include "haptic/device_list.hpp"
-#include "haptic/fake_firmware.hpp"
+#include "haptic/hid/device_list.hpp"
+#include "haptic/hid/fake_firmware.hpp"
 
 namespace ferrule {
 
@@ -57,7 +57,7 @@ struct HandDevice {
 HandDevice open_device(const std::string& wanted);
 
 struct HandSettings {
-  double gain = 1;                   // capture/hand_device.hpp
+  double gain = 1;                   // insertion/hand_device.hpp
   DeviceProfile profile;             // of a device with force
   std::optional<Coupling> coupling;  // of a device with force
 };

@@ -5,6 +5,7 @@
 
 #include "app/demonstration_plot.hpp"
 #include "app/verb.hpp"
+#include "insertion/scene_scaling.hpp"
 
 namespace ferrule {
 namespace {

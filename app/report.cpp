@@ -9,6 +9,7 @@
 #include "app/force_table.hpp"
 #include "app/plot.hpp"
 #include "app/verb.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 #include "sim/step.hpp"
 
 namespace ferrule {

@@ -5,7 +5,7 @@
 #include "bench/measure.hpp"
 #include "controller/insertion_law.hpp"
 #include "controller/policy.hpp"
-#include "sim/random.hpp"
+#include "sim/scene/random.hpp"
 
 namespace ferrule {
 namespace {

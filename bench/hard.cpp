@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "sim/potential.hpp"
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 #include "sim/step.hpp"
 
 namespace ferrule {

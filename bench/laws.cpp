@@ -5,12 +5,12 @@
 #include <numbers>
 
 #include "bench/measure.hpp"
-#include "sim/adhesion.hpp"
-#include "sim/capillary.hpp"
-#include "sim/electrostatic.hpp"
-#include "sim/quadrature.hpp"
-#include "sim/tilted_annulus.hpp"
-#include "sim/van_der_waals.hpp"
+#include "sim/laws/adhesion.hpp"
+#include "sim/laws/capillary.hpp"
+#include "sim/laws/electrostatic.hpp"
+#include "sim/laws/quadrature.hpp"
+#include "sim/laws/tilted_annulus.hpp"
+#include "sim/laws/van_der_waals.hpp"
 
 namespace ferrule {
 namespace {

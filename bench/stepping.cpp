@@ -8,7 +8,7 @@
 #include "bench/measure.hpp"
 #include "bench/reference.hpp"
 #include "sim/potential.hpp"
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 #include "sim/step.hpp"
 
 namespace ferrule {

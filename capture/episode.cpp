@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "capture/hdf5.hpp"
+#include "insertion/scene_scaling.hpp"
 
 namespace ferrule {
 namespace {
@@ -107,11 +108,6 @@ std::string program_version() {
 }
 std::string program_build() {
   return FERRULE_BUILD;
-}
-
-Scaling scene_scaling(const Scene& scene) noexcept {
-  const ScalingRanges& r = scene.scaling;
-  return Scaling::from_ranges(r.hand_range, r.tip_range, r.hand_force, r.tip_force);
 }
 
 void write_episode(const std::string& file, const Episode& episode) {

@@ -29,7 +29,8 @@
 #include "capture/row.hpp"
 #include "haptic/device.hpp"
 #include "haptic/stability.hpp"
-#include "sim/insertion.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/watch.hpp"
 
 namespace ferrule {
 
@@ -64,9 +65,6 @@ std::string coupling_text(const Coupling& coupling);
 // Version and build of this program.
 std::string program_version();
 std::string program_build();
-
-// Scaling of a scene.
-Scaling scene_scaling(const Scene& scene) noexcept;
 
 // What the hand felt in each row (N, 5), through the scene's force sensor, in the hand's world [N,
 // N m]. The sensor's errors follow from the episode's seed and trial.

@@ -8,7 +8,7 @@
 
 #include "capture/session.hpp"
 #include "haptic/period_clock.hpp"
-#include "sim/json_fields.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 

@@ -5,6 +5,7 @@
 #include <cstring>
 
 #include "capture/session.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

@@ -6,6 +6,8 @@
 #include <numeric>
 #include <unsupported/Eigen/FFT>
 
+#include "insertion/scene_scaling.hpp"
+
 namespace ferrule {
 namespace {
 

@@ -1,5 +1,6 @@
 #include "capture/session.hpp"
 
+#include "insertion/scene_scaling.hpp"
 #include "sim/held_stiffness.hpp"
 
 namespace ferrule {

@@ -7,7 +7,7 @@
 #include "capture/recorder.hpp"
 #include "haptic/device.hpp"
 #include "haptic/force_feedback.hpp"
-#include "sim/insertion.hpp"
+#include "insertion/watch.hpp"
 
 namespace ferrule {
 

@@ -1,9 +1,13 @@
-# ferrule_library(NAME SOURCES ... LINKS ... [PRIVATE_LINKS ...])
-# One static library per folder: target ferrule_NAME, alias and installed name ferrule::NAME.
+# ferrule_library(NAME LINKS ... [PRIVATE_LINKS ...] [WITHOUT FILE...])
+# One static library per folder, of all its sources but those WITHOUT: target ferrule_NAME, alias and installed name ferrule::NAME.
 function(ferrule_library name)
-  cmake_parse_arguments(ARG "" "" "SOURCES;LINKS;PRIVATE_LINKS" ${ARGN})
+  cmake_parse_arguments(ARG "" "" "LINKS;PRIVATE_LINKS;WITHOUT" ${ARGN})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS RELATIVE ${CMAKE_CURRENT_SOURCE_DIR} *.cpp)
+  if(ARG_WITHOUT)
+    list(REMOVE_ITEM sources ${ARG_WITHOUT})
+  endif()
   set(target ferrule_${name})
-  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(${target} STATIC ${sources})
   add_library(ferrule::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON)
   target_include_directories(${target} PUBLIC

@@ -2,7 +2,7 @@
 # find_package(ferrule) needs.
 include(CMakePackageConfigHelpers)
 
-set(FERRULE_LIBRARIES sim haptic capture learn controller)
+set(FERRULE_LIBRARIES sim haptic insertion capture learn controller)
 foreach(library IN LISTS FERRULE_LIBRARIES)
   install(TARGETS ferrule_${library} EXPORT ferrule_targets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

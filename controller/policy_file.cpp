@@ -6,7 +6,7 @@
 
 #include "controller/content_hash.hpp"
 #include "controller/safetensors.hpp"
-#include "sim/json_fields.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 namespace {

@@ -34,7 +34,7 @@
 #include <array>
 
 #include "controller/controller.hpp"
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 

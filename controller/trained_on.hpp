@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/json_fields.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 

@@ -3,7 +3,8 @@
 #include <cmath>
 #include <limits>
 
-#include "sim/joint_loss.hpp"
+#include "controller/joint_loss.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 

@@ -3,7 +3,7 @@
 
 #include "controller/controller.hpp"
 #include "haptic/device.hpp"
-#include "sim/insertion.hpp"
+#include "insertion/watch.hpp"
 
 namespace ferrule {
 

@@ -1,7 +1,7 @@
 #include "haptic/device_profile.hpp"
 
-#include "sim/json_fields.hpp"
-#include "sim/shipped_files.hpp"
+#include "sim/scene/json_fields.hpp"
+#include "sim/scene/shipped_files.hpp"
 
 namespace ferrule {
 namespace {

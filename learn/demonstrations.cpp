@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "controller/content_hash.hpp"
+#include "insertion/scene_scaling.hpp"
 
 namespace ferrule {
 

@@ -1,8 +1,10 @@
 #include "learn/relabel.hpp"
 
 #include "capture/session.hpp"
-#include "capture/simulated_operator.hpp"
 #include "controller/trial.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "insertion/scene_scaling.hpp"
+
 namespace ferrule {
 namespace {
 

@@ -9,7 +9,7 @@
 #include <functional>
 #include <string>
 
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/random.hpp"
+#include "sim/scene/random.hpp"
 
 namespace ferrule {
 

@@ -23,4 +23,8 @@ std::array<Vector3d, kTerms> term_forces(const Breakdown& b) noexcept {
           both(b.friction),      both(b.drag),          b.meniscus.force};
 }
 
+Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept {
+  return (breakdown.holder - world.holder.weight).head<3>();
+}
+
 }  // namespace ferrule

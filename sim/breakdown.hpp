@@ -4,6 +4,7 @@
 #include <array>
 
 #include "sim/state.hpp"
+#include "sim/world.hpp"
 
 namespace ferrule {
 
@@ -43,5 +44,8 @@ inline constexpr std::array<const char*, kTerms> kTermNames = {
     "wall",          "friction",      "drag",    "meniscus"};
 // Force of each term, contact places added up [N], in that order.
 std::array<Vector3d, kTerms> term_forces(const Breakdown& breakdown) noexcept;
+
+// Force at the holder without the fibre's weight [N].
+Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept;
 
 }  // namespace ferrule

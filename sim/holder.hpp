@@ -6,7 +6,7 @@
 
 #include <optional>
 
-#include "sim/gravity.hpp"
+#include "sim/laws/gravity.hpp"
 #include "sim/state.hpp"
 
 namespace ferrule {

@@ -17,7 +17,7 @@ struct ContactState {
   bool closed = false;
   double depth = 0;                   // penetration of mean surfaces [m], where closed
   Vector3d stuck = Vector3d::Zero();  // where the contact's material point is stuck [m]
-  int branch = 0;                     // of the adhesion's curve (sim/maugis.hpp)
+  int branch = 0;                     // of the adhesion's curve (sim/laws/maugis.hpp)
 };
 
 // Surface and contact forces at the pose a step ended at, for the next one to start its search from

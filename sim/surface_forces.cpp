@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sim/contact_depth.hpp"
-#include "sim/printed_range.hpp"
-#include "sim/tilted_annulus.hpp"
+#include "sim/laws/printed_range.hpp"
+#include "sim/laws/tilted_annulus.hpp"
 #include "sim/tilted_bridge.hpp"
 
 namespace ferrule {
@@ -119,7 +119,7 @@ struct LocalLaw {
   }
 };
 
-// The stretches where the mean surfaces touch and the laws end (sim/corrected_range.hpp), by
+// The stretches where the mean surfaces touch and the laws end (sim/laws/corrected_range.hpp), by
 // Gauss-Legendre of order 2: the two nodes of a stretch are computed side by side.
 class Touching {
  public:

@@ -1,8 +1,8 @@
 // Van der Waals, electrostatic and capillary forces along the whole inserted length.
 //
 // Corrected van der Waals and electrostatic forces are integrated between tilted axes in closed
-// form (sim/tilted_annulus.hpp); where the world asks for nodes, by Gauss-Legendre quadrature. So
-// is the capillary bridge, in parts of the stretches where the gap is below its reach. Corrected
+// form (sim/laws/tilted_annulus.hpp); where the world asks for nodes, by Gauss-Legendre quadrature.
+// So is the capillary bridge, in parts of the stretches where the gap is below its reach. Corrected
 // forces act along the inserted length as it changes, and so pull the fibre in by what a longer
 // overlap gains. The printed ones know one gap, that at the middle of the length, and no axial
 // force.

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "sim/contact_depth.hpp"
-#include "sim/tilted_annulus.hpp"
+#include "sim/laws/tilted_annulus.hpp"
 
 namespace ferrule {
 namespace {

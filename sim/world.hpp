@@ -1,24 +1,24 @@
 // What does not change while a fibre is inserted: geometry, laws, holder. Built from a scene
-// (sim/scene.hpp). A law that is not there is not modelled and costs nothing.
+// (sim/scene/scene.hpp). A law that is not there is not modelled and costs nothing.
 #pragma once
 
 #include <limits>
 #include <optional>
 
-#include "sim/adhesion.hpp"
-#include "sim/annulus.hpp"
-#include "sim/capillary.hpp"
-#include "sim/drag.hpp"
-#include "sim/electrostatic.hpp"
 #include "sim/ferrule_profile.hpp"
-#include "sim/friction.hpp"
-#include "sim/gravity.hpp"
 #include "sim/holder.hpp"
-#include "sim/meniscus.hpp"
-#include "sim/quadrature.hpp"
+#include "sim/laws/adhesion.hpp"
+#include "sim/laws/annulus.hpp"
+#include "sim/laws/capillary.hpp"
+#include "sim/laws/drag.hpp"
+#include "sim/laws/electrostatic.hpp"
+#include "sim/laws/friction.hpp"
+#include "sim/laws/gravity.hpp"
+#include "sim/laws/meniscus.hpp"
+#include "sim/laws/quadrature.hpp"
+#include "sim/laws/van_der_waals.hpp"
+#include "sim/laws/wall.hpp"
 #include "sim/state.hpp"
-#include "sim/van_der_waals.hpp"
-#include "sim/wall.hpp"
 
 namespace ferrule {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "learn/demonstrations.hpp"
-#include "sim/random.hpp"
+#include "sim/scene/random.hpp"
 
 namespace ferrule::testing {
 

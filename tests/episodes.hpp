@@ -2,8 +2,10 @@
 #pragma once
 
 #include "capture/session.hpp"
-#include "capture/simulated_operator.hpp"
 #include "controller/trial.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule::testing {
 

@@ -1,7 +1,7 @@
 // Scenes for tests.
 #pragma once
 
-#include "sim/scene.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule::testing {
 

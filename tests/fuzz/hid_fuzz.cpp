@@ -6,9 +6,9 @@
 //   build-fuzz/tests/hid_fuzz -max_total_time=60
 #include <cstdlib>
 
-#include "haptic/axis_reader.hpp"
-#include "haptic/fake_firmware.hpp"
-#include "haptic/pid_reports.hpp"
+#include "haptic/hid/axis_reader.hpp"
+#include "haptic/hid/fake_firmware.hpp"
+#include "haptic/hid/pid_reports.hpp"
 
 using namespace ferrule;
 

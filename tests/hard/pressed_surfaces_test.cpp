@@ -4,7 +4,8 @@
 #include <gtest/gtest.h>
 
 #include "sim/contact_depth.hpp"
-#include "sim/insertion.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {

@@ -1,8 +1,9 @@
 #include <capture/episode.hpp>
 #include <controller/trial.hpp>
+#include <insertion/scene_scaling.hpp>
 #include <iostream>
 #include <learn/fit_law.hpp>
-#include <sim/scene.hpp>
+#include <sim/scene/draw.hpp>
 
 int main(int, char** arguments) {
   using namespace ferrule;

@@ -1,5 +1,5 @@
 // The real hidapi against the firmware model, through libumockdev: a fake /sys and /dev, in which
-// reads, writes and ioctls of /dev/hidrawN are answered by haptic/fake_firmware.hpp. To be run
+// reads, writes and ioctls of /dev/hidrawN are answered by haptic/hid/fake_firmware.hpp. To be run
 // under umockdev-wrapper; elsewhere it says so and ends with 77 (skipped).
 #include <gtest/gtest.h>
 #include <linux/hidraw.h>
@@ -22,10 +22,10 @@
 #include <mutex>
 #include <thread>
 
-#include "haptic/device_list.hpp"
-#include "haptic/fake_firmware.hpp"
-#include "haptic/force_stick.hpp"
-#include "haptic/space_mouse.hpp"
+#include "haptic/hid/device_list.hpp"
+#include "haptic/hid/fake_firmware.hpp"
+#include "haptic/hid/force_stick.hpp"
+#include "haptic/hid/space_mouse.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace ferrule {

@@ -1,0 +1,128 @@
+#include "insertion/hand_device.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "haptic/hid/force_stick.hpp"
+#include "haptic/hid/space_mouse.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "sim/minimum_jerk.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kTiltRate = 1e-3;           // [rad/s]; assumed
+constexpr double kRest = 0.3, kAfter = 0.5;  // of the fake hand, before and after [s]
+constexpr double kBriskness = 0.7;           // its peak speed, of the device's full speed
+constexpr double kCorrection = 0.1;          // time constant of what it corrects by eye [s]
+constexpr double kBeyond = 2e-6;             // past the success depth, at least [m]
+
+// Part of a minimum-jerk motion done at part q of its time, at rest before and after.
+double travelled(double q) {
+  return minimum_jerk(std::clamp(q, 0.0, 1.0));
+}
+
+class FakeHand : public Device {
+ public:
+  FakeHand(FakeModel model, const Scene& scene, const State& start, double gain, double full_force)
+      : firmware_(model),
+        device_(hand_device(fake_kind(model), firmware_, scene, start, gain, full_force)),
+        start_(scene_scaling(scene).motion_to_hand(start.hand)),
+        aligned_(start_),
+        pose_(start_) {
+    const Scaling scaling = scene_scaling(scene);
+    const DeviceRange range = device_range(scene, gain);
+    // In free flight the end follows the hand.
+    aligned_.tail<4>() -= scaling.motion_to_hand(start.tip).tail<4>();
+    const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
+    const double way = scaling.motion * (start.tip[0] + scene.success.depth + beyond);
+    inserted_ = aligned_;
+    inserted_[0] -= way;
+    const double speed = kBriskness * scaling.motion * scene.limits.speed;
+    const HandPose aside = (aligned_ - start_).cwiseAbs();
+    aligning_ =
+        kPeakOfMinimumJerk * std::max(aside.head<3>().maxCoeff() / speed,
+                                      aside.tail<2>().maxCoeff() / (kBriskness * range.tilt_rate));
+    pushing_ = kPeakOfMinimumJerk * way / speed;
+  }
+
+  HandSample read(double t) override {
+    firmware_.deflect(counts(t));
+    firmware_.press(t > kRest + aligning_ + pushing_ + kAfter ? 1 : 0);
+    firmware_.advance(t);
+    const HandSample sample = device_->read(t);
+    pose_ = sample.pose;
+    return sample;
+  }
+  void render(const HandWrench& wrench) override { device_->render(wrench); }
+  const Mapping* mapping() const noexcept override { return device_->mapping(); }
+
+ private:
+  HandPose meant(double t) const {
+    const double a = travelled((t - kRest) / aligning_);
+    const double p = travelled((t - kRest - aligning_) / pushing_);
+    return start_ + a * (aligned_ - start_) + p * (inserted_ - aligned_);
+  }
+
+  // The deflection that the driver's mapping makes into the hand's motion.
+  std::array<int, 6> counts(double t) const {
+    const Mapping& m = *device_->mapping();
+    const bool velocity = m.kind == Mapping::Kind::velocity;
+    constexpr double kStep = 1e-3;  // [s]
+    const HandPose wanted =
+        velocity
+            ? HandPose((meant(t + kStep) - meant(t)) / kStep + (meant(t) - pose_) / kCorrection)
+            // A stick begins half its way back.
+            : HandPose(meant(t) - 0.5 * (start_ + inserted_));
+    std::array<int, 6> counts{};
+    for (std::size_t axis = 0; axis < kRawAxes; ++axis) {
+      const Eigen::Matrix<double, 5, 1> gain = m.gain.col(static_cast<Eigen::Index>(axis));
+      if (gain.isZero() || !(m.limit[axis] > 0)) continue;
+      const double d = std::clamp(gain.dot(wanted) / gain.squaredNorm(), -1.0, 1.0);
+      const double dead = std::abs(d) * m.limit[axis] < 0.5 ? 0 : m.dead_zone;
+      const double size = dead + std::abs(d) * (1 - m.dead_zone);
+      counts[axis] =
+          static_cast<int>(std::lround(m.centre[axis] + std::copysign(size, d) * m.limit[axis]));
+    }
+    return counts;
+  }
+
+  FakeFirmware firmware_;
+  std::unique_ptr<Device> device_;
+  HandPose start_, aligned_, inserted_, pose_;
+  double aligning_ = 0, pushing_ = 0;  // [s]
+};
+
+}  // namespace
+
+DeviceRange device_range(const Scene& scene, double gain) noexcept {
+  return {gain * scene_scaling(scene).motion * scene.limits.speed, gain * kTiltRate,
+          gain * 0.5 * scene.scaling.hand_range};
+}
+
+std::unique_ptr<Device> hand_device(DeviceKind kind, HidTransport& transport, const Scene& scene,
+                                    const State& start, double gain, double full_force) {
+  const HandPose pose = scene_scaling(scene).motion_to_hand(start.hand);
+  const DeviceRange range = device_range(scene, gain);
+  if (kind == DeviceKind::space_mouse)
+    return std::make_unique<SpaceMouse>(transport, range.speed, range.tilt_rate, pose);
+  return std::make_unique<ForceStick>(transport, range.reach, full_force, pose);
+}
+
+std::optional<FakeModel> fake_model(const std::string& name) noexcept {
+  if (name == "fake:spacemouse") return FakeModel::space_mouse_split;
+  if (name == "fake:pid") return FakeModel::pid_22;
+  return std::nullopt;
+}
+
+DeviceKind fake_kind(FakeModel model) noexcept {
+  const bool stick = model == FakeModel::pid_18 || model == FakeModel::pid_22;
+  return stick ? DeviceKind::force_stick : DeviceKind::space_mouse;
+}
+
+std::unique_ptr<Device> fake_hand(FakeModel model, const Scene& scene, const State& start,
+                                  double gain, double full_force) {
+  return std::make_unique<FakeHand>(model, scene, start, gain, full_force);
+}
+
+}  // namespace ferrule

@@ -1,0 +1,36 @@
+#include "insertion/simulated_operator.hpp"
+
+#include <algorithm>
+
+#include "insertion/scene_scaling.hpp"
+#include "sim/scene/random.hpp"
+
+namespace ferrule {
+namespace {
+
+// How far past the success depth it means to go, at least: friction and the holder's give take some
+// tenths of a micrometre of it [m].
+constexpr double kBeyond = 2e-6;
+
+constexpr double kPress = 0.6;  // 0.7 uN at the tip with the paper's scaling [N]
+
+}  // namespace
+
+TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept {
+  const Scaling scaling = scene_scaling(scene);
+  const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
+  const double distance = scene.start.distance + scene.success.depth + beyond;
+  return {scaling.motion_to_hand(start.hand), scaling.motion * distance,
+          scaling.motion * scene.limits.speed, kPress, period};
+}
+
+std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
+                                           double period, std::uint64_t seed, std::uint64_t trial) {
+  return std::make_unique<Trainee>(
+      trainee_traits(skill), trainee_task(scene, start, period),
+      [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
+        return random.uniform();
+      });
+}
+
+}  // namespace ferrule

@@ -1,0 +1,56 @@
+#include "insertion/watch.hpp"
+
+#include <array>
+
+namespace ferrule {
+namespace {
+
+constexpr std::array<const char*, kOutcomes> kNames = {
+    "inserted", "force_limit",    "jam",           "missed",      "timeout",    "buckled",
+    "broken",   "invalid_output", "stopped_short", "interrupted", "infeasible", "gave_up"};
+
+}  // namespace
+
+const char* name(Outcome outcome) noexcept {
+  return kNames[static_cast<std::size_t>(outcome)];
+}
+
+Outcome outcome_from_name(const std::string& text) {
+  for (int i = 0; i < kOutcomes; ++i)
+    if (text == kNames[static_cast<std::size_t>(i)]) return static_cast<Outcome>(i);
+  throw BadInput("\"" + text + "\" is not an outcome");
+}
+
+InsertionWatch::InsertionWatch(const Scene& scene, const State& start) noexcept
+    : scene_(scene), before_(start) {}
+
+std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept {
+  const State& now = result.state;
+  const Breakdown& f = result.forces;
+  const double force = holder_force(scene_.world, f).norm();
+  summary_.time = now.time;
+  summary_.peak_force = std::max(summary_.peak_force, force);
+  const Vector3d move = (now.tip - before_.tip).head<3>();
+  for (const PointForce& friction : f.friction)
+    summary_.friction_work += std::max(0.0, -friction.force.dot(move));
+  summary_.peak_stress =
+      std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.hand));
+  summary_.depth = now.inserted_length();
+  summary_.offset = now.tip.segment<2>(1).norm();
+  summary_.tilt = now.tip.tail<2>().norm();
+  before_ = now;
+
+  if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
+  if (force > scene_.limits.force) {
+    if (now.contact[kEnd].closed && now.side == EdgeSide::face) return Outcome::missed;
+    if (now.contact[kEnd].closed && now.contact[kSide].closed) return Outcome::jam;
+    return Outcome::force_limit;
+  }
+  if (f.holder[0] > scene_.world.holder.euler_load) return Outcome::buckled;
+  if (summary_.peak_stress > scene_.limits.proof_stress) return Outcome::broken;
+  if (summary_.depth >= scene_.success.depth) return Outcome::inserted;
+  if (now.time >= scene_.limits.time) return Outcome::timeout;
+  return std::nullopt;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,59 @@
+// How an insertion goes and ends: its outcome, and the watch that tells it.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/breakdown.hpp"
+#include "sim/scene/scene.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+
+enum class Outcome {
+  inserted,        // the inserted length reached the scene's success depth
+  force_limit,     // the force at the holder exceeded the limit, on the way in
+  jam,             // the same, wedged in the bore: touching with end and side at once
+  missed,          // the same, with the end on the front face
+  timeout,         // time ran out
+  buckled,         // the axial load exceeded Euler's load of the free length (clamped-free)
+  broken,          // the bending stress exceeded the scene's proof stress
+  invalid_output,  // the controller or operator commanded something that is not a finite number
+  stopped_short,   // the operator finished before the success depth
+  interrupted,     // the operator or user stopped it
+  infeasible,      // the drawn fibre does not fit into the drawn bore: no failure of anybody
+  gave_up,         // the supervisor of the controller saw no way on
+};
+inline constexpr int kOutcomes = 12;
+const char* name(Outcome outcome) noexcept;
+// Throws BadInput if there is no such outcome.
+Outcome outcome_from_name(const std::string& name);
+
+struct InsertionSummary {
+  double time = 0;           // [s]
+  double peak_force = 0;     // largest force at the holder, weight apart [N]
+  double peak_stress = 0;    // largest bending stress of the free length [Pa]
+  double friction_work = 0;  // work done against friction [J], >= 0
+  double depth = 0;          // inserted length [m]
+  double offset = 0;         // distance of the end's centre from the bore's axis [m]
+  double tilt = 0;           // angle of the end to it [rad]
+};
+
+// Watches an insertion step by step.
+class InsertionWatch {
+ public:
+  InsertionWatch(const Scene& scene, const State& start) noexcept;
+
+  // After each step. Empty while the insertion goes on; `inserted` once deep enough, and the
+  // failures of the fibre (force_limit, jam, missed, buckled) and of time.
+  std::optional<Outcome> after(const StepResult& result) noexcept;
+
+  const InsertionSummary& summary() const noexcept { return summary_; }
+
+ private:
+  const Scene& scene_;
+  State before_;
+  InsertionSummary summary_;
+};
+
+}  // namespace ferrule

@@ -1,0 +1,35 @@
+#include "sim/scene/draw.hpp"
+
+#include "sim/scene/random.hpp"
+
+namespace ferrule {
+
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
+                                        std::uint64_t trial) {
+  if (!scene.tolerance) return {std::shared_ptr<const Scene>(), &scene};
+  RandomStream random(seed, trial, Draw::parts);
+  const Tolerance& t = *scene.tolerance;
+  double deviation = random.normal();
+  while (std::abs(deviation) > 3) deviation = random.normal();
+  const double fibre = 2 * scene.world.annulus.fibre_radius + t.fibre_sd * deviation;
+  const double bore = t.bore_low + (t.bore_high - t.bore_low) * random.uniform();
+  if (fibre >= bore) return nullptr;
+  Json document = scene.document;
+  document.erase("tolerance");
+  document["fibre"]["diameter_um"] = 1e6 * fibre;
+  document["ferrule"]["bore_diameter_um"] = 1e6 * bore;
+  return std::make_shared<const Scene>(parse_scene(document, scene.name));
+}
+
+State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
+  RandomStream random(seed, trial, Draw::start);
+  Pose tip;
+  tip[0] = scene.start.distance;
+  tip[1] = scene.start.lateral_mean.x() + scene.start.lateral_sd * random.normal();
+  tip[2] = scene.start.lateral_mean.y() + scene.start.lateral_sd * random.normal();
+  tip[3] = scene.start.tilt_sd * random.normal();
+  tip[4] = scene.start.tilt_sd * random.normal();
+  return at_rest(scene.world, tip);
+}
+
+}  // namespace ferrule

@@ -1,0 +1,20 @@
+// What chance decides about a trial: its pair of parts, and where its fibre starts.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+
+#include "sim/scene/scene.hpp"
+
+namespace ferrule {
+
+// The scene of trial `trial` under `seed`: `scene` itself, or where its parts are toleranced one
+// with the diameters of a pair that was drawn; null where that pair interferes. It must not outlive
+// `scene`. Throws BadInput if the scene cannot be with these diameters.
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
+                                        std::uint64_t trial);
+
+// Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says.
+State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
+
+}  // namespace ferrule

@@ -1,0 +1,230 @@
+#include "sim/scene/json_fields.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+namespace ferrule {
+namespace {
+
+constexpr int kDeepest = 32;  // levels of a JSON document; what prints one needs stack for each
+
+// The text of a value in a message: one line, cut where it is long.
+std::string shown(const Json& value) {
+  std::string text = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  if (text.size() > 60) text = text.substr(0, 57) + "...";
+  return text;
+}
+
+}  // namespace
+
+namespace rule {
+Rule any() {
+  return {-INFINITY, INFINITY, true, true, "must be a finite number"};
+}
+Rule positive() {
+  return {0, INFINITY, true, true, "must be positive"};
+}
+Rule not_negative() {
+  return {0, INFINITY, false, true, "must not be negative"};
+}
+Rule between(double low, double high, std::string text) {
+  return {low, high, false, false, std::move(text)};
+}
+}  // namespace rule
+
+Json parse_json(const std::string& text, const std::string& file) {
+  std::vector<std::set<std::string>> open;  // keys of the objects that are being read
+  std::string twice;
+  const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
+    if (depth > kDeepest) throw BadInput(file + ": nested deeper than any document read here");
+    if (event == Json::parse_event_t::object_start) open.emplace_back();
+    if (event == Json::parse_event_t::object_end) open.pop_back();
+    if (event == Json::parse_event_t::key && !open.back().insert(value).second)
+      twice = shown(value);
+    return true;
+  };
+  try {
+    Json json = Json::parse(text, watch);
+    if (!twice.empty()) throw BadInput(file + ": the key " + twice + " is there twice");
+    return json;
+  } catch (const Json::exception& error) {
+    std::string reason =
+        error.what();  // "[json.exception...] parse error at line 3, column 7: ..."
+    if (const auto bracket = reason.find("] "); bracket != std::string::npos)
+      reason = reason.substr(bracket + 2);
+    for (char& c : reason)
+      if (c == '\n') c = ' ';
+    throw BadInput(file + ": not valid JSON: " + reason);
+  }
+}
+
+std::string read_text(const std::string& file) {
+  if (std::filesystem::is_directory(file)) throw FileTrouble(file + ": is a directory");
+  if (std::filesystem::is_character_file(file))  // some never end
+    throw FileTrouble(file + ": is a device, not a file");
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw FileTrouble(file + ": cannot be read: " + std::strerror(errno));
+  std::ostringstream text;
+  text << in.rdbuf();
+  if (in.bad()) throw FileTrouble(file + ": cannot be read");
+  return text.str();
+}
+
+namespace {
+
+[[noreturn]] void cannot_write(const std::string& file, int error) {
+  throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
+}
+
+}  // namespace
+
+int write_all(int fd, const char* bytes, std::size_t size) {
+  while (size > 0) {
+    const ssize_t n = ::write(fd, bytes, size);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return errno;
+    bytes += n;
+    size -= static_cast<std::size_t>(n);
+  }
+  return 0;
+}
+
+Json number_or_null(double x) {
+  return std::isfinite(x) ? Json(x) : Json(nullptr);
+}
+
+void write_text(const std::string& name, const std::string& text, bool replace) {
+  namespace fs = std::filesystem;
+  std::error_code ignored;
+  std::string file = name;
+  const fs::file_status there = fs::status(name, ignored);
+  if (fs::is_directory(there)) throw FileTrouble(name + ": is a directory");
+  if (fs::exists(there) && !fs::is_regular_file(there)) {  // a device or a pipe
+    const int fd = ::open(name.c_str(), O_WRONLY | O_CLOEXEC);
+    if (fd < 0) cannot_write(name, errno);
+    const int error = write_all(fd, text.data(), text.size());
+    ::close(fd);
+    if (error) cannot_write(name, error);
+    return;
+  }
+  if (fs::is_symlink(fs::symlink_status(name, ignored)) && fs::exists(there))
+    file = fs::canonical(name).string();
+
+  std::string beside = file + ".XXXXXX.tmp";
+  const int fd = ::mkstemps(beside.data(), 4);
+  if (fd < 0) cannot_write(name, errno);
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  ::fchmod(fd, 0666 & ~mask);
+  int error = write_all(fd, text.data(), text.size());
+  if (!error && ::fsync(fd) != 0 && errno != EINVAL && errno != EROFS) error = errno;
+  if (::close(fd) != 0 && !error) error = errno;
+  if (!error && replace && ::rename(beside.c_str(), file.c_str()) != 0) error = errno;
+  // A link is only made where there is no file yet.
+  if (!error && !replace && ::link(beside.c_str(), file.c_str()) != 0) error = errno;
+  if (error || !replace) ::unlink(beside.c_str());
+  if (error) cannot_write(name, error);
+}
+
+JsonFields::JsonFields(const Json& object, std::string file, std::string path)
+    : object_(object), file_(std::move(file)), path_(std::move(path)) {
+  if (!object_.is_object())
+    throw BadInput(file_ + ": " + (path_.empty() ? "the document" : path_) + " = " +
+                   shown(object_) + ": must be an object {...}");
+}
+
+void JsonFields::refuse(const std::string& key, const std::string& rule) const {
+  const auto found = object_.find(key);
+  const std::string place = path_.empty() ? key : path_ + "." + key;
+  throw BadInput(file_ + ": " + place +
+                 (found == object_.end() ? " is missing: " : " = " + shown(*found) + ": ") + rule);
+}
+
+const Json& JsonFields::get(const std::string& key, const std::string& expected) {
+  known_.insert(key);
+  const auto found = object_.find(key);
+  if (found == object_.end()) refuse(key, expected);
+  return *found;
+}
+
+double JsonFields::number(const std::string& key, const Rule& rule) {
+  const std::string expected = rule.text;
+  const Json& value = get(key, "a number that " + expected);
+  if (!value.is_number()) refuse(key, "must be a number");
+  const double x = value.get<double>();
+  const bool low_ok = rule.low_open ? x > rule.low : x >= rule.low;
+  const bool high_ok = rule.high_open ? x < rule.high : x <= rule.high;
+  if (!(low_ok && high_ok)) refuse(key, expected);
+  return x;
+}
+
+std::int64_t JsonFields::integer(const std::string& key, std::int64_t low, std::int64_t high) {
+  const std::string expected =
+      "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high);
+  const Json& value = get(key, expected);
+  if (value.is_number_unsigned() && value.get<std::uint64_t>() > INT64_MAX) refuse(key, expected);
+  if (!value.is_number_integer() || value.get<std::int64_t>() < low ||
+      value.get<std::int64_t>() > high)
+    refuse(key, expected);
+  return value.get<std::int64_t>();
+}
+
+Eigen::Vector2d JsonFields::pair(const std::string& key) {
+  const Json& value = get(key, "two numbers [a, b]");
+  if (!value.is_array() || value.size() != 2 || !value[0].is_number() || !value[1].is_number())
+    refuse(key, "must be two numbers [a, b]");
+  return {value[0].get<double>(), value[1].get<double>()};
+}
+
+std::string JsonFields::text(const std::string& key) {
+  const Json& value = get(key, "a text");
+  if (!value.is_string()) refuse(key, "must be a text");
+  return value.get<std::string>();
+}
+
+std::size_t JsonFields::choice(const std::string& key, const std::vector<std::string>& choices) {
+  std::string rule = "must be one of";
+  for (const auto& each : choices) rule += " \"" + each + "\"";
+  const Json& value = get(key, rule);
+  for (std::size_t i = 0; i < choices.size(); ++i)
+    if (value == choices[i]) return i;
+  refuse(key, rule);
+}
+
+JsonFields JsonFields::object(const std::string& key) {
+  return {get(key, "an object {...}"), file_, path_.empty() ? key : path_ + "." + key};
+}
+
+const Json& JsonFields::raw(const std::string& key) {
+  return get(key, "a value");
+}
+
+bool JsonFields::present(const std::string& key) {
+  known_.insert(key);
+  return object_.contains(key);
+}
+
+bool JsonFields::has(const std::string& key) {
+  known_.insert(key);
+  const auto found = object_.find(key);
+  return found != object_.end() && !found->is_null();
+}
+
+void JsonFields::finish() const {
+  for (const auto& [key, value] : object_.items())
+    if (!known_.count(key)) {
+      std::string rule = "unknown key; known here:";
+      for (const auto& known : known_) rule += " " + known;
+      refuse(key, rule);
+    }
+}
+
+}  // namespace ferrule

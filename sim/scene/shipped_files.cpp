@@ -1,0 +1,46 @@
+#include "sim/scene/shipped_files.hpp"
+
+#include <algorithm>
+#include <filesystem>
+
+#include "sim/scene/json_fields.hpp"
+
+namespace ferrule {
+
+namespace fs = std::filesystem;
+
+std::string ShippedFiles::place() const {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (!error) {
+    const fs::path installed = program.parent_path().parent_path() / "share/ferrule" / folder;
+    if (fs::is_directory(installed)) return installed.string();
+  }
+  return std::string(FERRULE_DATA) + "/" + folder;
+}
+
+std::string ShippedFiles::find(const std::string& name_or_file) const {
+  const bool bare = name_or_file.find('/') == std::string::npos &&
+                    name_or_file.find(".json") == std::string::npos;
+  if (!bare || fs::is_regular_file(name_or_file)) return name_or_file;
+  const std::string shipped = place() + "/" + name_or_file + ".json";
+  if (fs::exists(shipped)) return shipped;
+  std::string message =
+      name_or_file + ": no such " + file + ", and no shipped " + one + " of that name:";
+  for (const auto& name : names()) message += " " + name;
+  throw FileTrouble(message);
+}
+
+std::vector<std::string> ShippedFiles::names() const {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(place(), error)) {
+    const fs::path& path = entry.path();
+    if (path.extension() == ".json" && path.stem().extension() != ".schema")
+      names.push_back(path.stem().string());
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,159 @@
+#include "capture/recorder.hpp"
+
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <fstream>
+
+#include "capture/replay.hpp"
+#include "sim/scene/draw.hpp"
+#include "tests/compare.hpp"
+#include "tests/episodes.hpp"
+#include "tests/scenes.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+Scene quick() {
+  return testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"});
+}
+
+TEST(Episode, IsReadBackBitForBit) {
+  const testing::TemporaryFolder folder;
+  const std::string file = testing::record(quick(), folder.path(), 1);
+  const Episode episode = read_episode(file);
+  EXPECT_EQ(episode.info.outcome, Outcome::inserted);
+  const std::string copy = folder / "copy.h5";
+  write_episode(copy, episode);
+  EXPECT_EQ(read_episode(copy).rows, episode.rows);
+  EXPECT_FALSE(fs::exists(folder / "episode_0001.part"));
+}
+
+TEST(Replay, VerifiesARecordedEpisodeAndFindsAChangedBit) {
+  const testing::TemporaryFolder folder;
+  Episode episode = read_episode(testing::record(quick(), folder.path(), 1));
+  EXPECT_FALSE(verify(episode).has_value());
+  for (const Block& b : kBlocks) {
+    Episode changed = episode;
+    double& x = changed.rows(300, b.begin);
+    x = std::nextafter(x, 1e9);
+    const auto d = verify(changed);
+    ASSERT_TRUE(d.has_value()) << b.name;
+    EXPECT_NEAR(static_cast<double>(d->row), 300, 1) << b.name;
+  }
+}
+
+TEST(Replay, FindsAChangedOutcomeAndMissingRows) {
+  const testing::TemporaryFolder folder;
+  Episode episode = read_episode(testing::record(quick(), folder.path(), 1));
+  Episode other = episode;
+  other.info.outcome = Outcome::jam;
+  ASSERT_TRUE(verify(other).has_value());
+  EXPECT_EQ(verify(other)->column, "outcome");
+  other = episode;
+  other.info.trial += 1;
+  ASSERT_TRUE(verify(other).has_value());
+  EXPECT_EQ(verify(other)->row, 0u);
+}
+
+TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = quick();
+  for (const std::size_t killed_at : {150u, 777u, 1500u}) {
+    const pid_t child = ::fork();
+    if (child == 0) {
+      const State start = draw_start(scene, 1, 1);
+      auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+      Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
+      std::size_t n = 0;
+      run_episode(
+          scene, start, *device, {}, 1e-3,
+          [&](const RowVector& row) {
+            recorder.add(row);
+            if (++n == killed_at) ::kill(::getpid(), SIGKILL);
+          },
+          [] { return false; });
+      ::_exit(0);
+    }
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    ASSERT_TRUE(WIFSIGNALED(status));
+    EXPECT_TRUE(episode_files(folder.path()).empty());
+    const auto recovered = recover(folder.path());
+    ASSERT_EQ(recovered.size(), 1u);
+    EXPECT_EQ(recovered[0].rows, killed_at - killed_at % 100);
+    const Episode episode = read_episode(recovered[0].file);
+    EXPECT_EQ(episode.info.outcome, Outcome::interrupted);
+    EXPECT_FALSE(verify(episode).has_value());
+    fs::remove(recovered[0].file);
+  }
+}
+
+TEST(Recover, TakesWhatIsWholeOfATornJournal) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = quick();
+  {
+    const State start = draw_start(scene, 1, 1);
+    auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+    Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
+    std::size_t n = 0;
+    run_episode(
+        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { recorder.add(row), ++n; },
+        [&] { return n == 500; });
+  }  // left without finish
+  const std::string journal = folder / "episode_0001.part";
+  fs::resize_file(journal, fs::file_size(journal) - 1000);
+  const auto recovered = recover(folder.path());
+  ASSERT_EQ(recovered.size(), 1u);
+  EXPECT_EQ(recovered[0].rows, 498u);
+  EXPECT_FALSE(fs::exists(journal));
+}
+
+TEST(Recover, LeavesAJournalAloneThatIsBeingWritten) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = quick();
+  Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
+  const pid_t child = ::fork();  // locks belong to processes
+  if (child == 0) {
+    const auto recovered = recover(folder.path());
+    ::_exit(recovered.size() == 1 && recovered[0].file.empty() ? 0 : 1);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(fs::exists(folder / "episode_0001.part"));
+}
+
+TEST(Recover, SaysWhatIsWrongWithGarbage) {
+  const testing::TemporaryFolder folder;
+  std::ofstream(folder / "episode_0001.part") << "garbage\nmore";
+  std::ofstream(folder / "episode_0002.part") << "{\"format\":\"ferrule journal\"}\n";
+  std::ofstream(folder / "episode_0003.part") << "";
+  for (const auto& r : recover(folder.path())) {
+    EXPECT_TRUE(r.file.empty());
+    EXPECT_FALSE(r.remark.empty());
+  }
+  EXPECT_TRUE(episode_files(folder.path()).empty());
+}
+
+TEST(Episode, DamagedFilesAreRefusedNotRead) {
+  const testing::TemporaryFolder folder;
+  const std::string file = testing::record(quick(), folder.path(), 1);
+  const auto size = fs::file_size(file);
+  for (const auto part : {0.0, 0.1, 0.5, 0.9}) {
+    const std::string torn = folder / "torn.h5";
+    fs::copy_file(file, torn, fs::copy_options::overwrite_existing);
+    fs::resize_file(torn, static_cast<std::uintmax_t>(part * static_cast<double>(size)));
+    EXPECT_THROW(read_episode(torn), FileTrouble) << part;
+  }
+  std::ofstream(folder / "text.h5") << "hello";
+  EXPECT_THROW(read_episode(folder / "text.h5"), FileTrouble);
+  EXPECT_THROW(read_episode(folder / "none.h5"), FileTrouble);
+}
+
+}  // namespace
+}  // namespace ferrule

@@ -1,0 +1,189 @@
+#include "capture/score.hpp"
+
+#include "controller/statistics.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/scene/random.hpp"
+#include "tests/compare.hpp"
+#include "tests/episodes.hpp"
+#include "tests/scenes.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+Eigen::VectorXd profile(double duration, double period, const std::function<double(double)>& at) {
+  Eigen::VectorXd v(std::lround(duration / period));
+  for (Eigen::Index n = 0; n < v.size(); ++n) v[n] = at(static_cast<double>(n) * period);
+  return v;
+}
+
+Eigen::VectorXd minimum_jerk(double duration, double period = 1e-3) {
+  return profile(duration, period, [&](double t) {
+    const double q = t / duration;
+    return q * q * (1 - q) * (1 - q);
+  });
+}
+
+// Their spectra are known: V = exp(-2 pi^2 s^2 f^2), and the Fourier integral of 30 q^2 (1 - q)^2
+// by Gauss-Legendre quadrature with 200 nodes. The lengths are those of these curves up to V =
+// 0.05, as polygons of 2e6 and 3e4 points (numpy). Zeros after the motion make the program's bins
+// as fine.
+TEST(Smoothness, OfAGaussianAndOfMinimumJerkIsThatOfTheirSpectra) {
+  const auto long_after = [](const Eigen::VectorXd& v) {
+    Eigen::VectorXd with_zeros = Eigen::VectorXd::Zero(30000);
+    with_zeros.head(v.size()) = v;
+    return with_zeros;
+  };
+  const Eigen::VectorXd gauss =
+      profile(2, 1e-3, [](double t) { return std::exp(-0.5 * std::pow((t - 1) / 0.1, 2)); });
+  EXPECT_CLOSE(spectral_arc_length(long_after(gauss), 1e-3), -1.41645829, 5e-4);
+  EXPECT_CLOSE(spectral_arc_length(long_after(minimum_jerk(1)), 1e-3), -1.40816574, 5e-4);
+}
+
+TEST(Smoothness, DependsNeitherOnAmplitudeNorOnDuration) {
+  const double one = spectral_arc_length(minimum_jerk(1), 1e-3);
+  EXPECT_CLOSE(spectral_arc_length(1e-6 * minimum_jerk(1), 1e-3), one, 1e-12);
+  EXPECT_CLOSE(spectral_arc_length(1e6 * minimum_jerk(1), 1e-3), one, 1e-12);
+  for (const double duration : {0.7, 2.0, 5.0, 13.0})
+    EXPECT_CLOSE(spectral_arc_length(minimum_jerk(duration), 1e-3), one, 5e-3);
+  EXPECT_CLOSE(spectral_arc_length(minimum_jerk(1, 2e-4), 2e-4), one, 5e-3);
+}
+
+TEST(Smoothness, IsWorseWithTremorAndWithPauses) {
+  const double smooth = spectral_arc_length(minimum_jerk(5), 1e-3);
+  double before = smooth;
+  for (const double tremor : {0.01, 0.02, 0.04}) {  // of 11 Hz, beyond 10 Hz
+    Eigen::VectorXd v = minimum_jerk(5);
+    for (Eigen::Index n = 0; n < v.size(); ++n)
+      v[n] += tremor * std::sin(2 * M_PI * 11e-3 * static_cast<double>(n));
+    const double now = spectral_arc_length(v, 1e-3);
+    EXPECT_LT(now, before - 0.1);
+    before = now;
+  }
+  Eigen::VectorXd paused(11000);
+  paused << minimum_jerk(5), Eigen::VectorXd::Zero(1000), minimum_jerk(5);
+  EXPECT_LT(spectral_arc_length(paused, 1e-3), smooth - 0.3);
+  EXPECT_EQ(spectral_arc_length(Eigen::VectorXd::Zero(100), 1e-3), 0);
+}
+
+TEST(Movements, CountWhatBeginsAndEndsBeyondTheDeadBand) {
+  const auto pieces = [](std::vector<std::pair<double, double>> list) {  // velocity, duration
+    std::vector<double> v;
+    for (const auto& [velocity, duration] : list)
+      v.insert(v.end(), static_cast<std::size_t>(std::lround(duration / 1e-3)), velocity);
+    return Eigen::VectorXd(
+        Eigen::Map<Eigen::VectorXd>(v.data(), static_cast<Eigen::Index>(v.size())));
+  };
+  EXPECT_EQ(movements(pieces({{0, 1}, {-1, 2}, {0, 1}}), 1, 1e-3), 1);
+  EXPECT_EQ(movements(pieces({{-1, 1}, {0, 0.5}, {-1, 1}}), 1, 1e-3), 2);
+  EXPECT_EQ(movements(pieces({{-1, 1}, {0.5, 0.5}, {-1, 1}}), 1, 1e-3), 3);
+  EXPECT_EQ(movements(pieces({{-1, 1}, {-0.3, 1}, {-1, 1}}), 1, 1e-3), 1);  // only slower
+  EXPECT_EQ(movements(pieces({{0.15, 3}, {-0.15, 3}}), 1, 1e-3), 0);        // in the dead band
+  // Tremor at rest is no movement, whatever its phase.
+  for (const double f : {8.0, 9.0, 10.0, 11.0, 12.0})
+    EXPECT_EQ(
+        movements(profile(5, 1e-3, [&](double t) { return 0.9 * std::sin(2 * M_PI * f * t); }), 1,
+                  1e-3),
+        0);
+}
+
+// Goes in at 10 um/s for 3 s, from 10 um outside to 20 um inside; in contact from 1 s on, with 2 uN
+// at the holder sideways but for one second of 4 uN, and friction of 0.5 uN against the motion.
+Episode hand_made(const Scene& scene) {
+  Episode episode;
+  episode.info = testing::info_of(scene, 1, 1);
+  episode.info.outcome = Outcome::inserted;
+  episode.rows = Rows::Zero(3001, kRowSize);
+  for (Eigen::Index n = 0; n <= 3000; ++n) {
+    auto row = episode.rows.row(n);
+    const double t = 1e-3 * static_cast<double>(n);
+    const bool touches = n >= 1000;
+    const double force = !touches ? 0 : n < 2000 ? 4e-6 : 2e-6;
+    row[kTime.begin] = row[kStates.begin + 10] = t;
+    row[kStates.begin] = 10e-6 - 10e-6 * t;
+    row[kStates.begin + 13] = touches;
+    row[kCommand.begin] = -10e-6 * scene_scaling(scene).motion;
+    row.segment<kPose>(kHolder.begin) = scene.world.holder.weight.transpose();
+    row[kHolder.begin + 2] += force;
+    row[kForces.begin + 3 * 6] = touches ? 0.5e-6 : 0;
+  }
+  return episode;
+}
+
+TEST(Score, MeasuresOfHandMadeRows) {
+  const Scene scene = testing::paper({"success.depth_um=15"});
+  const Measures m = measure(hand_made(scene), scene);
+  EXPECT_CLOSE(m[Part::time], 2.5, 1e-3);
+  EXPECT_CLOSE(m[Part::peak_force], 4e-6, 1e-9);
+  EXPECT_CLOSE(m[Part::mean_force], 3e-6, 1e-3);
+  EXPECT_CLOSE(m[Part::friction_work], 0.5e-6 * 20e-6, 1e-3);
+  EXPECT_CLOSE(m[Part::contact_time], 2.0, 1e-3);
+  EXPECT_EQ(m[Part::corrections], 0);
+  // A box's spectrum, |sin(pi f T)/(pi f T)|, falls below 0.05 in the sixth side lobe.
+  EXPECT_GT(m[Part::smoothness], 2);
+  EXPECT_EQ(m.completion, 1);
+  const Scene deeper = testing::paper({"success.depth_um=40"});
+  EXPECT_CLOSE(measure(hand_made(deeper), deeper).completion, 0.5, 1e-3);
+  EXPECT_CLOSE(measure(hand_made(deeper), deeper)[Part::time], 3, 1e-3);
+}
+
+TEST(Score, IsAgainstTheBestThatSucceeded) {
+  Measures best{{2, 1, 1, 1, 1.5, 0, 1}, Outcome::inserted, 1};
+  Measures twice{{4, 2, 2, 2, 3, 1, 2}, Outcome::inserted, 1};
+  Measures quick_failure{{1, 0.5, 0.5, 0.5, 1, 0, 0.5}, Outcome::jam, 0.8};
+  const auto s = score({twice, best, quick_failure});
+  EXPECT_CLOSE(s[1].total, 100, 1e-14);
+  EXPECT_CLOSE(s[0].total, 50, 1e-14);
+  EXPECT_CLOSE(s[2].total, 40, 1e-14);  // all parts 1, half of what got in
+  for (const double part : s[0].parts) EXPECT_CLOSE(part, 0.5, 1e-14);
+  EXPECT_TRUE(std::isnan(score({quick_failure})[0].total));
+  // No correction at all is not infinitely better than one.
+  twice.parts = best.parts;
+  twice.parts[static_cast<std::size_t>(Part::corrections)] = 1;
+  EXPECT_CLOSE(score({twice, best})[0].total, 100 * 6.5 / 7, 1e-14);
+}
+
+TEST(Score, SkilledTraineesScoreBetter) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = load_scene("demo", {"start.distance_um=30", "success.depth_um=20"});
+  std::vector<Measures> all;
+  const std::uint64_t each = 6;
+  for (std::uint64_t trial = 1; trial <= 3 * each; ++trial) {
+    const double skill = trial <= each ? 0.1 : trial <= 2 * each ? 0.5 : 0.95;
+    const Episode episode =
+        read_episode(testing::record(scene, folder.path(), trial, nullptr, skill));
+    all.push_back(measure(episode, scene));
+  }
+  const auto scores = score(all);
+  std::array<double, 3> median;
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::vector<double> totals;
+    for (std::size_t k = i * each; k < (i + 1) * each; ++k) totals.push_back(scores[k].total);
+    median[i] = quantile(totals, 0.5);
+  }
+  EXPECT_GT(median[1], median[0]);
+  EXPECT_GT(median[2], median[1]);
+}
+
+// What a row cannot tell apart makes no difference to what InsertionWatch saw while it was
+// recorded.
+TEST(Score, AgreesWithTheWatchThatSawTheInsertion) {
+  const Scene scene = testing::paper({"start.distance_um=10", "success.depth_um=8"});
+  const State start = draw_start(scene, 1, 3);
+  const auto device = simulated_operator(scene, start, 0.7, 1e-3, 1, 3);
+  std::vector<RowVector> rows;
+  const EpisodeEnd end = run_episode(
+      scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
+      [] { return false; });
+  Episode episode{testing::info_of(scene, 1, 3), Rows(rows.size(), kRowSize), {}};
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
+  const Measures m = measure(episode, scene);
+  EXPECT_CLOSE(m[Part::peak_force], end.summary.peak_force, 1e-12);
+  EXPECT_CLOSE(m[Part::friction_work], end.summary.friction_work, 1e-2);
+  EXPECT_LE(m[Part::friction_work], end.summary.friction_work * (1 + 1e-12));
+}
+
+}  // namespace
+}  // namespace ferrule

@@ -1,0 +1,157 @@
+#include "learn/identify.hpp"
+
+#include "sim/scene/draw.hpp"
+#include "sim/scene/random.hpp"
+#include "tests/compare.hpp"
+#include "tests/episodes.hpp"
+#include "tests/scenes.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr const char* kFriction = "laws.friction.burgers_nm";
+constexpr const char* kAdhesion = "laws.adhesion.work_of_adhesion_J_m2";
+constexpr const char* kBore = "ferrule.bore_diameter_um";
+
+Scene scene_with(std::vector<std::string> settings) {
+  for (const char* quick : {"start.distance_um=6", "success.depth_um=6", "limits.speed_um_s=20"})
+    settings.emplace_back(quick);
+  return testing::paper(settings);
+}
+
+// Simulated operators in `scene`; every force at the holder carries noise [N] of a sensor.
+std::vector<Recording> recordings(const Scene& scene, double noise, std::uint64_t seed,
+                                  std::uint64_t episodes = 4) {
+  std::vector<Recording> all;
+  for (std::uint64_t trial = 1; trial <= episodes; ++trial) {
+    const State start = draw_start(scene, seed, trial);
+    const auto device = simulated_operator(scene, start, 0.8, 1e-3, seed, trial);
+    std::vector<RowVector> rows;
+    run_episode(
+        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
+        [] { return false; });
+    Episode episode{testing::info_of(scene, seed, trial), {}, {}};
+    episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
+    for (std::size_t n = 0; n < rows.size(); ++n)
+      episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
+    all.push_back(recording(episode, "episode " + std::to_string(trial)));
+    RandomStream random(seed, trial, Draw::split);
+    for (Eigen::Index n = 0; n < all.back().wrench.rows(); ++n)
+      for (int axis = 0; axis < 3; ++axis) all.back().wrench(n, axis) += noise * random.normal();
+  }
+  return all;
+}
+
+TEST(Identify, ReplaysARecordingInItsOwnSceneExactly) {
+  const Scene scene = scene_with({});
+  const Identification i = identify(recordings(scene, 0, 1), scene, {"ferrule.length_mm"}, 1);
+  EXPECT_LT(i.residual_start, 1e-15);
+  EXPECT_GT(i.rows, 300u);
+}
+
+TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
+  const auto data = recordings(
+      scene_with({"laws.friction.burgers_nm=0.6", "laws.adhesion.work_of_adhesion_J_m2=0.2"}), 0,
+      1);
+  const Identification i = identify(data, scene_with({}), {kFriction, kAdhesion}, 1);
+  EXPECT_CLOSE(i.parameters[0].value, 0.6, 1e-4);
+  EXPECT_CLOSE(i.parameters[1].value, 0.2, 1e-3);
+  EXPECT_LT(i.residual, 0.01 * i.residual_start);
+}
+
+// From another scene, for pairs of parameters and several seeds, with a sensor's noise of 20 nN.
+TEST(Identify, IntervalsHoldTheParametersOfNoisyRecordings) {
+  int inside = 0, all = 0;
+  for (std::uint64_t seed = 1; seed <= 2; ++seed) {
+    const auto data = recordings(scene_with({}), 2e-8, seed);
+    for (const auto& [start, keys] :
+         {std::pair{scene_with({"laws.friction.burgers_nm=0.8", "ferrule.bore_diameter_um=126.4"}),
+                    std::vector<std::string>{kFriction, kBore}},
+          {scene_with({"laws.friction.burgers_nm=0.3", "laws.adhesion.work_of_adhesion_J_m2=0.3"}),
+           {kFriction, kAdhesion}}}) {
+      for (const IdentifiedParameter& p : identify(data, start, keys, seed).parameters) {
+        const double truth = p.key == kFriction ? 0.48 : p.key == kBore ? 126 : 0.144;
+        ASSERT_EQ(p.told, Told::fitted) << p.key;
+        EXPECT_LE(std::abs(p.value - truth), 2 * (p.high - p.low)) << p.key << " " << p.value;
+        // The clearance is 1 um.
+        EXPECT_LT(p.high - p.low, p.key == kBore ? 0.1 : 4 * truth) << p.key;
+        inside += p.low <= truth && truth <= p.high;
+        ++all;
+      }
+    }
+  }
+  EXPECT_GE(inside, all - 2) << "of " << all;
+}
+
+TEST(Identify, WhatTheRecordingsTellNothingAboutIsOpen) {
+  const auto data = recordings(scene_with({}), 1e-8, 1);
+  const Identification i = identify(data, scene_with({"laws.friction.burgers_nm=0.7"}),
+                                    {"ferrule.length_mm", kFriction, "limits.time_s"}, 1);
+  for (const std::size_t k : {0u, 2u}) {
+    EXPECT_EQ(i.parameters[k].told, Told::open);
+    for (const double x : {i.parameters[k].value, i.parameters[k].low, i.parameters[k].high})
+      EXPECT_TRUE(std::isnan(x));
+  }
+  EXPECT_EQ(i.parameters[1].told, Told::fitted);
+  EXPECT_LE(i.parameters[1].low, 0.48);
+  EXPECT_GE(i.parameters[1].high, 0.48);
+}
+
+// A meniscus pulls with its tension times the cosine of the contact angle: either can stand for the
+// other.
+TEST(Identify, ParametersThatStandForEachOtherAreOpen) {
+  const auto liquid = [](double tension) {
+    const Json law = {
+        {"form", "corrected"}, {"surface_tension_N_m", tension}, {"contact_angle_deg", 40}};
+    return scene_with({"laws.meniscus=" + law.dump()});
+  };
+  const auto data = recordings(liquid(0.01), 1e-8, 1);
+  const Identification i =
+      identify(data, liquid(0.012),
+               {"laws.meniscus.surface_tension_N_m", "laws.meniscus.contact_angle_deg"}, 1);
+  EXPECT_EQ(i.parameters[0].told, Told::open);
+  EXPECT_EQ(i.parameters[1].told, Told::open);
+}
+
+// The clearance tells much of the difference of two diameters, and little of either.
+TEST(Identify, ParametersThatAlmostStandForEachOtherAreOpen) {
+  const auto data = recordings(scene_with({}), 1e-8, 1);
+  const Identification i = identify(data, scene_with({"ferrule.bore_diameter_um=126.2"}),
+                                    {"fibre.diameter_um", kBore}, 1);
+  EXPECT_GT(std::abs(i.correlation(0, 1)), 0.99);
+  EXPECT_EQ(i.parameters[0].told, Told::open);
+  EXPECT_EQ(i.parameters[1].told, Told::open);
+}
+
+TEST(Identify, AParameterBeyondItsBoundIsSaidToBeThere) {
+  const auto data = recordings(scene_with({}), 1e-8, 1);
+  const IdentifiedParameter p =
+      identify(data, scene_with({"laws.friction.burgers_nm=0.02"}), {kFriction}, 1).parameters[0];
+  EXPECT_EQ(p.told, Told::at_bound);
+  EXPECT_CLOSE(p.highest, 0.2, 1e-9);
+  EXPECT_TRUE(std::isnan(p.high));
+}
+
+TEST(Identify, RefusesWhatItCannotVary) {
+  const Scene scene = scene_with({"quadrature=3"});
+  const auto data = recordings(scene, 0, 1);
+  const auto complaint = [&](const std::vector<Recording>& some, std::vector<std::string> keys) {
+    try {
+      identify(some, scene, keys, 1);
+    } catch (const BadInput& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(complaint({data[0], data[1]}, {kFriction}).find("too few episodes"), std::string::npos);
+  EXPECT_NE(complaint(data, {"laws.friction.b"}).find("laws.friction.b: there is no such number"),
+            std::string::npos);
+  EXPECT_NE(complaint(data, {"laws.friction"}).find("no such number"), std::string::npos);
+  EXPECT_NE(complaint(data, {"laws..friction"}).find("no such number"), std::string::npos);
+  EXPECT_NE(complaint(data, {"laws~"}).find("must be a dotted key"), std::string::npos);
+  EXPECT_NE(complaint(data, {kFriction, kFriction}).find("is there twice"), std::string::npos);
+  EXPECT_NE(complaint(data, {"quadrature"}).find("cannot be varied"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace ferrule

@@ -1,0 +1,145 @@
+#include "sim/potential.hpp"
+
+#include "sim/scene/random.hpp"
+#include "sim/step.hpp"
+#include "tests/compare.hpp"
+#include "tests/scenes.hpp"
+
+namespace ferrule {
+namespace {
+
+// A pose somewhere around the mouth of the bore, in or near contact.
+Pose random_pose(RandomStream& random, const World& world) {
+  const double c = world.annulus.clearance();
+  const auto around = [&](double scale) { return scale * (2 * random.uniform() - 1); };
+  Pose tip;
+  tip << around(30e-6), around(1.05 * c), around(0.3 * c), around(1e-3), around(1e-3);
+  return tip;
+}
+
+struct Case {
+  Lagged lagged;
+  Pose tip;
+};
+
+// Poses where every term acts somewhere: random ones, each with the history of a short motion.
+// Every fourth has its end so near the mouth that it cuts the side's contact.
+std::vector<Case> cases(const World& world, std::uint64_t seed) {
+  std::vector<Case> all;
+  for (std::uint64_t k = 0; k < 60; ++k) {
+    RandomStream random(seed, k, Draw::start);
+    Pose tip = random_pose(random, world);
+    if (k % 4 == 0) {
+      tip[0] = -(0.1 + 0.8 * random.uniform()) * kPatch;
+      tip.segment<2>(1) = 1.002 * world.annulus.clearance() * tip.segment<2>(1).normalized();
+    }
+    State state = at_rest(world, tip);
+    Pose hand = state.hand;
+    for (int n = 0; n < 3; ++n) {
+      hand[0] -= 5e-9;
+      hand[1] -= 1e-8;
+      state = step(world, state, hand, 1e-3).state;
+    }
+    Lagged lagged = lag(world, state, hand, 1e-3);
+    // A slipping contact is at the knee of Huber's potential: past it, where it has derivatives.
+    for (LaggedFriction& friction : lagged.friction)
+      if (friction.acts) friction.limit *= 0.5;
+    all.push_back({lagged, state.tip});
+  }
+  return all;
+}
+
+double length_of(int i) {
+  return i < 3 ? 1 : 1e-4;
+}  // 1 m of position counts as 1e4 rad of tilt
+
+TEST(Potential, GradientIsTheDerivativeOfTheValue) {
+  const World world = testing::paper().world;
+  int compared = 0;
+  for (const Case& c : cases(world, 3)) {
+    const Potential here(world, c.lagged, c.tip);
+    const Pose gradient = here.gradient.full();
+    for (int i = 0; i < 5; ++i) {
+      const double h = 2e-12 / length_of(i);
+      const auto slope_by = [&](double step) {
+        return testing::derivative(
+            [&](double d) {
+              Pose tip = c.tip;
+              tip[i] += d;
+              return Potential(world, c.lagged, tip).value;
+            },
+            0, step);
+      };
+      const double slope = slope_by(h);
+      // What rounding of the energy, and turning of a slipping contact's friction, leave of a
+      // difference.
+      const double noise =
+          30 * 2.2e-16 * here.value_scale / h + std::abs(slope - slope_by(0.5 * h));
+      const double scale =
+          std::max(std::abs(gradient[i]), here.force_scale * 1e-4 / length_of(i) * 1e-4);
+      if (noise > 1e-3 * scale) continue;
+      ++compared;
+      EXPECT_LT(std::abs(slope - gradient[i]), 1e-4 * scale + noise) << i;
+    }
+  }
+  EXPECT_GT(compared, 100);
+}
+
+TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
+  const World world = testing::paper().world;
+  for (const Case& c : cases(world, 4)) {
+    const Potential here(world, c.lagged, c.tip);
+    const Matrix5 hessian = here.hessian.full();
+    // The laws' slope jumps at the ends of their printed range.
+    const double gap =
+        world.annulus.clearance() - eccentricity(c.tip, 0.5 * c.lagged.length).norm();
+    if (c.lagged.length > 0 && gap > 0 && gap < 0.12e-9) continue;
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 5; ++j) {
+        const double slope = testing::derivative(
+            [&](double d) {
+              Pose tip = c.tip;
+              tip[i] += d;
+              return Potential(world, c.lagged, tip).gradient.full()[j];
+            },
+            0, 1e-13 / length_of(i));
+        const double scale =
+            std::sqrt(hessian.diagonal().cwiseAbs()[i] * hessian.diagonal().cwiseAbs()[j]);
+        EXPECT_LT(std::abs(slope - hessian(j, i)), 2e-3 * scale) << i << " " << j;
+      }
+  }
+}
+
+TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
+  const World world = testing::paper().world;
+  int cut = 0;
+  for (const Case& c : cases(world, 5)) {
+    const Potential here(world, c.lagged, c.tip);
+    cut += here.push_out + here.pull_out != 0;
+    Breakdown b;
+    forces(world, c.lagged, c.tip, here, b);
+    const Wrench left = b.sum(c.tip) - b.holder + here.gradient.full();
+    EXPECT_LT(left.head<3>().norm(), 1e-9 * here.force_scale);
+    // Moments to first order in the tilts: arms of the radius times a tilt are left out.
+    EXPECT_LT(left.tail<2>().norm(), 1e-2 * 62.5e-6 * here.force_scale);
+  }
+  EXPECT_GT(cut, 5);
+}
+
+TEST(Potential, OfTwoContactsSharesTheAdhesionOfOne) {
+  const World world = testing::paper({"laws.van_der_waals=null", "laws.electrostatic=null",
+                                      "laws.capillary=null", "start.tilt_sd_mrad=0"})
+                          .world;
+  Pose tip;
+  tip << -20e-6, -world.annulus.clearance() - 10.01e-9, 0, 0, 0;
+  State state;
+  state.tip = state.hand = tip;
+  for (int n = 0; n < 3; ++n) state = step(world, state, tip, 1e-3).state;
+  const Breakdown b = step(world, state, tip, 1e-3).forces;
+  EXPECT_TRUE(state.contact[kEnd].closed);
+  EXPECT_TRUE(state.contact[kSide].closed);
+  EXPECT_CLOSE(b.adhesion[kEnd].force.y() + b.adhesion[kSide].force.y(), -7.830277437e-6, 1e-6);
+}
+
+}  // namespace
+}  // namespace ferrule

@@ -1,0 +1,179 @@
+#include "sim/scene/scene.hpp"
+
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
+#include "tests/compare.hpp"
+#include "tests/scenes.hpp"
+
+namespace ferrule {
+namespace {
+
+// What load_scene says of one setting that is wrong.
+std::string complaint(const std::string& setting) {
+  try {
+    load_scene("paper", {setting});
+  } catch (const BadInput& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Scene, PaperIsTableI) {
+  const World w = testing::paper().world;
+  EXPECT_CLOSE(w.annulus.fibre_radius, 62.5e-6, 1e-15);
+  EXPECT_CLOSE(w.annulus.clearance(), 0.5e-6, 1e-9);
+  EXPECT_CLOSE(w.wall->reduced_modulus, 4.2726925917809e10, 1e-13);
+  EXPECT_CLOSE(w.van_der_waals->hamaker, 3.67e-19, 1e-15);
+  EXPECT_CLOSE(w.capillary->film, 80e-9, 1e-15);
+  EXPECT_CLOSE(w.profile.mouth_radius(), 125e-6, 1e-14);
+  EXPECT_CLOSE(w.wall->begins, 10e-9, 1e-15);
+}
+
+TEST(Scene, AllShippedScenesAreValid) {
+  EXPECT_GE(shipped_scenes().size(), 4u);
+  for (const auto& name : shipped_scenes()) EXPECT_EQ(load_scene(name).name, name);
+}
+
+TEST(Scene, DocumentGivesTheSameSceneAgain) {
+  const Scene a = testing::paper({"laws.electrostatic.voltage_V=0.25"});
+  const Scene b = parse_scene(Json::parse(a.document.dump()), "again");
+  EXPECT_EQ(b.world.electrostatic->voltage, 0.25);
+  EXPECT_EQ(a.document, b.document);
+}
+
+TEST(Scene, NullRemovesALaw) {
+  EXPECT_FALSE(testing::paper({"laws.capillary=null"}).world.capillary.has_value());
+}
+
+TEST(Scene, AdhesionAbsentLetsTheWallBeginAtTouch) {
+  EXPECT_EQ(testing::paper({"laws.adhesion=null"}).world.wall->begins, 0);
+}
+
+TEST(Scene, ComplaintsNameKeyValueAndRule) {
+  EXPECT_NE(complaint("fibre.diameter_um=-3").find("fibre.diameter_um = -3: must be positive"),
+            std::string::npos);
+  EXPECT_NE(
+      complaint("fibre.diameter_um=nan").find("fibre.diameter_um = \"nan\": must be a number"),
+      std::string::npos);
+  EXPECT_NE(complaint("laws.capilary={}").find("laws.capilary = {}: unknown key"),
+            std::string::npos);
+  EXPECT_NE(complaint("ferrule.bore_diameter_um=124").find("must be wider than the fibre"),
+            std::string::npos);
+  EXPECT_NE(complaint("ferrule.bore_diameter_um=125").find("must be wider than the fibre"),
+            std::string::npos);
+  EXPECT_NE(complaint("laws.adhesion.maugis_lambda=9").find("must be from 0.12 to 5.8"),
+            std::string::npos);
+  EXPECT_NE(complaint("laws.capillary.form=exact").find("must be one of \"printed\" \"corrected\""),
+            std::string::npos);
+  EXPECT_NE(complaint("start=null").find("start = null: must be an object"), std::string::npos);
+  EXPECT_NE(complaint("limits.time_s=\"long\"").find("must be a number"), std::string::npos);
+  EXPECT_NE(complaint("nonsense").find("--set nonsense: must be dotted.key=value"),
+            std::string::npos);
+  for (const auto* wrong : {"fibre.diameter_um=-3", "laws.capilary={}", "start=null"})
+    EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
+}
+
+TEST(Scene, EveryKeyIsRequiredAndNamed) {
+  const Json whole = testing::paper().document;
+  const Json flat = whole.flatten();
+  int tried = 0;
+  for (const auto& [pointer, value] : flat.items()) {
+    if (pointer == "/about" || pointer.find("/laws/") == 0) continue;
+    Json part = whole;
+    const Json::json_pointer p(pointer);
+    if (part[p.parent_pointer()].is_array()) continue;
+    part[p.parent_pointer()].erase(p.back());
+    if (value.is_null() || value.is_object()) continue;
+    ++tried;
+    try {
+      parse_scene(part, "file.json");
+      ADD_FAILURE() << pointer << " is not required";
+    } catch (const BadInput& error) {
+      EXPECT_NE(std::string(error.what()).find(p.back() + " is missing"), std::string::npos)
+          << error.what();
+    }
+  }
+  EXPECT_GT(tried, 20);
+}
+
+// Drives a start of the scene in and sideways: everything that is computed on the way is finite.
+bool computes(const Scene& scene) {
+  State state = draw_start(scene, 3, 1);
+  const double c = scene.world.annulus.clearance();
+  Pose end = Pose::Zero();
+  end[0] = -std::min(scene.success.depth, 20e-6);
+  end[1] = 2 * c;
+  const Pose from = state.hand, to = end - scene.world.holder.sag;
+  for (int n = 1; n <= 12; ++n) {
+    const StepResult r = step(scene.world, state, from + n / 12.0 * (to - from), 1e-3);
+    state = r.state;
+    bool finite = to_row(state).allFinite() && r.forces.holder.allFinite();
+    for (const Vector3d& f : term_forces(r.forces)) finite = finite && f.allFinite();
+    if (!finite) return false;
+  }
+  return true;
+}
+
+TEST(Scene, EveryNumberIsRefusedInOneLineOrCanBeComputedWith) {
+  int refused = 0, computed = 0;
+  for (const auto& name : shipped_scenes()) {
+    const Json whole = load_scene(name).document;
+    const Json flat = whole.flatten();
+    for (const auto& [pointer, value] : flat.items()) {
+      if (!value.is_number()) continue;
+      const Json::json_pointer at(pointer);
+      for (const double extreme : {1e308, -1e308, 1e-300, 0.0}) {
+        Json document = whole;
+        document[at] = extreme;
+        // A table of adhesion takes milliseconds to make.
+        if (pointer.find("/laws/adhesion") != 0) document["laws"].erase("adhesion");
+        try {
+          EXPECT_TRUE(computes(parse_scene(document, name))) << name << pointer << extreme;
+          ++computed;
+        } catch (const BadInput& error) {
+          const std::string says = error.what();
+          EXPECT_EQ(says.find('\n'), std::string::npos) << says;
+          // Numbers of a list are named by their list.
+          const bool listed = whole[at.parent_pointer()].is_array();
+          const std::string key = listed ? at.parent_pointer().back() : at.back();
+          EXPECT_NE(says.find(key), std::string::npos) << says;
+          EXPECT_NE(says.find("must"), std::string::npos) << says;
+          ++refused;
+        }
+      }
+    }
+  }
+  EXPECT_GT(refused, 1000);
+  EXPECT_GT(computed, 100);
+}
+
+TEST(Scene, MissingFileIsFileTrouble) {
+  EXPECT_THROW(load_scene("no/such/file.json"), FileTrouble);
+  EXPECT_THROW(load_scene("nosuchscene"), FileTrouble);
+}
+
+TEST(Scene, FormNamesTheLawsThatLackIt) {
+  Json document =
+      testing::paper({"laws.drag={\"form\": \"corrected\", \"viscosity_Pa_s\": 1}"}).document;
+  try {
+    set_form(document, Form::printed, "paper");
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("drag"), std::string::npos);
+    EXPECT_EQ(std::string(error.what()).find("gravity"), std::string::npos);
+  }
+}
+
+TEST(JsonFields, BrokenJsonNamesFileAndLine) {
+  try {
+    parse_json("{\n\"a\": 1,\n\"b\": NaN\n}", "x.json");
+    FAIL();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("x.json: not valid JSON: parse error at line 3"),
+              std::string::npos)
+        << error.what();
+  }
+}
+
+}  // namespace
+}  // namespace ferrule
