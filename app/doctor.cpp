@@ -33,7 +33,7 @@ LoopTiming run_loop(const Scene& scene, const State& start, double period, doubl
   const auto periods = static_cast<std::int64_t>(std::ceil(seconds / period));
   for (std::int64_t n = 0; n < periods && !interrupted(); ++n) {
     clock.wait();
-    Pose hand = start.hand;
+    Pose hand = start.command;
     hand[1] += scene.world.annulus.clearance() * std::sin(10 * static_cast<double>(n) * period);
     state = step(scene.world, state, hand, period).state;
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/laws/printed_range.hpp"
+#include "sim/laws/printed/range.hpp"
 
 namespace ferrule {
 namespace {
@@ -25,7 +25,9 @@ constexpr Term kContact[] = {{"adhesion", &ForceRow::adhesion},
 
 // The branch on which the surfaces touch.
 int contact_branch(const World& world) {
-  return world.adhesion && world.adhesion->contact ? world.adhesion->contact->curve.branches() : 0;
+  return world.laws.adhesion && world.laws.adhesion->contact
+             ? world.laws.adhesion->contact->curve.branches()
+             : 0;
 }
 
 // Mean of a corrected law along a fibre whose gap widens in a straight line from `gap` by `rise`;
@@ -38,7 +40,7 @@ double mean_force(const Law& law, double clearance, double reach, double gap, do
     for (const double there : {h, 2 * clearance - h})
       if (const double part = (there - gap) / rise; part > 0 && part < 1) cuts.push_back(part);
   };
-  for (double h = printed::kInteratomicDistance; h < clearance; h *= 2) cut(h);
+  for (double h = kInteratomicDistance; h < clearance; h *= 2) cut(h);
   cut(clearance);
   cut(reach);
   std::sort(cuts.begin(), cuts.end());
@@ -66,31 +68,32 @@ ForceRow force_row(const World& world, double gap_nm, double length_um,
     if (form == Form::printed || rise == 0) return length * law(gap + 0.5 * rise);
     return length * mean_force(law, annulus.clearance(), reach, gap, rise);
   };
-  if (const auto& law = world.van_der_waals)
+  if (const auto& law = world.laws.van_der_waals)
     row.van_der_waals =
         along(law->form, 0, [&](double h) { return van_der_waals(*law, annulus, h).force; });
-  if (const auto& law = world.electrostatic)
+  if (const auto& law = world.laws.electrostatic)
     row.electrostatic =
         along(law->form, 0, [&](double h) { return electrostatic(*law, annulus, h).force; });
-  if (const auto& law = world.capillary)
+  if (const auto& law = world.laws.capillary)
     row.capillary = along(law->form, capillary_reach(*law, true),
                           [&](double h) { return capillary(*law, annulus, h, true).force; });
-  if (length > 0 && world.meniscus) row.meniscus = meniscus(*world.meniscus, annulus.fibre_radius);
-  if (world.drag) {
+  if (length > 0 && world.laws.meniscus)
+    row.meniscus = meniscus(*world.laws.meniscus, annulus.fibre_radius);
+  if (world.laws.drag) {
     const double eccentricity = std::abs(annulus.clearance() - gap - 0.5 * rise);
-    const DragCoefficients k = drag(*world.drag, annulus, eccentricity, length);
+    const DragCoefficients k = drag(*world.laws.drag, annulus, eccentricity, length);
     row.drag = k.axial * lie.speed;
     row.squeeze = k.radial * lie.speed;
   }
   // Towards the wall below the fibre.
-  if (world.gravity) row.gravity = -gravity(*world.gravity, world.fibre);
+  if (world.laws.gravity) row.gravity = -gravity(*world.laws.gravity, world.fibre);
   if (depth_nm) {
     const double depth = 1e-9 * *depth_nm;
     const int branch = contact_branch(world);
-    if (world.adhesion) row.adhesion = adhesion(*world.adhesion, depth, branch).force;
-    if (world.wall) row.wall = wall(*world.wall, depth).force;
-    if (world.friction)
-      row.friction = friction(*world.friction, friction_radius(world, depth, branch));
+    if (world.laws.adhesion) row.adhesion = adhesion(*world.laws.adhesion, depth, branch).force;
+    if (world.laws.wall) row.wall = wall(*world.laws.wall, depth).force;
+    if (world.laws.friction)
+      row.friction = friction(*world.laws.friction, friction_radius(world, depth, branch));
   }
   return row;
 }

@@ -45,8 +45,8 @@ void print_table(const std::vector<ForceRow>& rows, bool liquid) {
 // know no other wall.
 void check_fits(const World& world, double gap_nm, double length_um, double tilt_mrad) {
   const auto corrected = [](const auto& law) { return law && law->form == Form::corrected; };
-  const bool walls = corrected(world.van_der_waals) || corrected(world.electrostatic) ||
-                     corrected(world.capillary) || world.drag;
+  const bool walls = corrected(world.laws.van_der_waals) || corrected(world.laws.electrostatic) ||
+                     corrected(world.laws.capillary) || world.laws.drag;
   const double clearance = 1e9 * world.annulus.clearance(), slack = 1e-9 * clearance;
   if (!walls && tilt_mrad == 0) return;
   if (gap_nm > clearance + slack)
@@ -62,13 +62,12 @@ void check_fits(const World& world, double gap_nm, double length_um, double tilt
 int forces_verb(const Arguments& a) {
   // Nothing is left out. The settings are those of the form asked for.
   const bool own_form = a.form.empty();
-  Scene scene = load_scene(a.scene.scene, own_form ? a.scene.settings : std::vector<std::string>{},
-                           Planning::none);
+  Scene scene = load_scene(a.scene.scene, own_form ? a.scene.settings : std::vector<std::string>{});
   if (!own_form) {
     for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
     const std::string file = a.scene.scene + " with --form " + a.form;
     set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
-    scene = parse_scene(scene.document, file, Planning::none);
+    scene = parse_scene(scene.document, file);
   }
   const std::vector<double> depths =
       a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");
@@ -102,7 +101,7 @@ int forces_verb(const Arguments& a) {
     for (const ForceRow& row : rows) list.push_back(to_json(row));
     print_json({{"scene", scene.name}, {"rows", list}});
   } else {
-    print_table(rows, scene.world.meniscus || scene.world.drag);
+    print_table(rows, scene.world.laws.meniscus || scene.world.laws.drag);
   }
   return kDone;
 }

@@ -30,9 +30,9 @@ World with_only(const Plan& plan, const Scene& scene, const std::string& name) {
   document["dynamics"] = name == "inertia" ? "inertial" : "quasi_static";
   World world = parse_scene(document, scene.name).world;
   if (name == "wall")
-    world.wall = scene.world.wall;
+    world.laws.wall = scene.world.laws.wall;
   else
-    world.wall.reset();
+    world.laws.wall.reset();
   return world;
 }
 
@@ -44,8 +44,9 @@ double cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
   const auto time = [&](const World& world) {
     return nanoseconds_per_call(
         [&](long) {
-          const Lagged lagged = lag(world, term.state, term.state.hand, plan.step);
-          keep(Potential(world, lagged, term.state.tip));
+          const FrozenCoefficients frozen =
+              freeze(world, term.state, term.state.command, plan.step);
+          keep(Potential(world, frozen, term.state.tip));
         },
         2e5);
   };
@@ -59,7 +60,7 @@ double cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
 
 int plan_scene(const Arguments& a) {
   // The tolerance asked for here, whatever the scene says.
-  const Scene scene = load_scene(a.scene.scene, a.scene.settings, Planning::none);
+  const Scene scene = load_scene(a.scene.scene, a.scene.settings);
   const Plan plan = make_plan(scene, a.tolerance);
   std::vector<double> costs;
   for (const PlannedTerm& t : plan.terms) costs.push_back(cost(plan, scene, t));

@@ -172,7 +172,7 @@ int record_verb(const Arguments& a) {
       r = record_one(scene, start, *hand, place);
     } else {
       const std::unique_ptr<Controller> controller = make(drawn.trial);
-      ControllerHand hand(*controller, scaling.motion_to_hand(start.hand),
+      ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
                           scaling.motion * scene.limits.speed,
                           1.1 * scaling.motion * scene.success.depth);
       r = record_one(scene, start, hand, place);

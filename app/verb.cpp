@@ -11,6 +11,7 @@
 #include <mutex>
 
 #include "app/keys.hpp"
+#include "sim/plan/plan.hpp"
 
 namespace ferrule {
 namespace {
@@ -55,7 +56,7 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
 }
 
 Scene SceneArguments::load() const {
-  Scene loaded = load_scene(scene, settings);
+  const Scene loaded = planned(load_scene(scene, settings));
   const auto number = [&](const char* key) { return loaded.document.value(key, 0.0); };
   if (const double bound = number("planned_error_bound"); bound > number("planned_accuracy"))
     fmt::print(stderr,

@@ -33,8 +33,8 @@ struct Run {
   double work = 0, turned = 0;
 
   void to(const Pose& hand) {
-    const Pose stretch = state.tip - 0.5 * (state.hand + hand);
-    const double more = -(world.holder.stiffness * stretch).dot(hand - state.hand);
+    const Pose stretch = state.tip - 0.5 * (state.command + hand);
+    const double more = -(world.holder.stiffness * stretch).dot(hand - state.command);
     const StepResult r = step(world, state, hand, dt);
     if (r.status != StepStatus::bad_command) {
       work += more;
@@ -47,17 +47,17 @@ struct Run {
     ++steps;
   }
   void sweep(const Pose& goal, long n) {
-    const Pose from = state.hand;
+    const Pose from = state.command;
     for (long i = 1; i <= n; ++i)
       to(from + (goal - from) * (static_cast<double>(i) / static_cast<double>(n)));
   }
   // Goes far out and to `start`, a state in free air. Whether the closed motion gained energy, or
   // the fibre did not come back.
   bool gained_on_the_way_back(const State& start, long n) {
-    Pose out = state.hand;
-    out[0] = start.hand[0] + 100e-6;
+    Pose out = state.command;
+    out[0] = start.command[0] + 100e-6;
     sweep(out, n);
-    sweep(start.hand, n);
+    sweep(start.command, n);
     return work < -1e-9 * turned || (state.tip - start.tip).head<3>().norm() > 1e-12;
   }
 };
@@ -81,9 +81,9 @@ HardRow snap_in() {
   // From free air into the bore, 400 nm from the wall, to 100 nm and on.
   const State start = at_rest(world, pose(5e-6, 400e-9 - c, 0));
   Run run{world, start, {}};
-  run.sweep(start.hand + pose(-55e-6, 0, 0), 2000);
-  run.sweep(start.hand + pose(-55e-6, -300e-9, 0), 100);
-  run.sweep(start.hand + pose(-55e-6, -20e-6, 0), 2000);
+  run.sweep(start.command + pose(-55e-6, 0, 0), 2000);
+  run.sweep(start.command + pose(-55e-6, -300e-9, 0), 100);
+  run.sweep(start.command + pose(-55e-6, -20e-6, 0), 2000);
   const bool closed = run.state.contact[kEnd].closed || run.state.contact[kSide].closed;
   const long failed = run.not_converged, steps = run.steps;
   const bool gained = run.gained_on_the_way_back(start, 4000);
@@ -100,21 +100,21 @@ HardRow snap_in() {
 // One loop of approach and retreat loses the area between the branches.
 HardRow pull_off(double lambda) {
   const World world = adhesion_alone(lambda);
-  const MaugisContact& contact = *world.adhesion->contact;
+  const MaugisContact& contact = *std::get<Adhesion>(world.laws.adhesion).contact;
   const MaugisCurve& curve = contact.curve;
   const double c = world.annulus.clearance();
   Run run{world, {}, {}};
   // Five micrometres inside, tilted away from the mouth's rim: only the end touches.
   const double apart = curve.begins(1) - 2, deep = 3;
   const auto hand = [&](double depth) { return pose(-5e-6, c + depth * contact.depth, 0, -0.02); };
-  run.state.tip = run.state.hand = hand(apart);
+  run.state.tip = run.state.command = hand(apart);
   double work = 0, turned = 0;
   const long n = 20000;
   for (int way = 0; way < 2; ++way)
     for (long i = 1; i <= n; ++i) {
       const double part = static_cast<double>(i) / n;
       const Pose to = hand(way == 0 ? apart + (deep - apart) * part : deep + (apart - deep) * part);
-      const double move = to[1] - run.state.hand[1], before = run.forces.holder[1];
+      const double move = to[1] - run.state.command[1], before = run.forces.holder[1];
       run.to(to);
       const double more = -0.5 * (before + run.forces.holder[1]) * move;
       work += more;
@@ -155,17 +155,18 @@ World resting_world() {
 
 Run resting(const World& world) {
   Run run{world, {}, {}};
-  run.state.tip = run.state.hand = pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
-  for (int i = 0; i < 5; ++i) run.to(run.state.hand);
+  run.state.tip = run.state.command =
+      pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
+  for (int i = 0; i < 5; ++i) run.to(run.state.command);
   return run;
 }
 
 HardRow stick_slip() {
   const World world = resting_world();
   Run run = resting(world);
-  const double limit = friction(*world.friction, printed_contact_radius(10e-9));
-  run.sweep(run.state.hand + pose(-0.6e-6, 0, 0), 6000);  // 0.1 um/s for 6 s
-  const double force = run.forces.friction[kEnd].force.x();
+  const double limit = friction(*friction_law(world.laws), printed::contact_radius(10e-9));
+  run.sweep(run.state.command + pose(-0.6e-6, 0, 0), 6000);  // 0.1 um/s for 6 s
+  const double force = run.forces[Term::friction][kEnd].force.x();
   return {"slow drive at 0.1 um/s: slips at the Hurtado-Kim force",
           run.dt,
           fmt::format("{:.6g} uN, law {:.6g} uN", 1e6 * force, 1e6 * limit),
@@ -177,8 +178,8 @@ HardRow stick_slip() {
 HardRow creep() {
   const World world = resting_world();
   Run run = resting(world);
-  const double limit = friction(*world.friction, printed_contact_radius(10e-9));
-  const Pose held = run.state.hand + pose(-0.9 * limit / 0.5, 0, 0);
+  const double limit = friction(*friction_law(world.laws), printed::contact_radius(10e-9));
+  const Pose held = run.state.command + pose(-0.9 * limit / 0.5, 0, 0);
   for (int i = 0; i < 10; ++i) run.to(held);
   const double from = run.state.tip[0];
   for (int i = 0; i < 100000; ++i) run.to(held);
@@ -196,7 +197,7 @@ HardRow jam() {
   const double tilt = 12e-3;
   const State start = at_rest(world, pose(1e-6, 0, 0, tilt, 0));
   Run run{world, start, {}};
-  run.sweep(start.hand + pose(-200e-6, 0, 0), 20000);
+  run.sweep(start.command + pose(-200e-6, 0, 0), 20000);
   // It turns as it goes deeper, so that at every depth it touches at two points: depth tilt = 2 c.
   const double depth = run.state.inserted_length();
   const bool two = run.state.contact[kEnd].closed && run.state.contact[kSide].closed;
@@ -257,7 +258,7 @@ HardRow drift() {
   const World world = load_scene("paper").world;
   Run run{world, at_rest(world, pose(5e-6, -1e-6, 0, 5e-4, 0)), {}};
   run.sweep(pose(-10e-6, 0, 0, 5e-4, 0), 2000);
-  const Pose held = run.state.hand;
+  const Pose held = run.state.command;
   for (int i = 0; i < 10; ++i) run.to(held);
   const Pose from = run.state.tip;
   for (long i = 0; i < 10'000'000; ++i) run.state = step(world, run.state, held, 1e-3).state;
@@ -270,8 +271,8 @@ HardRow drift() {
 // Corrected surface laws at an eccentricity within 1e-9 of the clearance, smooth surfaces.
 HardRow eccentricity_near_clearance() {
   const Annulus smooth = {62.5e-6, 63e-6};
-  const VanDerWaals vdw = {Form::corrected, 3.67e-19};
-  const Electrostatic el = {Form::corrected, 0.1};
+  const VanDerWaals vdw = {3.67e-19};
+  const Electrostatic el = {0.1};
   bool finite = true;
   double worst = 0;
   for (double part = 1e-1; part > 0.9e-9; part *= 0.1) {
@@ -300,9 +301,9 @@ HardRow forces_apart() {
                             "\"contact_angle_deg\":0}"});
   const State start = at_rest(world, pose(2e-6, 0, 0));
   Run run{world, start, {}};
-  run.sweep(start.hand + pose(-52e-6, 0, 0), 100);
-  run.sweep(start.hand + pose(-52e-6, 400e-6, 0), 400);
-  const double push = run.forces.holder[1], pull = run.forces.meniscus.force.x();
+  run.sweep(start.command + pose(-52e-6, 0, 0), 100);
+  run.sweep(start.command + pose(-52e-6, 400e-6, 0), 400);
+  const double push = run.forces.holder[1], pull = run.forces[Term::meniscus][0].force.x();
   const Wrench left = run.forces.sum(run.state.tip) - run.forces.holder;
   const bool gained = run.gained_on_the_way_back(start, 400);
   return {"forces 1e6 apart in one scene",
@@ -322,16 +323,16 @@ HardRow bad_device() {
   run.sweep(pose(-10e-6, 0, 0), 1000);
   const State before = run.state;
   int wrong = 0;
-  Pose hand = before.hand;
+  Pose hand = before.command;
   hand[1] = NAN;
   StepResult r = step(world, before, hand, 1e-3);
   wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
-  r = step(world, before, before.hand, -1e-3);
+  r = step(world, before, before.command, -1e-3);
   wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
-  run.to(before.hand + pose(0, 1e-3, -1e-3));             // a jump of 1.4 mm, 0.35 m in the hand
-  for (int i = 0; i < 1000; ++i) run.to(run.state.hand);  // a stall
+  run.to(before.command + pose(0, 1e-3, -1e-3));             // a jump of 1.4 mm, 0.35 m in the hand
+  for (int i = 0; i < 1000; ++i) run.to(run.state.command);  // a stall
   wrong += run.state.tip.segment<2>(1).norm() > world.annulus.clearance() + 50e-9;
-  run.to(before.hand);
+  run.to(before.command);
   wrong += (run.state.tip - before.tip).head<3>().norm() > 2e-6;
   const bool gained = run.gained_on_the_way_back(start, 1000);
   return {"NaN, time running backwards, jump and stall of a device",

@@ -19,7 +19,7 @@ using Real = long double;
 constexpr Real pi = std::numbers::pi_v<Real>;
 constexpr Annulus kRough = {62.5e-6, 63e-6, 5e-9};
 constexpr double kHamaker = 3.67e-19, kVoltage = 0.1;
-constexpr Capillary kBridge = {Form::corrected, 0.072, std::numbers::pi / 3, 80e-9, 4e-12, 600e-9};
+constexpr Capillary kBridge = {0.072, std::numbers::pi / 3, 80e-9, 4e-12, 600e-9};
 
 std::vector<double> gaps() {
   std::vector<double> all;
@@ -79,10 +79,10 @@ std::vector<LawRow> bench_laws() {
   const std::vector<double> at = gaps();
   const auto gap = [&](long i) { return at[static_cast<std::size_t>(i) & 63]; };
 
-  const VanDerWaals annulus = {Form::corrected, kHamaker};
+  const VanDerWaals annulus = {kHamaker};
   // The printed patch with the right factor, across gap and roughness.
   const auto patch = [](double h) {
-    return 4 * van_der_waals({Form::printed, kHamaker}, kRough, h + kRough.roughness).force;
+    return 4 * printed::van_der_waals({kHamaker}, kRough, h + kRough.roughness).force;
   };
   rows.push_back({"van_der_waals", "patch",
                   nanoseconds_per_call([&](long i) { keep(patch(gap(i))); }),
@@ -115,7 +115,7 @@ std::vector<LawRow> bench_laws() {
                     static_cast<double>(std::abs(integrate(5e-9) / tilted - 1))});
   }
 
-  const Electrostatic exact = {Form::corrected, kVoltage};
+  const Electrostatic exact = {kVoltage};
   // The closed forms along the same tilted length: energies at the ends' eccentricities.
   const double clearance = kRough.clearance();
   const Vector2d far(clearance - 5e-9 - static_cast<double>(tilt * length), 0);
@@ -129,7 +129,7 @@ std::vector<LawRow> bench_laws() {
                   nanoseconds_per_call([&](long) { keep(closed_form(attraction, 0)); }),
                   static_cast<double>(std::abs(closed_form(attraction, 0) / tilted - 1))});
   const auto plates = [](double h) {
-    return electrostatic({Form::printed, kVoltage}, kRough, h + kRough.roughness).force;
+    return printed::electrostatic({kVoltage}, kRough, h + kRough.roughness).force;
   };
   rows.push_back({"electrostatic", "patch",
                   nanoseconds_per_call([&](long i) { keep(plates(gap(i))); }),

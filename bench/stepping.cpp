@@ -92,12 +92,12 @@ SteppingRow explicit_euler(const Case& c, double dt) {
   for (long n = 1; n <= steps && state.tip.allFinite(); ++n, ++taken) {
     const double t = static_cast<double>(n) * dt;
     const Pose hand = c.hand(t - dt);
-    const Lagged still = lag(c.world, state, hand, 0);
+    const FrozenCoefficients still = freeze(c.world, state, hand, 0);
     const Potential there(c.world, still, state.tip);
     // At the step's start drag has no force, and what it adds to the Hessian is the damping over
     // dt.
     const Matrix5 damping =
-        Potential(c.world, lag(c.world, state, hand, dt), state.tip).hessian.full() -
+        Potential(c.world, freeze(c.world, state, hand, dt), state.tip).hessian.full() -
         there.hessian.full();
     state.tip -= damping.llt().solve(there.gradient.full());
     if (state.tip.head<3>().norm() > 1) state.tip.setConstant(kNan);
@@ -127,7 +127,7 @@ Case free_flight() {
   Pose from = Pose::Zero();
   from[0] = 300e-6;
   c.start = at_rest(c.world, from);
-  const Pose hand = c.start.hand;
+  const Pose hand = c.start.command;
   c.hand = [hand](double t) {
     Pose h = hand;
     h[0] -= 8e-6 * t;
@@ -151,7 +151,7 @@ Case wedged(const std::string& name, const std::string& friction) {
   Case c{name, world, {}, {}, 0.5, every(0.01, 0.5), {}};
   const double clearance = world.annulus.clearance(), length = 50e-6;
   c.start.tip << -length, clearance, 0, -2 * clearance / length, 0;
-  c.start.hand = c.start.tip;
+  c.start.command = c.start.tip;
   const auto hand = [start = c.start.tip](double t) {
     Pose h = start;
     const double p = std::min(1.0, t / 0.4), s = p * p * (3 - 2 * p);
@@ -199,7 +199,7 @@ Case vibration() {
   Pose from = Pose::Zero();
   from[0] = 400e-6;
   c.start = at_rest(world, from);
-  c.hand = [hand = c.start.hand](double t) {
+  c.hand = [hand = c.start.command](double t) {
     Pose h = hand;
     const double p = std::min(1.0, t / 4e-3);
     h[1] += 10e-6 * p * p * (3 - 2 * p);
@@ -227,7 +227,7 @@ std::vector<SteppingRow> bench_stepping() {
   }
   Case plucked = vibration();
   for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2}) {
-    plucked.world.integrator = method;
+    plucked.world.numerics.integrator = method;
     for (const double dt : {1e-4, 1e-5, 1e-6})
       rows.push_back(simulate(plucked, method == Integrator::bdf2 ? "bdf2" : "backward_euler", dt));
   }

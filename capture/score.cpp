@@ -23,12 +23,12 @@ StepResult step_of(const RowVector& row) {
   const auto states = block(row, kStates);
   StepResult result;
   result.state.tip = states.segment<kPose>(0).transpose();
-  result.state.hand = states.segment<kPose>(5).transpose();
+  result.state.command = states.segment<kPose>(5).transpose();
   result.state.time = states[10];
   for (int place = 0; place < kContactPlaces; ++place)
     result.state.contact[static_cast<std::size_t>(place)].closed = states[13 + 6 * place] != 0;
   result.forces.holder = block(row, kHolder).transpose();
-  result.forces.friction[kEnd].force = row.segment<3>(kForces.begin + 3 * 6).transpose();
+  result.forces[Term::friction][kEnd].force = row.segment<3>(kForces.begin + 3 * 6).transpose();
   return result;
 }
 

@@ -92,9 +92,10 @@ ForceFeedback force_feedback(const Scene& scene, const State& start, const Devic
                              const std::optional<Coupling>& coupling, double report_period,
                              const Eigen::Vector3d& motors) {
   const Scaling scaling = scene_scaling(scene);
-  const Wrench rest = step(scene.world, start, start.hand, 0).forces.holder;
-  return {device,        coupling, scaling.motion_to_hand(start.hand), scaling.wrench_to_hand(rest),
-          report_period, motors};
+  const Wrench rest = step(scene.world, start, start.command, 0).forces.holder;
+  return {
+      device,        coupling, scaling.motion_to_hand(start.command), scaling.wrench_to_hand(rest),
+      report_period, motors};
 }
 
 }  // namespace ferrule

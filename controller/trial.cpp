@@ -36,7 +36,7 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
   State state = draw_start(scene, seed, trial);
   ForceSensor sensor(scene.sensor, seed, trial);
   InsertionWatch watch(scene, state);
-  ControllerHand hand(controller, scaling.motion_to_hand(state.hand),
+  ControllerHand hand(controller, scaling.motion_to_hand(state.command),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
   std::optional<Outcome> outcome;
   for (std::int64_t n = 0; !outcome; ++n) {

@@ -27,7 +27,7 @@ class FakeHand : public Device {
   FakeHand(FakeModel model, const Scene& scene, const State& start, double gain, double full_force)
       : firmware_(model),
         device_(hand_device(fake_kind(model), firmware_, scene, start, gain, full_force)),
-        start_(scene_scaling(scene).motion_to_hand(start.hand)),
+        start_(scene_scaling(scene).motion_to_hand(start.command)),
         aligned_(start_),
         pose_(start_) {
     const Scaling scaling = scene_scaling(scene);
@@ -102,7 +102,7 @@ DeviceRange device_range(const Scene& scene, double gain) noexcept {
 
 std::unique_ptr<Device> hand_device(DeviceKind kind, HidTransport& transport, const Scene& scene,
                                     const State& start, double gain, double full_force) {
-  const HandPose pose = scene_scaling(scene).motion_to_hand(start.hand);
+  const HandPose pose = scene_scaling(scene).motion_to_hand(start.command);
   const DeviceRange range = device_range(scene, gain);
   if (kind == DeviceKind::space_mouse)
     return std::make_unique<SpaceMouse>(transport, range.speed, range.tilt_rate, pose);

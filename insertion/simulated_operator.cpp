@@ -20,7 +20,7 @@ TraineeTask trainee_task(const Scene& scene, const State& start, double period) 
   const Scaling scaling = scene_scaling(scene);
   const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
   const double distance = scene.start.distance + scene.success.depth + beyond;
-  return {scaling.motion_to_hand(start.hand), scaling.motion * distance,
+  return {scaling.motion_to_hand(start.command), scaling.motion * distance,
           scaling.motion * scene.limits.speed, kPress, period};
 }
 

@@ -35,7 +35,7 @@ class Probe {
   void drive(const Pose& goal) noexcept {
     const World& world = scene_.world;
     const double lever = world.profile.lead_in_length + scene_.success.depth;
-    const Pose from = state_.hand, to = goal - world.holder.sag;
+    const Pose from = state_.command, to = goal - world.holder.sag;
     const double travel = (to - from).head<3>().norm() + lever * (to - from).tail<2>().norm();
     const double stride = 0.5 * world.annulus.clearance();
     const int steps = std::max(1, static_cast<int>(std::min(1e5, std::ceil(travel / stride))));
@@ -69,7 +69,7 @@ class Probe {
       range_.largest = values[2];
       range_.stiffest = state_;
     }
-    if (!scene_.world.drag && scene_.world.dynamics == Dynamics::quasi_static) return;
+    if (!scene_.world.laws.drag && scene_.world.dynamics == Dynamics::quasi_static) return;
     const Matrix5 more = held_stiffness(scene_.world, state_, dt_) - at_rest;
     range_.damping = std::max(range_.damping, dt_ * eigenvalues(more.topLeftCorner<3, 3>())[2]);
   }

@@ -31,10 +31,10 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   summary_.time = now.time;
   summary_.peak_force = std::max(summary_.peak_force, force);
   const Vector3d move = (now.tip - before_.tip).head<3>();
-  for (const PointForce& friction : f.friction)
+  for (const PointForce& friction : f[Term::friction])
     summary_.friction_work += std::max(0.0, -friction.force.dot(move));
   summary_.peak_stress =
-      std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.hand));
+      std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.command));
   summary_.depth = now.inserted_length();
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();

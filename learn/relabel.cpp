@@ -18,7 +18,7 @@ Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double 
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
   PolicyController controller(policy);
-  ControllerHand hand(controller, scaling.motion_to_hand(start.hand),
+  ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
                       1.1 * scaling.motion * scene.success.depth);
   std::vector<RowVector> rows;

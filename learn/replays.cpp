@@ -45,15 +45,12 @@ std::pair<Eigen::Index, Eigen::Index> Replays::rows_of(std::size_t recording) co
 
 bool Replays::residuals(const Eigen::MatrixXd& points, Steps steps, Eigen::MatrixXd& result) const {
   std::vector<World> worlds;
+  VariableScene varied(scene_);
   for (Eigen::Index p = 0; p < points.cols(); ++p) {
-    Json document = scene_.document;
     for (std::size_t i = 0; i < numbers_.size(); ++i)
-      document[numbers_[i].at()] = numbers_[i].value(points(static_cast<Eigen::Index>(i), p));
-    try {
-      worlds.push_back(parse_scene(document, scene_.name).world);
-    } catch (const BadInput&) {
-      return false;
-    }
+      varied.set(numbers_[i].key(), numbers_[i].value(points(static_cast<Eigen::Index>(i), p)));
+    if (!varied.consistent()) return false;
+    worlds.push_back(varied.world());
   }
   result.resize(5 * rows_, points.cols());
   tbb::parallel_for(std::size_t{0}, worlds.size() * recordings_.size(), [&](std::size_t job) {

@@ -6,32 +6,16 @@
 #include <cmath>
 
 namespace ferrule {
-namespace {
-
-Json::json_pointer pointer(const std::string& key) {
-  if (key.find_first_of("~/") != key.npos)
-    throw BadInput("parameter " + key + ": must be a dotted key of the scene");
-  std::string path = "/" + key;
-  std::replace(path.begin(), path.end(), '.', '/');
-  return Json::json_pointer(path);
-}
-
-}  // namespace
-
-SceneNumber::SceneNumber(const Scene& scene, const std::string& key)
-    : key_(key), at_(pointer(key)) {
-  if (!scene.document.contains(at_) || !scene.document[at_].is_number())
+SceneNumber::SceneNumber(const Scene& scene, const std::string& key) : key_(key) {
+  VariableScene varied(scene);
+  const std::optional<double> number = varied.number(key);
+  if (!number)
     throw BadInput(
         fmt::format("parameter {}: there is no such number in the scene {}", key, scene.name));
-  start_ = scene.document[at_];
-  const auto allowed = [&, document = scene.document](double value) mutable {
-    document[at_] = value;
-    try {
-      parse_scene(document, scene.name);
-      return true;
-    } catch (const BadInput&) {
-      return false;
-    }
+  start_ = *number;
+  const auto allowed = [&](double value) {
+    varied.set(key, value);
+    return varied.consistent();
   };
   below_ = edge(allowed, -1);
   above_ = edge(allowed, 1);

@@ -17,21 +17,19 @@ class SceneNumber {
  public:
   static constexpr double kRange = 2.302585092994046;  // log(10): bound of the coordinate
 
-  // `key`: dotted name of a number in scene.document. Throws BadInput if it is none, or cannot be
+  // `key`: dotted name of a number of the scene. Throws BadInput if it is none, or cannot be
   // varied.
   SceneNumber(const Scene& scene, const std::string& key);
 
   const std::string& key() const { return key_; }
-  const Json::json_pointer& at() const { return at_; }
   double start() const { return start_; }
-  // At a coordinate, in the document's unit.
+  // At a coordinate, in the unit of the scene file.
   double value(double coordinate) const;
 
  private:
   double edge(const std::function<bool(double)>& allowed, double sign) const;
 
   std::string key_;
-  Json::json_pointer at_;
   double start_, below_, above_;
 };
 

@@ -22,28 +22,29 @@ struct PointForce {
   }
 };
 
-struct Breakdown {
-  // Along the inserted length, as the two forces at its ends that together carry the moment.
-  std::array<PointForce, 2> van_der_waals, electrostatic, capillary;
-  PointForce gravity, meniscus;
-  std::array<PointForce, kContactPlaces> adhesion, wall, friction;
-  std::array<PointForce, 2> drag;  // at two arms that together carry its moment
-  Wrench holder = Wrench::Zero();  // felt at the holder: force and moment of the fibre on the hand
+// Two points per term: the ends of the inserted length for surface forces, which together carry the
+// moment; the places of contact (ContactPlace) for adhesion, wall and friction; two arms that
+// together carry its moment for drag; the first alone for gravity and meniscus.
+using TermForces = std::array<PointForce, 2>;
+static_assert(kContactPlaces == 2);
 
+struct Breakdown {
+  std::array<TermForces, kTerms> terms;
+  Wrench holder = Wrench::Zero();  // felt at the holder: force and moment of the fibre on it
+
+  const TermForces& operator[](Term term) const noexcept {
+    return terms[static_cast<std::size_t>(term)];
+  }
+  TermForces& operator[](Term term) noexcept { return terms[static_cast<std::size_t>(term)]; }
+
+  // Force of one term, its two points added up [N].
+  Vector3d force(Term term) const noexcept {
+    return (*this)[term][0].force + (*this)[term][1].force;
+  }
   // Everything that acts on the fibre but the holder, as a wrench at `tip`. In equilibrium it
   // equals `holder`.
   Wrench sum(const Pose& tip) const noexcept;
-  // Adhesion and friction together, equation (11) of the paper [N].
-  Vector3d contact() const noexcept;
 };
-
-// The terms in the order of their columns in files and tables.
-inline constexpr int kTerms = 9;
-inline constexpr std::array<const char*, kTerms> kTermNames = {
-    "van_der_waals", "electrostatic", "gravity", "capillary", "adhesion",
-    "wall",          "friction",      "drag",    "meniscus"};
-// Force of each term, contact places added up [N], in that order.
-std::array<Vector3d, kTerms> term_forces(const Breakdown& breakdown) noexcept;
 
 // Force at the holder without the fibre's weight [N].
 Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept;

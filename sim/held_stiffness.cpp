@@ -8,8 +8,8 @@ namespace ferrule {
 
 Matrix5 held_stiffness(const World& world, const State& state, double dt) noexcept {
   const Matrix5& holder = world.holder.stiffness;
-  const Lagged lagged = lag(world, state, state.hand, dt);
-  const Eigen::LLT<Matrix5> hessian(Potential(world, lagged, state.tip).hessian.full());
+  const FrozenCoefficients frozen = freeze(world, state, state.command, dt);
+  const Eigen::LLT<Matrix5> hessian(Potential(world, frozen, state.tip).hessian.full());
   if (hessian.info() != Eigen::Success) return holder;
   return holder - holder * hessian.solve(holder);
 }

@@ -25,9 +25,9 @@ void finish(Holder& holder) {
 
 }  // namespace
 
-double Holder::bending_stress(const Pose& tip, const Pose& hand) const noexcept {
+double Holder::bending_stress(const Pose& tip, const Pose& command) const noexcept {
   if (free_length == 0) return 0;
-  const Wrench w = stiffness * (tip - hand);
+  const Wrench w = stiffness * (tip - command);
   // Moments at the end, without its share of the weight, and along the free length at the gripper.
   const Vector2d at_end = w.tail<2>() - weight.tail<2>();
   const Vector2d at_gripper = at_end - free_length * w.segment<2>(1);
@@ -40,11 +40,11 @@ double Holder::compliance() const noexcept {
 }
 
 Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibre, double young,
-                  const std::optional<Gravity>& gravity) {
+                  const GravityLaw& gravity) {
   Holder holder;
   holder.stiffness.diagonal() << Vector3d::Constant(stiffness), Vector2d::Constant(tilt_stiffness);
-  if (gravity) holder.weight[1] = -ferrule::gravity(*gravity, fibre);
-  const double mass = ferrule::gravity({Form::printed}, fibre);  // rho pi r^2 l_b, a mass
+  if (present(gravity)) holder.weight[1] = -weight(gravity, fibre);
+  const double mass = fibre.mass();
   holder.mass.diagonal() << Vector3d::Constant(mass),
       Vector2d::Constant(mass * fibre.length * fibre.length / 3);
   holder.euler_load = euler(young * second_moment(fibre.radius), fibre.length);
@@ -53,14 +53,14 @@ Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibr
 }
 
 Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMass& fibre,
-                     double young, const std::optional<Gravity>& gravity) {
+                     double young, const GravityLaw& gravity) {
   Holder holder;
   const double L = free_length, r = fibre.radius;
   const double EI = young * second_moment(r);
   const double axial = young * pi * r * r / L;
   holder.stiffness(0, 0) = axial * gripper_stiffness / (axial + gripper_stiffness);
   const FibreMass free = {r, fibre.density, L};
-  const double mass = ferrule::gravity({Form::printed}, free);
+  const double mass = free.mass();
   holder.mass(0, 0) = mass / 3;
   for (const int y : {1, 2}) {
     const int tilt = y + 2;
@@ -72,10 +72,10 @@ Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMa
     holder.mass(y, tilt) = holder.mass(tilt, y) = 22 * m * L;
     holder.mass(tilt, tilt) = 4 * m * L * L;
   }
-  if (gravity) {
-    const double weight = ferrule::gravity(*gravity, free);
-    holder.weight[1] = -0.5 * weight;
-    holder.weight[3] = -weight * L / 12;
+  if (present(gravity)) {
+    const double load = weight(gravity, free);
+    holder.weight[1] = -0.5 * load;
+    holder.weight[3] = -load * L / 12;
     holder.weight_arm.x() = L / 6;
   }
   holder.free_length = L;

@@ -4,9 +4,7 @@
 // The wrench felt at the holder is stiffness (tip - hand).
 #pragma once
 
-#include <optional>
-
-#include "sim/laws/gravity.hpp"
+#include "sim/laws/laws.hpp"
 #include "sim/state.hpp"
 
 namespace ferrule {
@@ -26,7 +24,7 @@ struct Holder {
 
   // Largest bending stress [Pa] in the free length when its end is at `tip`, E r |curvature|: at
   // the holder or at the end. 0 for a rigid hand, which does not bend.
-  double bending_stress(const Pose& tip, const Pose& hand) const noexcept;
+  double bending_stress(const Pose& tip, const Pose& command) const noexcept;
 
   // How far a newton may move the end [m/N].
   double compliance() const noexcept;
@@ -35,7 +33,7 @@ struct Holder {
 // The rigid hand of the paper: a virtual coupling of given stiffness [N/m] and [N m/rad] to the end
 // of a rigid fibre. It carries the weight at its own grip: the weight pulls, but does not tilt.
 Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibre, double young,
-                  const std::optional<Gravity>& gravity);
+                  const GravityLaw& gravity);
 
 // An elastic fibre of free length L, clamped in a gripper: Euler-Bernoulli,
 //   lateral deflection and slope of the end: E I/L^3 [[12, 6 L], [6 L, 4 L^2]]
@@ -43,6 +41,6 @@ Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibr
 // Weight and mass are the consistent loads of a uniform cantilever: the end sags by
 // rho A g L^4/(8 E I). `gripper_stiffness` [N/m], > 0.
 Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMass& fibre,
-                     double young, const std::optional<Gravity>& gravity);
+                     double young, const GravityLaw& gravity);
 
 }  // namespace ferrule

@@ -10,9 +10,9 @@ constexpr double kSlipsOn = 0.95;  // of the friction limit
 
 // From the surface that touches to the fibre's axis [m]. At two points the end and the side touch
 // on opposite sides of the fibre.
-Vector2d lean(const World& world, const Lagged& lagged, int place) noexcept {
+Vector2d lean(const World& world, const FrozenCoefficients& frozen, int place) noexcept {
   return -world.annulus.fibre_radius *
-         (place == kEnd ? lagged.contact.outward : lagged.contact.mouth_outward);
+         (place == kEnd ? frozen.contact.outward : frozen.contact.mouth_outward);
 }
 
 // Material point of a contact: on the fibre's surface along x, on its axis across.
@@ -22,7 +22,7 @@ Vector3d material_point(const PoseVector& tip, double arm, const Vector2d& lean)
 }
 
 // Huber's potential of the tangential displacement: elastic while stuck, constant force beyond.
-Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material) noexcept {
+Vector3d friction_force(const FrozenFriction& friction, const Vector3d& material) noexcept {
   const Vector3d stretch = friction.tangential * (material - friction.stuck);
   const double elastic = friction.stiffness * stretch.norm();
   return elastic <= friction.limit ? Vector3d(-friction.stiffness * stretch)
@@ -30,7 +30,7 @@ Vector3d friction_force(const LaggedFriction& friction, const Vector3d& material
 }
 
 // It slips where the stuck spring would hold more than `slips` times its limit.
-void add_friction(Energy& total, const LaggedFriction& friction, const Vector2d& lean,
+void add_friction(Energy& total, const FrozenFriction& friction, const Vector2d& lean,
                   const PoseVector& tip, double slips) noexcept {
   const Vector3d stretch =
       friction.tangential * (material_point(tip, friction.arm, lean) - friction.stuck);
@@ -50,13 +50,13 @@ void add_friction(Energy& total, const LaggedFriction& friction, const Vector2d&
   total.add_point(friction.arm, lean, slope, curve);
 }
 
-ContactForce wall_force(const World& world, double depth) noexcept {
-  return world.wall && depth != -INFINITY ? wall(*world.wall, depth) : ContactForce{};
+ContactForce push_at(const World& world, double depth) noexcept {
+  const std::optional<Wall>& law = world.laws.wall;
+  return law && depth != -INFINITY ? wall(*law, depth) : ContactForce{};
 }
 
-AdhesionForce adhesion_force(const World& world, double depth, int branch) noexcept {
-  return world.adhesion && depth != -INFINITY ? adhesion(*world.adhesion, depth, branch)
-                                              : AdhesionForce{};
+AdhesionForce pull_at(const World& world, double depth, int branch) noexcept {
+  return depth != -INFINITY ? adhesion_force(world.laws, depth, branch) : AdhesionForce{};
 }
 
 // The share of the side's patch that the end leaves, by the length of the side past the mouth.
@@ -101,165 +101,170 @@ void cut_patch(Potential& there, const PatchShare& share, const Vector2d& ahead,
   }
 }
 
-// Drag along x over the step, by the inserted length before and now (Lagged::axial_drag).
+// Drag along x over the step, by the inserted length before and now
+// (FrozenCoefficients::axial_drag).
 struct AxialDrag {
   double energy, force, stiffness;  // the force is along x [N]
 
-  AxialDrag(const Lagged& lagged, const PoseVector& tip) noexcept {
-    const double before = std::max(0.0, -lagged.from.x), now = std::max(0.0, -tip.x);
-    const double k = lagged.axial_drag, more = now - before;
+  AxialDrag(const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
+    const double before = std::max(0.0, -frozen.from.x), now = std::max(0.0, -tip.x);
+    const double k = frozen.axial_drag, more = now - before;
     energy = k * more * more * (now + 2 * before) / 6;
     force = 0.5 * k * more * (now + before);
     stiffness = k * now;
   }
 };
 
-void add_frictions(Energy& total, const World& world, const Lagged& lagged, const PoseVector& tip,
-                   double slips = 1) noexcept {
+void add_frictions(Energy& total, const World& world, const FrozenCoefficients& frozen,
+                   const PoseVector& tip, double slips = 1) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
-    const LaggedFriction& friction = lagged.friction[static_cast<std::size_t>(place)];
-    if (friction.acts) add_friction(total, friction, lean(world, lagged, place), tip, slips);
+    const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
+    if (friction.acts) add_friction(total, friction, lean(world, frozen, place), tip, slips);
   }
 }
 
 // Holder, weight, inertia, drag and friction: what a step adds to the forces in the bore.
-void add_step(Energy& total, const World& world, const Lagged& lagged,
+void add_step(Energy& total, const World& world, const FrozenCoefficients& frozen,
               const PoseVector& tip) noexcept {
-  const PoseVector move = tip - lagged.from;
-  const PoseVector pull = lagged.stiffness.times(move);
-  const double sprung = 0.5 * move.dot(pull), loaded = lagged.load.dot(move);
+  const PoseVector move = tip - frozen.from;
+  const PoseVector pull = frozen.stiffness.times(move);
+  const double sprung = 0.5 * move.dot(pull), loaded = frozen.load.dot(move);
   total.value += sprung - loaded;
   total.value_scale += sprung + std::abs(loaded);
-  total.force_scale += pull.length() + lagged.load_scale;
+  total.force_scale += pull.length() + frozen.load_scale;
   total.gradient += pull;
-  total.gradient -= lagged.load;
-  total.hessian += lagged.stiffness;
-  if (lagged.axial_drag > 0) {
-    const AxialDrag axial(lagged, tip);
+  total.gradient -= frozen.load;
+  total.hessian += frozen.stiffness;
+  if (frozen.axial_drag > 0) {
+    const AxialDrag axial(frozen, tip);
     total.value += axial.energy;
     total.value_scale += axial.energy;
     total.force_scale += std::abs(axial.force);
     total.gradient.x -= axial.force;
     total.hessian.xx += axial.stiffness;
   }
-  add_frictions(total, world, lagged, tip);
+  add_frictions(total, world, frozen, tip);
 }
 
-void lag_drag(const World& world, double dt, Lagged& lagged) noexcept {
-  if (!world.drag || dt == 0 || lagged.contact.side == EdgeSide::face) return;
-  const double middle = 0.5 * lagged.length, spread = lagged.length / std::sqrt(60.0);
-  const Vector2d e = eccentricity(lagged.from, middle);
+void freeze_drag(const World& world, double dt, FrozenCoefficients& frozen) noexcept {
+  if (!world.laws.drag || dt == 0 || frozen.contact.side == EdgeSide::face) return;
+  const double middle = 0.5 * frozen.length, spread = frozen.length / std::sqrt(60.0);
+  const Vector2d e = eccentricity(frozen.from, middle);
   const double radius = e.norm();
-  const double length = lagged.length > 0 ? lagged.length : 1;
-  const DragCoefficients c = drag(*world.drag, world.annulus, radius, length);
-  lagged.axial_drag = c.axial / (length * dt);
-  lagged.drag_arm = {middle - spread, middle + spread};
-  if (lagged.length == 0) return;
+  const double length = frozen.length > 0 ? frozen.length : 1;
+  const DragCoefficients c = drag(*world.laws.drag, world.annulus, radius, length);
+  frozen.axial_drag = c.axial / (length * dt);
+  frozen.drag_arm = {middle - spread, middle + spread};
+  if (frozen.length == 0) return;
   const Vector2d n = radius > 0 ? Vector2d(e / radius) : Vector2d(Vector2d::UnitX());
   const Matrix2d across =
       c.tangential * Matrix2d::Identity() + (c.radial - c.tangential) * n * n.transpose();
-  lagged.drag_per_move = 0.5 / dt * across;
+  frozen.drag_per_move = 0.5 / dt * across;
   // The arms' mean is the middle, that of their squares middle^2 + spread^2.
-  const Matrix2d both = 2 * lagged.drag_per_move;
-  lagged.stiffness.ee += both;
-  lagged.stiffness.et += middle * both;
-  lagged.stiffness.tt += (middle * middle + spread * spread) * both;
+  const Matrix2d both = 2 * frozen.drag_per_move;
+  frozen.stiffness.ee += both;
+  frozen.stiffness.et += middle * both;
+  frozen.stiffness.tt += (middle * middle + spread * spread) * both;
 }
 
-void lag_inertia(const World& world, const State& state, double dt, Lagged& lagged) noexcept {
+void freeze_inertia(const World& world, const State& state, double dt,
+                    FrozenCoefficients& frozen) noexcept {
   if (world.dynamics != Dynamics::inertial || dt == 0) return;
-  lagged.inertial = true;
-  lagged.second_order = world.integrator == Integrator::bdf2 && state.dt_before > 0 &&
+  frozen.inertial = true;
+  frozen.second_order = world.numerics.integrator == Integrator::bdf2 && state.dt_before > 0 &&
                         std::abs(state.dt_before - dt) <= 1e-9 * dt;
   // Mass times the square of the integrator's coefficient over dt^2, and the move without forces.
   Matrix5 inertia = 1 / (dt * dt) * world.holder.mass;
   Pose coasting = dt * state.velocity;
-  if (lagged.second_order) {
+  if (frozen.second_order) {
     inertia *= 2.25;
     coasting = (state.tip - state.tip_before) / 3 +
                2 * dt / 9 * (4 * state.velocity - state.velocity_before);
   }
   const Pose force = inertia * coasting;
-  lagged.stiffness += PoseMatrix(inertia);
-  lagged.load = PoseVector(lagged.load.full() + force);
-  lagged.load_scale += force.head<3>().norm();
+  frozen.stiffness += PoseMatrix(inertia);
+  frozen.load = PoseVector(frozen.load.full() + force);
+  frozen.load_scale += force.head<3>().norm();
 }
 
 }  // namespace
 
-Lagged lag(const World& world, const State& state, const Pose& hand, double dt) noexcept {
-  Lagged lagged;
-  lagged.hand = hand;
-  lagged.from = state.tip;
-  lagged.stiffness = PoseMatrix(world.holder.stiffness);
+FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
+                          double dt) noexcept {
+  FrozenCoefficients frozen;
+  frozen.command = command;
+  frozen.from = state.tip;
+  frozen.stiffness = PoseMatrix(world.holder.stiffness);
   const PoseVector weight = world.holder.weight;
-  lagged.load = lagged.stiffness.times(lagged.hand - lagged.from);
-  lagged.load_scale = lagged.load.length() + std::abs(weight.e.x());
-  lagged.load += weight;
-  lagged.length = std::min(state.inserted_length(), world.profile.length);
-  lagged.contact = contact_side(world, state);
-  lagged.bridge = state.bridge;
-  lag_drag(world, dt, lagged);
-  lag_inertia(world, state, dt, lagged);
+  frozen.load = frozen.stiffness.times(frozen.command - frozen.from);
+  frozen.load_scale = frozen.load.length() + std::abs(weight.e.x());
+  frozen.load += weight;
+  frozen.length = std::min(state.inserted_length(), world.profile.length);
+  frozen.contact = contact_side(world, state);
+  frozen.bridge = state.bridge;
+  freeze_drag(world, dt, frozen);
+  freeze_inertia(world, state, dt, frozen);
   for (std::size_t place = 0; place < kContactPlaces; ++place)
-    lagged.branch[place] = state.contact[place].branch;
+    frozen.branch[place] = state.contact[place].branch;
   const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
-  if (both && world.adhesion && world.adhesion->form == Form::printed) lagged.adhesion_share = 0.5;
-  if (!world.friction || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
-    return lagged;
+  if (both && std::holds_alternative<printed::Adhesion>(world.laws.adhesion))
+    frozen.adhesion_share = 0.5;
+  const Friction* law = friction_law(world.laws);
+  if (!law || (!state.contact[kEnd].closed && !state.contact[kSide].closed)) return frozen;
 
-  const auto depths = contact_depths(world, lagged.contact, state.tip);
+  const bool shared = both && std::holds_alternative<printed::Friction>(world.laws.friction);
+  const auto depths = contact_depths(world, frozen.contact, state.tip);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const ContactState& contact = state.contact[place];
     if (!contact.closed || depths[place].value == -INFINITY) continue;
     const double a = friction_radius(world, depths[place].value, contact.branch);
     if (!(a > 0)) continue;
-    LaggedFriction& friction = lagged.friction[place];
+    FrozenFriction& friction = frozen.friction[place];
     const Vector3d n = depths[place].normal(state.tip.tail<2>());
     friction.acts = true;
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
-    const double past = lagged.contact.past_mouth(lagged.from, world.annulus.fibre_radius);
+    const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
     const double patch = place == kSide ? PatchShare(past).value : 1.0;
-    const double share = both && world.friction->form == Form::printed ? 0.5 : 1.0;
-    friction.limit = patch * share * ferrule::friction(*world.friction, a);
-    friction.stiffness = patch * stuck_stiffness(*world.friction, a);
+    friction.limit = patch * (shared ? 0.5 : 1.0) * ferrule::friction(*law, a);
+    friction.stiffness = patch * stuck_stiffness(*law, a);
   }
-  return lagged;
+  return frozen;
 }
 
-Energy potential_at_start(const World& world, const Lagged& lagged,
-                          const KnownForces& bore) noexcept {
+Energy potential_at_start(const World& world, const FrozenCoefficients& frozen,
+                          const Linearization& bore) noexcept {
   Energy total;
   total.gradient = bore.gradient;
-  total.gradient -= lagged.load;
+  total.gradient -= frozen.load;
   total.hessian = bore.hessian;
-  total.hessian += lagged.stiffness;
-  if (lagged.axial_drag > 0) total.hessian.xx += AxialDrag(lagged, bore.at).stiffness;
+  total.hessian += frozen.stiffness;
+  if (frozen.axial_drag > 0) total.hessian.xx += AxialDrag(frozen, bore.at).stiffness;
   // What has just slipped slips on, under a limit that may have grown.
-  add_frictions(total, world, lagged, bore.at, kSlipsOn);
+  add_frictions(total, world, frozen, bore.at, kSlipsOn);
   return total;
 }
 
-Potential::Potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept
-    : depth(contact_depths(world, lagged.contact, tip)),
-      push{wall_force(world, depth[kEnd].value), wall_force(world, depth[kSide].value)},
-      pull{adhesion_force(world, depth[kEnd].value, lagged.branch[kEnd]),
-           adhesion_force(world, depth[kSide].value, lagged.branch[kSide])} {
-  if (lagged.adhesion_share != 1)
+Potential::Potential(const World& world, const FrozenCoefficients& frozen,
+                     const PoseVector& tip) noexcept
+    : depth(contact_depths(world, frozen.contact, tip)),
+      push{push_at(world, depth[kEnd].value), push_at(world, depth[kSide].value)},
+      pull{pull_at(world, depth[kEnd].value, frozen.branch[kEnd]),
+           pull_at(world, depth[kSide].value, frozen.branch[kSide])} {
+  if (frozen.adhesion_share != 1)
     for (AdhesionForce& shared : pull) {
-      shared.potential *= lagged.adhesion_share;
-      shared.force *= lagged.adhesion_share;
-      shared.slope *= lagged.adhesion_share;
+      shared.potential *= frozen.adhesion_share;
+      shared.force *= frozen.adhesion_share;
+      shared.slope *= frozen.adhesion_share;
     }
-  const double r = world.annulus.fibre_radius, past = lagged.contact.past_mouth(tip, r);
+  const double r = world.annulus.fibre_radius, past = frozen.contact.past_mouth(tip, r);
   if (past > 0 && past < kPatch)
-    cut_patch(*this, PatchShare(past), r * lagged.contact.mouth_outward, tip);
-  const bool inserted = lagged.contact.side == EdgeSide::throat;
-  if (inserted) add_surface_forces(bore, surface, world, lagged.length, lagged.bridge, tip);
-  if (world.meniscus && inserted && tip.x < 0) {
-    const double inwards = meniscus(*world.meniscus, world.annulus.fibre_radius);
+    cut_patch(*this, PatchShare(past), r * frozen.contact.mouth_outward, tip);
+  const bool inserted = frozen.contact.side == EdgeSide::throat;
+  if (inserted) add_surface_forces(bore, surface, world, frozen.length, frozen.bridge, tip);
+  if (world.laws.meniscus && inserted && tip.x < 0) {
+    const double inwards = meniscus(*world.laws.meniscus, world.annulus.fibre_radius);
     bore.value += inwards * tip.x;
     bore.value_scale -= inwards * tip.x;
     bore.gradient.x += inwards;
@@ -275,36 +280,35 @@ Potential::Potential(const World& world, const Lagged& lagged, const PoseVector&
     depth[at].add_to(bore, tip.t, force, stiffness);
   }
   static_cast<Energy&>(*this) = bore;
-  add_step(*this, world, lagged, tip);
+  add_step(*this, world, frozen, tip);
 }
 
-void forces(const World& world, const Lagged& lagged, const PoseVector& tip, const Potential& there,
-            Breakdown& b) noexcept {
+void forces(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+            const Potential& there, Breakdown& b) noexcept {
   const Vector3d end = tip.position();
-  b.holder = PoseMatrix(world.holder.stiffness).times(tip - lagged.hand).full();
-  b.gravity = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
+  b.holder = PoseMatrix(world.holder.stiffness).times(tip - frozen.command).full();
+  b[Term::gravity][0] = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
 
   const double length = -tip.x, inverse = 1 / length;
-  const std::array<std::array<PointForce, 2>*, kSurfaceTerms> terms = {
-      &b.van_der_waals, &b.electrostatic, &b.capillary};
   for (std::size_t i = 0; i < kSurfaceTerms && length > 0; ++i) {
     const PoseVector& g = there.surface[i];
     const Vector2d mouth = -inverse * g.t;
     const Vector2d inside = -g.e - mouth;
-    (*terms[i])[0] = {{-g.x, inside.x(), inside.y()}, end};
-    (*terms[i])[1] = {across(mouth),
-                      end + Vector3d(length, length * tip.t.x(), length * tip.t.y())};
+    TermForces& term = b[kSurfaceTermTable[i]];
+    term[0] = {{-g.x, inside.x(), inside.y()}, end};
+    term[1] = {across(mouth), end + Vector3d(length, length * tip.t.x(), length * tip.t.y())};
   }
-  if (world.meniscus && lagged.contact.side == EdgeSide::throat && tip.x < 0)
-    b.meniscus = {{-meniscus(*world.meniscus, world.annulus.fibre_radius), 0, 0}, end};
-  if (lagged.axial_drag > 0) {
-    const double axial = 0.5 * AxialDrag(lagged, tip).force;
-    const PoseVector moved = tip - lagged.from;
+  if (world.laws.meniscus && frozen.contact.side == EdgeSide::throat && tip.x < 0)
+    b[Term::meniscus][0] = {{-meniscus(*world.laws.meniscus, world.annulus.fibre_radius), 0, 0},
+                            end};
+  if (frozen.axial_drag > 0) {
+    const double axial = 0.5 * AxialDrag(frozen, tip).force;
+    const PoseVector moved = tip - frozen.from;
     for (std::size_t i = 0; i < 2; ++i) {
-      const double arm = lagged.drag_arm[i];
+      const double arm = frozen.drag_arm[i];
       const Vector2d e = eccentricity(tip, arm);
-      const Vector2d sideways = -(lagged.drag_per_move * (moved.e + arm * moved.t));
-      b.drag[i] = {{axial, sideways.x(), sideways.y()}, {tip.x + arm, e.x(), e.y()}};
+      const Vector2d sideways = -(frozen.drag_per_move * (moved.e + arm * moved.t));
+      b[Term::drag][i] = {{axial, sideways.x(), sideways.y()}, {tip.x + arm, e.x(), e.y()}};
     }
   }
   for (int place = 0; place < kContactPlaces; ++place) {
@@ -312,28 +316,29 @@ void forces(const World& world, const Lagged& lagged, const PoseVector& tip, con
     const ContactDepth& depth = there.depth[at];
     if (depth.value == -INFINITY) continue;
     const Vector3d normal = depth.normal(tip.t);
-    b.wall[at] = {there.push[at].force * normal, depth.point};
-    b.adhesion[at] = {there.pull[at].force * normal, depth.point};
-    const LaggedFriction& friction = lagged.friction[at];
+    b[Term::wall][at] = {there.push[at].force * normal, depth.point};
+    b[Term::adhesion][at] = {there.pull[at].force * normal, depth.point};
+    const FrozenFriction& friction = frozen.friction[at];
     if (!friction.acts) continue;
-    const Vector2d to_axis = lean(world, lagged, place);
+    const Vector2d to_axis = lean(world, frozen, place);
     const Vector2d surface = eccentricity(tip, friction.arm) - to_axis;
-    b.friction[at] = {friction_force(friction, material_point(tip, friction.arm, to_axis)),
-                      {tip.x + friction.arm, surface.x(), surface.y()}};
+    b[Term::friction][at] = {friction_force(friction, material_point(tip, friction.arm, to_axis)),
+                             {tip.x + friction.arm, surface.x(), surface.y()}};
   }
   if (there.push_out == 0 && there.pull_out == 0) return;
-  const Vector2d rim = tip.e + world.annulus.fibre_radius * lagged.contact.mouth_outward;
+  const Vector2d rim = tip.e + world.annulus.fibre_radius * frozen.contact.mouth_outward;
   for (const auto& [term, force] :
-       {std::pair(&b.wall[kEnd], there.push_out), std::pair(&b.adhesion[kEnd], there.pull_out)}) {
-    term->force.x() += force;
-    term->point = {tip.x, rim.x(), rim.y()};
+       {std::pair(Term::wall, there.push_out), std::pair(Term::adhesion, there.pull_out)}) {
+    PointForce& at_end = b[term][kEnd];
+    at_end.force.x() += force;
+    at_end.point = {tip.x, rim.x(), rim.y()};
   }
 }
 
-Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& tip,
+Contacts contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                   const Potential& there) noexcept {
   Contacts now;
-  now.bridge = lagged.contact.side == EdgeSide::throat && bridge_at(world, lagged.bridge, tip);
+  now.bridge = frozen.contact.side == EdgeSide::throat && bridge_at(world, frozen.bridge, tip);
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const double depth = there.depth[at].value;
@@ -343,7 +348,7 @@ Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& ti
     contact.depth = contact.closed ? depth : 0.0;
     contact.branch = there.pull[at].branch;
     const double arm = place == kSide ? -tip.x : 0.0;
-    now.material[at] = material_point(tip, arm, lean(world, lagged, place));
+    now.material[at] = material_point(tip, arm, lean(world, frozen, place));
   }
   return now;
 }

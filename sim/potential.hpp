@@ -2,11 +2,11 @@
 // where modelled drag and inertia, as a function of the pose the step ends at, with gradient and
 // Hessian. Minimising it is the implicit step; its gradient is minus the sum of all forces.
 //
-// What a step holds fixed at its start (Lagged): the side the fibre's end rests against, whether
-// there is a liquid bridge, the branches of the adhesion, the friction limits and the normals
-// friction is perpendicular to, the drag coefficients. Corrected surface forces act along the
-// inserted length as it changes, and so pull the fibre in by what a longer overlap gains; printed
-// ones know no axial force, and take the length of the step's start.
+// What a step freezes at its start (FrozenCoefficients): the side the fibre's end rests against,
+// whether there is a liquid bridge, the branches of the adhesion, the friction limits and the
+// normals friction is perpendicular to, the drag coefficients. Corrected surface forces act along
+// the inserted length as it changes, and so pull the fibre in by what a longer overlap gains;
+// printed ones know no axial force, and take the length of the step's start.
 //
 // The side's contact is a patch some kPatch wide, which the fibre's end cuts where it is near the
 // mouth: its energy and friction fade with the length l of the side that is past it
@@ -27,7 +27,7 @@ namespace ferrule {
 
 inline constexpr double kPatch = 0.5e-6;  // diameter of a contact 1 nm deep [m]
 
-struct LaggedFriction {
+struct FrozenFriction {
   bool acts = false;    // the rest is only set where it does
   Vector3d stuck;       // [m]
   Matrix3d tangential;  // projector onto the contact plane
@@ -36,14 +36,14 @@ struct LaggedFriction {
   double stiffness;     // k_t [N/m]
 };
 
-struct Lagged {
-  PoseVector hand;    // the command at the step's end
-  double length = 0;  // l_f [m]
+struct FrozenCoefficients {
+  PoseVector command;  // at the step's end
+  double length = 0;   // l_f [m]
   ContactSide contact;
   bool bridge = false;
   double adhesion_share = 1;
   std::array<int, kContactPlaces> branch{};
-  std::array<LaggedFriction, kContactPlaces> friction;
+  std::array<FrozenFriction, kContactPlaces> friction;
 
   // Holder, weight, drag sideways and inertia together: with q the move since the step's start
   // `from`, q.stiffness q/2 - load.q.
@@ -53,7 +53,7 @@ struct Lagged {
   double load_scale;     // sum of the magnitudes of what the load consists of [N]
 
   // Drag along x is k l per speed at the inserted length l, which changes with the step itself:
-  // k (l^2 - l_0^2)/(2 dt), of energy k (l - l_0)^2 (l + 2 l_0)/(6 dt). Sideways it is lagged.
+  // k (l^2 - l_0^2)/(2 dt), of energy k (l - l_0)^2 (l + 2 l_0)/(6 dt). Sideways it is frozen.
   double axial_drag = 0;  // k/dt [N/m^2]; 0 without drag
   // Force over displacement, sideways, at each of two arms [N/m].
   Matrix2d drag_per_move = Matrix2d::Zero();
@@ -63,9 +63,10 @@ struct Lagged {
   bool second_order = false;  // this step is one of BDF2
 };
 
-// For a step from `state` to the command `hand` over `dt` [s], which is only looked at where drag
+// For a step from `state` to `command` over `dt` [s], which is only looked at where drag
 // or inertia is modelled.
-Lagged lag(const World& world, const State& state, const Pose& hand, double dt) noexcept;
+FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
+                          double dt) noexcept;
 
 // The contacts at a pose (stuck points not moved) and the bridge there.
 struct Contacts {
@@ -78,7 +79,7 @@ struct Contacts {
 // The energy of a step that ends at `tip`, up to a constant, with the parts of it that forces()
 // needs.
 struct Potential : Energy {
-  Potential(const World& world, const Lagged& lagged, const PoseVector& tip) noexcept;
+  Potential(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip) noexcept;
 
   Energy bore;  // surface forces, contacts and meniscus: what does not depend on the step itself
   SurfaceGradients surface = {PoseVector(), PoseVector(), PoseVector()};
@@ -90,14 +91,14 @@ struct Potential : Energy {
 };
 
 // Its gradient and Hessian where the step starts, from those of the bore's part there.
-Energy potential_at_start(const World& world, const Lagged& lagged,
-                          const KnownForces& bore) noexcept;
+Energy potential_at_start(const World& world, const FrozenCoefficients& frozen,
+                          const Linearization& bore) noexcept;
 
 // The same forces term by term, into a breakdown of nothing; `there` is the potential at `tip`.
-void forces(const World& world, const Lagged& lagged, const PoseVector& tip, const Potential& there,
-            Breakdown& nothing_yet) noexcept;
+void forces(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+            const Potential& there, Breakdown& nothing_yet) noexcept;
 
-Contacts contacts(const World& world, const Lagged& lagged, const PoseVector& tip,
+Contacts contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                   const Potential& there) noexcept;
 
 }  // namespace ferrule

@@ -20,10 +20,10 @@ struct ContactState {
   int branch = 0;                     // of the adhesion's curve (sim/laws/maugis.hpp)
 };
 
-// Surface and contact forces at the pose a step ended at, for the next one to start its search from
-// (sim/step.cpp). They follow from the rest of the state: without them a step takes an evaluation
-// more.
-struct KnownForces {
+// The surface and contact forces linearised about the pose a step ended at: the predictor of the
+// next step (sim/step.cpp). It follows from the rest of the state: without it a step takes an
+// evaluation more.
+struct Linearization {
   Pose at = Pose::Zero();  // [m, rad]
   PoseVector gradient;     // of their energy [N, N m]
   PoseMatrix hessian;      // [N/m, N/rad, N m/rad]
@@ -31,18 +31,18 @@ struct KnownForces {
 };
 
 struct State {
-  Pose tip = Pose::Zero();   // pose of the inserted end [m, rad]
-  Pose hand = Pose::Zero();  // pose commanded by the holder at `time` [m, rad]
-  double time = 0;           // [s]
+  Pose tip = Pose::Zero();      // pose of the inserted end [m, rad]
+  Pose command = Pose::Zero();  // pose of the holder at `time` [m, rad]
+  double time = 0;              // [s]
   EdgeSide side = EdgeSide::throat;
   bool bridge = false;  // a liquid bridge spans the gap
   std::array<ContactState, kContactPlaces> contact;
   // Of the step before, for inertia and second order; dt_before is 0 where there was none.
-  Pose velocity = Pose::Zero();         // of the end [m/s, rad/s]
-  Pose tip_before = Pose::Zero();       // [m, rad]
-  Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
-  double dt_before = 0;                 // [s]
-  std::optional<KnownForces> known;     // no part of a row
+  Pose velocity = Pose::Zero();                // of the end [m/s, rad/s]
+  Pose tip_before = Pose::Zero();              // [m, rad]
+  Pose velocity_before = Pose::Zero();         // [m/s, rad/s]
+  double dt_before = 0;                        // [s]
+  std::optional<Linearization> linearization;  // no part of a row
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
@@ -54,7 +54,7 @@ using StateRow = Eigen::Matrix<double, kStateSize, 1>;
 
 inline StateRow to_row(const State& s) noexcept {
   StateRow row;
-  row << s.tip, s.hand, s.time, s.side == EdgeSide::face ? 1.0 : 0.0, s.bridge ? 1.0 : 0.0,
+  row << s.tip, s.command, s.time, s.side == EdgeSide::face ? 1.0 : 0.0, s.bridge ? 1.0 : 0.0,
       StateRow::Zero().head<12>(), s.velocity, s.tip_before, s.velocity_before, s.dt_before;
   for (int place = 0; place < kContactPlaces; ++place) {
     const ContactState& c = s.contact[place];

@@ -5,8 +5,8 @@
 // fibre was, by Newton's method with a line search: the energy never rises, so no step size blows
 // up, and the fibre follows the branch it is on until that branch ends (snap-in, pull-off, slip).
 //
-// Where it ends is foretold from the forces known where the last step ended (KnownForces): a smooth
-// step takes one evaluation of the potential.
+// A predictor, the linearization of the forces where the last step ended, says where it ends, and
+// one evaluation there corrects it: a smooth step takes one evaluation of the potential.
 //
 // A command that moves by more than half a clearance near the ferrule is followed in sub-steps of
 // that size, so that the fibre meets what lies on its way and does not jump over it.
@@ -35,8 +35,8 @@ struct StepResult {
   int halvings = 0;  // of sub-steps: the minimum was not found at once, or an event was located
 };
 
-// From `state` over `dt` [s] to the command `hand` [m, rad]. Never throws, never allocates, never
+// From `state` over `dt` [s] to `command` [m, rad]. Never throws, never allocates, never
 // returns a value that is not finite (if `state` is finite).
-StepResult step(const World& world, const State& state, const Pose& hand, double dt) noexcept;
+StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept;
 
 }  // namespace ferrule

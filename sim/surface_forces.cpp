@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "sim/contact_depth.hpp"
-#include "sim/laws/printed_range.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/tilted_bridge.hpp"
 
@@ -25,25 +24,48 @@ double inserted_slope(const World& world, const PoseVector& tip) noexcept {
   return tip.x < 0 && -tip.x < world.profile.length ? -1 : 0;
 }
 
-template <class Law>
-bool has(const std::optional<Law>& law, Form form) noexcept {
-  return law && law->form == form;
-}
-// The terms of `form` that are summed over nodes.
-struct Nodes {
-  bool van_der_waals, electrostatic, capillary;
-  bool any() const noexcept { return van_der_waals || electrostatic || capillary; }
-};
-Nodes nodes_of(const World& world, Form form) noexcept {
-  return {has(world.van_der_waals, form), has(world.electrostatic, form),
-          has(world.capillary, form)};
-}
+// Laws that are summed over nodes, those of one form: force per length at a gap, null where there
+// is none.
+struct PrintedLaws {
+  const Annulus& annulus;
+  const printed::VanDerWaals* van_der_waals;
+  const printed::Electrostatic* electrostatic;
+  const printed::Capillary* capillary;
 
-void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, Nodes laws,
-               bool follows, double length, bool bridge, const PoseVector& tip,
-               SurfaceGradients& by_term) noexcept {
-  const double slope = follows ? inserted_slope(world, tip) : 0;
-  const double c = world.annulus.clearance();
+  explicit PrintedLaws(const World& world) noexcept
+      : annulus(world.annulus),
+        van_der_waals(std::get_if<printed::VanDerWaals>(&world.laws.van_der_waals)),
+        electrostatic(std::get_if<printed::Electrostatic>(&world.laws.electrostatic)),
+        capillary(std::get_if<printed::Capillary>(&world.laws.capillary)) {}
+  bool any() const noexcept { return van_der_waals || electrostatic || capillary; }
+
+  template <class Add>
+  void at(double h, const Add& add) const noexcept {
+    if (van_der_waals) add(kVanDerWaals, printed::van_der_waals(*van_der_waals, annulus, h));
+    if (electrostatic) add(kElectrostatic, printed::electrostatic(*electrostatic, annulus, h));
+    if (capillary) add(kCapillary, printed::capillary(*capillary, h));
+  }
+};
+
+struct CorrectedLaws {
+  const Annulus& annulus;
+  const VanDerWaals* van_der_waals;
+  const Electrostatic* electrostatic;
+
+  bool any() const noexcept { return van_der_waals || electrostatic; }
+
+  template <class Add>
+  void at(double h, const Add& add) const noexcept {
+    if (van_der_waals) add(kVanDerWaals, ferrule::van_der_waals(*van_der_waals, annulus, h));
+    if (electrostatic) add(kElectrostatic, ferrule::electrostatic(*electrostatic, annulus, h));
+  }
+};
+
+// Over `length`, which changes by `slope` with x.
+template <class Laws>
+void add_nodes(Energy& total, const Laws& laws, const Quadrature& quadrature, double length,
+               double slope, const PoseVector& tip, SurfaceGradients& by_term) noexcept {
+  const double c = laws.annulus.clearance();
   const Vector2d tilt = tip.t;
   for (int n = 0; n < quadrature.order; ++n) {
     const double node = quadrature.node[static_cast<std::size_t>(n)];
@@ -51,7 +73,7 @@ void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, 
     const Arm arm{node * length, node * slope};
     const Radial radial(eccentricity(tip, arm.length), c);
     LineForce sum;
-    const auto add = [&](SurfaceTerm term, const LineForce& law) {
+    laws.at(c - radial.eccentricity, [&](SurfaceTerm term, const LineForce& law) {
       sum.potential += law.potential;
       sum.force += law.force;
       sum.slope += law.slope;
@@ -60,13 +82,7 @@ void add_nodes(Energy& total, const World& world, const Quadrature& quadrature, 
       g.x += slope * weight * law.potential + arm.per_x * pull.dot(tilt);
       g.e += pull;
       g.t += arm.length * pull;
-    };
-    const double h = c - radial.eccentricity;
-    if (laws.van_der_waals)
-      add(kVanDerWaals, van_der_waals(*world.van_der_waals, world.annulus, h));
-    if (laws.electrostatic)
-      add(kElectrostatic, electrostatic(*world.electrostatic, world.annulus, h));
-    if (laws.capillary) add(kCapillary, capillary(*world.capillary, world.annulus, h, bridge));
+    });
 
     // The sum is length times the mean: the chain rule through both.
     const double part = weight * length;
@@ -199,8 +215,7 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   constexpr std::array<SurfaceTerm, 2> terms = {kVanDerWaals, kElectrostatic};
   const double length = inserted(world, tip);
   const Vector2d tilt = tip.t;
-  const double widest =
-      law.clearance - std::max(world.annulus.roughness, printed::kInteratomicDistance);
+  const double widest = law.clearance - std::max(world.annulus.roughness, kInteratomicDistance);
   const Apart free = apart(tip, length, widest);
 
   const LocalLaw end(law, widest * widest);
@@ -269,43 +284,46 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
 }  // namespace
 
 bool electrostatic_in_closed_form(const World& world) noexcept {
-  return world.closed_form && has(world.electrostatic, Form::corrected) &&
+  return world.numerics.closed_form &&
+         std::holds_alternative<Electrostatic>(world.laws.electrostatic) &&
          closed_form_error(world.annulus) < kClosedFormError;
 }
 
 void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& world,
                         double printed_length, bool bridge, const PoseVector& tip) noexcept {
-  const Nodes printed = nodes_of(world, Form::printed);
+  const PrintedLaws printed(world);
   if (printed_length > 0 && printed.any())
-    add_nodes(total, world, kMiddle, printed, false, printed_length, bridge, tip, by_term);
+    add_nodes(total, printed, kMiddle, printed_length, 0, tip, by_term);
   if (tip.x >= 0) return;
-  Nodes corrected = nodes_of(world, Form::corrected);
-  const bool attracts = corrected.van_der_waals && world.closed_form;
-  const bool charged = corrected.electrostatic && electrostatic_in_closed_form(world);
+  const auto* attraction = std::get_if<VanDerWaals>(&world.laws.van_der_waals);
+  const auto* charge = std::get_if<Electrostatic>(&world.laws.electrostatic);
+  const bool attracts = attraction && world.numerics.closed_form;
+  const bool charged = charge && electrostatic_in_closed_form(world);
   if (attracts || charged)
     add_closed_form(total, world,
-                    TiltedAnnulus::of(attracts ? &*world.van_der_waals : nullptr,
-                                      charged ? &*world.electrostatic : nullptr, world.annulus),
+                    TiltedAnnulus::of(attracts ? attraction : nullptr, charged ? charge : nullptr,
+                                      world.annulus),
                     tip, by_term);
-  corrected.van_der_waals = corrected.van_der_waals && !attracts;
-  corrected.electrostatic = corrected.electrostatic && !charged;
-  if (corrected.capillary)
-    add_tilted_bridge(total, by_term[kCapillary], world, bridge, tip, inserted(world, tip),
+  if (const auto* liquid = std::get_if<Capillary>(&world.laws.capillary))
+    add_tilted_bridge(total, by_term[kCapillary], *liquid, world, bridge, tip, inserted(world, tip),
                       inserted_slope(world, tip));
-  corrected.capillary = false;
-  if (corrected.any())
-    add_nodes(total, world, world.quadrature, corrected, true, inserted(world, tip), bridge, tip,
-              by_term);
+  const CorrectedLaws nodes{world.annulus, attracts ? nullptr : attraction,
+                            charged ? nullptr : charge};
+  if (nodes.any())
+    add_nodes(total, nodes, world.numerics.quadrature, inserted(world, tip),
+              inserted_slope(world, tip), tip, by_term);
 }
 
 bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept {
-  if (!world.capillary || tip.x >= 0) return false;
+  if (tip.x >= 0 || !present(world.laws.capillary)) return false;
+  const auto* law = std::get_if<Capillary>(&world.laws.capillary);
+  if (!law) return true;  // the printed layer never lets go
   // The smallest gap is at an end of the length, the distance of a straight line from the axis
   // being convex.
   const double gap =
       world.annulus.clearance() -
       std::max(eccentricity(tip, 0).norm(), eccentricity(tip, inserted(world, tip)).norm());
-  return gap < capillary_reach(*world.capillary, bridge);
+  return gap < capillary_reach(*law, bridge);
 }
 
 }  // namespace ferrule

@@ -16,6 +16,8 @@
 namespace ferrule {
 
 enum SurfaceTerm { kVanDerWaals, kElectrostatic, kCapillary, kSurfaceTerms };
+inline constexpr std::array<Term, kSurfaceTerms> kSurfaceTermTable = {
+    Term::van_der_waals, Term::electrostatic, Term::capillary};
 
 // Gradient of each term's energy: minus its force and moment [N, N m].
 using SurfaceGradients = std::array<PoseVector, kSurfaceTerms>;

@@ -21,17 +21,18 @@ constexpr double kSteepest = 3;  // factor of a gap's distance from the law's si
 
 }  // namespace
 
-void add_tilted_bridge(Energy& total, PoseVector& gradient, const World& world, bool bridge,
-                       const PoseVector& tip, double length, double per_x) noexcept {
-  const Capillary& law = *world.capillary;
+void add_tilted_bridge(Energy& total, PoseVector& gradient, const Capillary& law,
+                       const World& world, bool bridge, const PoseVector& tip, double length,
+                       double per_x) noexcept {
   const auto at = [&](double h) noexcept { return capillary(law, world.annulus, h, bridge); };
   const double c = world.annulus.clearance(), reach = capillary_reach(law, bridge);
   const double core = kRadialSmoothing * c;
   const double flat = core / length;  // a gap that changes less has no place where it is the reach
   const Vector2d e = tip.e, t = tip.t;
 
-  const Quadrature& nodes =
-      world.quadrature.order < kFewestNodes.order ? kFewestNodes : world.quadrature;
+  const Quadrature& nodes = world.numerics.quadrature.order < kFewestNodes.order
+                                ? kFewestNodes
+                                : world.numerics.quadrature;
   std::array<Cut, kMostCuts> cuts;
   cuts[1] = {length, {per_x, Vector2d::Zero(), Vector2d::Zero()}};
   std::size_t count = 2;

@@ -14,10 +14,10 @@
 
 namespace ferrule {
 
-// Adds it to `total`, and its gradient to `gradient`. The world has the corrected capillary law;
-// `bridge`: liquid spans the gap; `length` [m], > 0, is inserted at `tip`, and changes by `per_x`
-// with x.
-void add_tilted_bridge(Energy& total, PoseVector& gradient, const World& world, bool bridge,
-                       const PoseVector& tip, double length, double per_x) noexcept;
+// Adds it to `total`, and its gradient to `gradient`. `law` is that of the world; `bridge`: liquid
+// spans the gap; `length` [m], > 0, is inserted at `tip`, and changes by `per_x` with x.
+void add_tilted_bridge(Energy& total, PoseVector& gradient, const Capillary& law,
+                       const World& world, bool bridge, const PoseVector& tip, double length,
+                       double per_x) noexcept;
 
 }  // namespace ferrule

@@ -27,7 +27,7 @@ inline std::string record(const Scene& scene, const std::string& folder, std::ui
   const Scaling scaling = scene_scaling(scene);
   std::unique_ptr<Device> device;
   if (controller)
-    device = std::make_unique<ControllerHand>(*controller, scaling.motion_to_hand(start.hand),
+    device = std::make_unique<ControllerHand>(*controller, scaling.motion_to_hand(start.command),
                                               scaling.motion * scene.limits.speed,
                                               1.1 * scaling.motion * scene.success.depth);
   else

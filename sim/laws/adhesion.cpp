@@ -1,56 +1,15 @@
 #include "sim/laws/adhesion.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sim/laws/printed_range.hpp"
-
 namespace ferrule {
-namespace {
-
-constexpr double kRadiusAtTouch = 100e-9;  // [m]
-constexpr double kRadiusPerDepth = 2.0;    // 20 nm over 10 nm
-
-AdhesionForce prescribed(const Adhesion& law, double depth) noexcept {
-  constexpr double a0 = printed::kInteratomicDistance;
-  if (depth <= -a0) return {};
-
-  // force(a) = stiff a^3 - pull a^2, and its integral over a
-  const double stiff = law.reduced_modulus / law.radius;
-  const double s = std::sqrt((law.m - 1) * (law.m + 1));
-  const double pull = law.maugis_lambda *
-                      std::cbrt(std::numbers::pi * law.work_of_adhesion * law.reduced_modulus *
-                                law.reduced_modulus / law.radius) *
-                      (s + law.m * law.m * std::atan(s));
-  const auto force = [&](double a) { return a * a * (stiff * a - pull); };
-  const auto integral = [&](double a) { return a * a * a * (stiff * a / 4 - pull / 3); };
-
-  const double touch = force(kRadiusAtTouch);
-  if (depth < 0) {
-    const double t = 1 + depth / a0;  // 0 .. 1 over the last a_0 of the approach
-    return {{0.5 * touch * a0 * t * t, touch * t, touch / a0}, 0, 0};
-  }
-  const double a = printed_contact_radius(depth);
-  const double beyond = std::max(0.0, depth - kPrintedDepth);
-  const double potential = 0.5 * touch * a0 +
-                           (integral(a) - integral(kRadiusAtTouch)) / kRadiusPerDepth +
-                           force(a) * beyond;
-  const double slope = beyond > 0 ? 0.0 : a * (3 * stiff * a - 2 * pull) * kRadiusPerDepth;
-  return {{potential, force(a), slope}, a, 0};
-}
-
-}  // namespace
 
 double reduced_modulus(double young_fibre, double poisson_fibre, double young_ferrule,
                        double poisson_ferrule) noexcept {
   return 4.0 / 3.0 /
          ((1 - poisson_fibre * poisson_fibre) / young_fibre +
           (1 - poisson_ferrule * poisson_ferrule) / young_ferrule);
-}
-
-double printed_contact_radius(double depth) noexcept {
-  return kRadiusAtTouch + kRadiusPerDepth * std::clamp(depth, 0.0, kPrintedDepth);
 }
 
 MaugisContact::MaugisContact(double lambda, double work_of_adhesion, double reduced_modulus,
@@ -60,8 +19,13 @@ MaugisContact::MaugisContact(double lambda, double work_of_adhesion, double redu
       depth(std::cbrt(force * force / (reduced_modulus * reduced_modulus * sphere_radius))),
       radius(std::cbrt(force * sphere_radius / reduced_modulus)) {}
 
+Adhesion prepare(Adhesion law) {
+  law.contact = std::make_shared<const MaugisContact>(law.maugis_lambda, law.work_of_adhesion,
+                                                      law.reduced_modulus, law.radius);
+  return law;
+}
+
 AdhesionForce adhesion(const Adhesion& law, double depth, int branch) noexcept {
-  if (law.form == Form::printed) return prescribed(law, depth);
   const MaugisContact& contact = *law.contact;
   const MaugisCurve::Value value = contact.curve.at(depth / contact.depth, branch);
   return {{contact.force * contact.depth * value.energy, contact.force * value.P,

@@ -10,6 +10,8 @@
 
 namespace ferrule {
 
+inline constexpr double kInteratomicDistance = 0.1e-9;  // a_0 [m], Table I
+
 struct Annulus {
   double fibre_radius;   // r [m], > 0
   double bore_radius;    // R [m], > r

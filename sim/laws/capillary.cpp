@@ -1,27 +1,11 @@
 #include "sim/laws/capillary.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "sim/laws/corrected_range.hpp"
-#include "sim/laws/printed_range.hpp"
 
 namespace ferrule {
 namespace {
-
-LineForce layer_law(const Capillary& law, double h) noexcept {
-  const double cosine = std::cos(law.contact_angle);
-  const double pull = 2 * law.surface_tension * cosine;
-  const double meet = 2 * law.film;
-  return printed::down_to_contact(
-      [&](double gap) noexcept -> LineForce {
-        // 1 - (h - 2e) cos / h = (1 - cos) + 2 e cos / h
-        return {pull * ((1 - cosine) * (gap - meet) + meet * cosine * std::log(gap / meet)),
-                -pull * ((1 - cosine) + meet * cosine / gap), pull * meet * cosine / (gap * gap)};
-      },
-      h);
-}
 
 // Half width of a bridge: the real root of x^3 + 6 R_e h x - 3 R_e A_l = 0, h >= 0.
 double half_width(double volume, double radius, double h) noexcept {
@@ -50,14 +34,12 @@ double half_width_at(const Capillary& law, const Annulus& annulus, double h) noe
 }  // namespace
 
 Capillary prepare(Capillary law, const Annulus& annulus) noexcept {
-  if (law.form == Form::printed) return law;
   law.rupture_half_width = half_width_at(law, annulus, law.rupture);
   law.film_half_width = half_width_at(law, annulus, 2 * law.film);
   return law;
 }
 
 double capillary_reach(const Capillary& law, bool bridge) noexcept {
-  if (law.form == Form::printed) return std::numeric_limits<double>::infinity();
   return bridge ? law.rupture : 2 * law.film;
 }
 
@@ -67,7 +49,6 @@ double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept {
 }
 
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept {
-  if (law.form == Form::printed) return layer_law(law, h);
   const double reach = capillary_reach(law, bridge);
   if (h >= reach) return {};
   LineForce force = corrected::down_to(

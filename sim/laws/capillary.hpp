@@ -1,30 +1,23 @@
-// Capillary attraction of liquid between fibre and bore.
+// Capillary attraction of liquid between fibre and bore, (4c): a bridge of constant volume along
+// the line of the smallest gap, with a meniscus on either side.
 //
-// Printed, (4) of the paper:  F = -2 gamma_L l_f (1 - (h - 2 e) / (2 r_1)) cos(theta_c)
-//   with the meniscus radius r_1 = h / (2 cos(theta_c)). The paper prints cos(theta) there, with
-//   theta its angular range of 90 degrees, which would make r_1 infinite; the contact angle is
-//   meant (E3 in sim/README.md). The printed layer never lets go (E4). Below a_0:
-//   sim/laws/printed_range.hpp. The potential is zero where two films meet, h = 2 e.
-// Corrected, (4c): a bridge of constant volume along the line of the smallest gap, with a meniscus
-//   on either side. With A_l its volume per length and R_e = r R/(R - r), the half width x solves
-//     A_l = 2 (h x + x^3/(6 R_e));   the gap there is H = h + x^2/(2 R_e)
-//     f = -4 gamma_L cos(theta_c) x/H,   potential -4 gamma_L cos(theta_c) x   (f = -dw/dh exactly)
-//   It forms when two films meet, h < 2 e, and ruptures beyond a stated distance: two different
-//   distances, so whether there is a bridge is state. In contact: sim/laws/corrected_range.hpp.
+// With A_l its volume per length and R_e = r R/(R - r), the half width x solves
+//   A_l = 2 (h x + x^3/(6 R_e));   the gap there is H = h + x^2/(2 R_e)
+//   f = -4 gamma_L cos(theta_c) x/H,   potential -4 gamma_L cos(theta_c) x   (f = -dw/dh exactly)
+// It forms when two films meet, h < 2 e, and ruptures beyond a stated distance: two different
+// distances, so whether there is a bridge is state. In contact: sim/laws/corrected_range.hpp.
 #pragma once
 
 #include "sim/laws/annulus.hpp"
-#include "sim/laws/form.hpp"
 
 namespace ferrule {
 
 struct Capillary {
-  Form form;
   double surface_tension;  // gamma_L [N/m], > 0
   double contact_angle;    // theta_c [rad], 0 <= theta_c < pi/2 (wetting)
   double film;             // e, thickness of the liquid layer [m], > 0
-  double volume = 0;       // A_l, per length [m^2], > 0; corrected form only
-  double rupture = 0;      // gap at which a bridge ruptures [m], > 2 e; corrected form only
+  double volume;           // A_l, per length [m^2], > 0
+  double rupture;          // gap at which a bridge ruptures [m], > 2 e
 
   // Derived, by prepare(): half widths of a bridge where it ruptures and where it forms [m].
   // Without them they are computed at each call.
@@ -34,10 +27,10 @@ struct Capillary {
 Capillary prepare(Capillary law, const Annulus& annulus) noexcept;
 
 // Where the force ends on the way out [m]: the rupture of a bridge, or the films' meeting where
-// there is none yet; infinite for the printed form.
+// there is none yet.
 double capillary_reach(const Capillary& law, bool bridge) noexcept;
 
-// Gap over which the force of a corrected bridge falls [m]: its half width is a function of
+// Gap over which the force of a bridge falls [m]: its half width is a function of
 // h/scale that is singular at -1.
 double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept;
 

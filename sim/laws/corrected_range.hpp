@@ -13,13 +13,12 @@
 #include <algorithm>
 
 #include "sim/laws/annulus.hpp"
-#include "sim/laws/printed_range.hpp"
 
 namespace ferrule::corrected {
 
 // t above [m].
 inline double asperity_range(const Annulus& annulus) noexcept {
-  return std::max(annulus.roughness, printed::kInteratomicDistance);
+  return std::max(annulus.roughness, kInteratomicDistance);
 }
 
 // `law(h)` is the bare formula, valid for h >= closest.

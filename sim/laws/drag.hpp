@@ -11,12 +11,10 @@
 #pragma once
 
 #include "sim/laws/annulus.hpp"
-#include "sim/laws/form.hpp"
 
 namespace ferrule {
 
 struct Drag {
-  Form form;         // corrected; the paper prints no drag
   double viscosity;  // mu [Pa s], > 0
 };
 

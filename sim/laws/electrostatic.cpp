@@ -4,12 +4,9 @@
 #include <numbers>
 
 #include "sim/laws/corrected_range.hpp"
-#include "sim/laws/printed_range.hpp"
 
 namespace ferrule {
 namespace {
-
-constexpr double kPermittivityTableI = 8.85e-12;  // eps0 [F/m]
 
 LineForce cylinders_law(double voltage, const Annulus& annulus, double h) noexcept {
   const double c = annulus.clearance() + annulus.roughness;
@@ -26,20 +23,9 @@ LineForce cylinders_law(double voltage, const Annulus& annulus, double h) noexce
   return {-strength / angle, -strength * pull, strength * slope};
 }
 
-LineForce patch_law(const Electrostatic& law, const Annulus& annulus, double h) noexcept {
-  const double strength = 0.5 * kPermittivityTableI * law.voltage * law.voltage *
-                          annulus.fibre_radius * printed::kPatchAngle;
-  return printed::down_to_contact(
-      [&](double gap) noexcept -> LineForce {
-        return {-strength / gap, -strength / (gap * gap), 2 * strength / (gap * gap * gap)};
-      },
-      h);
-}
-
 }  // namespace
 
 LineForce electrostatic(const Electrostatic& law, const Annulus& annulus, double h) noexcept {
-  if (law.form == Form::printed) return patch_law(law, annulus, h);
   return corrected::down_to_contact(
       [&](double gap) noexcept { return cylinders_law(law.voltage, annulus, gap); }, annulus, h);
 }

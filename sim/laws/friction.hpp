@@ -16,12 +16,9 @@
 // error of the regularisation is a displacement, at most F / k_t, some 0.1 nm with Table I.
 #pragma once
 
-#include "sim/laws/form.hpp"
-
 namespace ferrule {
 
 struct Friction {
-  Form form;
   double shear_fibre;    // G_1 [Pa], > 0
   double shear_ferrule;  // G_2 [Pa], > 0
   double burgers;        // b [m], > 0

@@ -6,12 +6,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/laws/form.hpp"
-
 namespace ferrule {
 
 struct Meniscus {
-  Form form;               // corrected; the paper prints none
   double surface_tension;  // gamma_L [N/m], > 0
   double contact_angle;    // theta_c [rad], 0 <= theta_c < pi/2
 };

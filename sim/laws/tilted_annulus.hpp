@@ -30,7 +30,7 @@ struct TiltedAnnulus {
   double cubed = 0;      // [J m^2]
   double single = 0;     // [J]
 
-  // Of the laws present, which must be of the corrected form.
+  // Of the laws present.
   static TiltedAnnulus of(const VanDerWaals* van_der_waals, const Electrostatic* electrostatic,
                           const Annulus& annulus) noexcept;
 };

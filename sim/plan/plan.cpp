@@ -2,19 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/minimum_jerk.hpp"
 #include "sim/plan/fidelity.hpp"
 #include "sim/plan/probe.hpp"
 #include "sim/plan/sampled_run.hpp"
+#include "sim/scene/terms.hpp"
 
 namespace ferrule {
 namespace {
-
-// Places in kTermNames.
-constexpr int kWallTerm = 5, kFrictionTerm = 6;
 
 constexpr int kFullNodes = 16;                // of the quadrature of the full model
 constexpr std::size_t kEveryForFidelity = 7;  // samples at which fidelities are compared
@@ -33,34 +30,24 @@ constexpr double kShareOfInertia = 0.8;     // which it may change where it is l
 constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
 constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
 
-Scene changed(const Scene& scene, const std::function<void(Json&)>& change) {
-  Json document = scene.document;
-  change(document);
-  return parse_scene(document, scene.name);
-}
-
-bool has_term(const World& w, int term) {
-  const std::array<bool, kTerms> there = {
-      w.van_der_waals.has_value(), w.electrostatic.has_value(), w.gravity.has_value(),
-      w.capillary.has_value(),     w.adhesion.has_value(),      w.wall.has_value(),
-      w.friction.has_value(),      w.drag.has_value(),          w.meniscus.has_value()};
-  return there[static_cast<std::size_t>(term)];
-}
-
 // The full model along its probes: what every reduced one is measured against.
 struct Reference {
   const Scene& scene;
   std::vector<Probe> probes;
-  std::vector<SampledRun> runs;       // of each probe
-  std::vector<State> inside;          // some of their states with the end in the bore
-  std::array<double, kTerms> most{};  // the largest force of each term [N]
-  std::array<State, kTerms> where;    // and where it was
-  double compliance;                  // of the holder [m/N]
-  double clearance;                   // [m]
-  double force_scale = INFINITY;      // what force errors are relative to [N]
-  bool sticks = false;                // or snaps
+  std::vector<SampledRun> runs;  // of each probe
+  std::vector<State> inside;     // some of their states with the end in the bore
+  struct Extreme {
+    double force = 0;  // the largest [N]
+    State where;
+  };
+  std::array<Extreme, kTerms> extremes;
+  double compliance;              // of the holder [m/N]
+  double clearance;               // [m]
+  double force_scale = INFINITY;  // what force errors are relative to [N]
+  bool sticks = false;            // or snaps
 
   explicit Reference(const Scene& full);
+  const Extreme& extreme(Term term) const { return extremes[static_cast<std::size_t>(term)]; }
   // What a missing force [N] can change: the felt force, and where the end is [-].
   double changes(double force) const {
     return force * std::max(1 / force_scale, compliance / clearance);
@@ -80,19 +67,19 @@ Reference::Reference(const Scene& full)
     std::size_t sample = 0;
     runs.push_back(sample_run(world, p.start, p.hand, full.limits.force,
                               [&](const State& s, const Breakdown& b) {
-                                const auto forces = term_forces(b);
-                                for (std::size_t i = 0; i < kTerms; ++i)
-                                  if (forces[i].norm() > most[i]) {
-                                    most[i] = forces[i].norm();
-                                    where[i] = s;
-                                  }
+                                for (const Term term : kAllTerms) {
+                                  const double force = b.force(term).norm();
+                                  Extreme& most = extremes[static_cast<std::size_t>(term)];
+                                  if (force > most.force) most = {force, s};
+                                }
                                 if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0)
                                   inside.push_back(s);
                               }));
     force_scale = std::min(force_scale, largest_force(runs.back()));
     sticks = sticks || snaps(runs.back(), p.hand, clearance);
   }
-  sticks = sticks || most[kFrictionTerm] > 0 || world.drag;  // drag slows a snap down and hides it
+  sticks = sticks || extreme(Term::friction).force > 0 ||
+           world.laws.drag;  // drag slows a snap down and hides it
   force_scale = std::max(force_scale, clearance / compliance);
 }
 
@@ -108,23 +95,24 @@ double Reference::error(const World& reduced, double enough) const {
 
 // Terms that may be left out together, and what that changes at most.
 struct LeftOut {
-  std::vector<int> terms;
+  std::vector<Term> terms;
   double change = 0;
 };
 
 LeftOut smallest_terms(const Reference& reference, double enough) {
-  const auto most = [&](int i) { return reference.most[static_cast<std::size_t>(i)]; };
-  std::vector<int> order;
-  for (int i = 0; i < kTerms; ++i)  // one that was not seen may act elsewhere
-    if (has_term(reference.scene.world, i) && i != kWallTerm && most(i) > 0) order.push_back(i);
+  const auto most = [&](Term term) { return reference.extreme(term).force; };
+  std::vector<Term> order;
+  for (const Term term : kAllTerms)  // one that was not seen may act elsewhere; walls are no choice
+    if (info(term).read && info(term).present(reference.scene.world.laws) && most(term) > 0)
+      order.push_back(term);
   std::sort(order.begin(), order.end(),
-            [&](int a, int b) { return std::pair(most(a), a) < std::pair(most(b), b); });
+            [&](Term a, Term b) { return std::pair(most(a), a) < std::pair(most(b), b); });
   LeftOut out;
-  for (const int i : order) {
-    const double more = reference.changes(most(i));
+  for (const Term term : order) {
+    const double more = reference.changes(most(term));
     if (out.change + more > enough) break;
     out.change += more;
-    out.terms.push_back(i);
+    out.terms.push_back(term);
   }
   return out;
 }
@@ -139,21 +127,35 @@ constexpr std::array<Fidelity, 7> kFidelities = {
 
 // A model to choose.
 struct Reduced {
-  std::vector<int> without;
+  std::vector<Term> without;
   Fidelity fidelity;
   Dynamics dynamics;
   double step;  // longest [s]
 };
 
-Scene reduced_scene(const Scene& full, const Reduced& r) {
-  return changed(full, [&](Json& d) {
-    for (const int i : r.without) d["laws"][kTermNames[static_cast<std::size_t>(i)]] = nullptr;
-    d["quadrature"] = r.fidelity.nodes;
-    if (!r.fidelity.closed_form) d["tilted_axes"] = "quadrature";
-    d["dynamics"] = r.dynamics == Dynamics::inertial ? "inertial" : "quasi_static";
-    if (r.dynamics == Dynamics::quasi_static) d.erase("integrator");
-    d["step_s"] = r.step;
-  });
+World reduced_world(const Scene& full, const Reduced& r) {
+  WorldParameters p = full.parameters;
+  for (const Term term : r.without) info(term).leave_out(p.laws);
+  p.dynamics = r.dynamics;
+  if (r.dynamics == Dynamics::quasi_static) p.numerics.integrator = Integrator::backward_euler;
+  p.numerics.quadrature = Quadrature::gauss_legendre(r.fidelity.nodes);
+  p.numerics.closed_form = r.fidelity.closed_form;
+  p.numerics.longest_step = r.step;
+  return make_world(p);
+}
+
+// The scene file of that model.
+Json reduced_document(const Scene& full, const Reduced& r) {
+  Json d = full.document;
+  for (const char* key : {"accuracy", "tilted_axes", "integrator"}) d.erase(key);
+  for (const Term term : r.without) d["laws"][info(term).name] = nullptr;
+  d["quadrature"] = r.fidelity.nodes;
+  if (!r.fidelity.closed_form) d["tilted_axes"] = "quadrature";
+  const bool inertial = r.dynamics == Dynamics::inertial;
+  d["dynamics"] = inertial ? "inertial" : "quasi_static";
+  if (inertial) d["integrator"] = "bdf2";
+  d["step_s"] = r.step;
+  return d;
 }
 
 // The chosen model, with what it leaves out, coarsens and steps over.
@@ -165,12 +167,11 @@ struct Choice {
 };
 
 // The cheapest fidelity of surface forces that is good enough, and its errors.
-Fidelity choose_fidelity(const Reference& reference, const std::vector<int>& without, double enough,
-                         std::array<double, kSurfaceTerms>& coarser) {
+Fidelity choose_fidelity(const Reference& reference, const std::vector<Term>& without,
+                         double enough, std::array<double, kSurfaceTerms>& coarser) {
   const auto world = [&](Fidelity f) {
-    return reduced_scene(reference.scene,
-                         {without, f, reference.scene.world.dynamics, kSamplePeriod})
-        .world;
+    return reduced_world(reference.scene,
+                         {without, f, reference.scene.world.dynamics, kSamplePeriod});
   };
   const World finest = world(kFidelities.back());
   for (const Fidelity& f : kFidelities) {
@@ -181,29 +182,30 @@ Fidelity choose_fidelity(const Reference& reference, const std::vector<int>& wit
 }
 
 // What may be spent, of the tolerance, and which steps there are to choose from.
-struct Room {
+struct Budget {
   double tolerance;                  // for all but inertia that is left out unmeasured
   bool try_quasi_static;             // in place of the full model's inertia
   const std::vector<double>& steps;  // [s], the last is the full model's
 };
 
 // What is left out where that is good enough, else with every term; then the longest step.
-Choice choose(const Reference& reference, const Room& room) {
+Choice choose(const Reference& reference, const Budget& budget) {
   const World& world = reference.scene.world;
-  const double measured = world.drag ? kMeasuredWithDrag : kMeasured;
-  const double enough = measured * room.tolerance;
+  const double measured = world.laws.drag ? kMeasuredWithDrag : kMeasured;
+  const double enough = measured * budget.tolerance;
   const auto share = [&](double part) {
-    return (reference.sticks ? kShareWhereItSticks : part) * room.tolerance;
+    return (reference.sticks ? kShareWhereItSticks : part) * budget.tolerance;
   };
-  const Choice full{{{}, kFidelities.back(), world.dynamics, room.steps.back()}, {}, {}, INFINITY};
+  const Choice full{
+      {{}, kFidelities.back(), world.dynamics, budget.steps.back()}, {}, {}, INFINITY};
 
   // How wrong the full model's own step is, the next longer one tells. Where that is too much, no
   // step of the list is fine enough to leave anything out beside it.
   double full_error = 0;
-  if (room.steps.size() > 1) {
+  if (budget.steps.size() > 1) {
     Reduced longer = full.model;
-    longer.step = room.steps[room.steps.size() - 2];
-    full_error = reference.error(reduced_scene(reference.scene, longer).world, INFINITY);
+    longer.step = budget.steps[budget.steps.size() - 2];
+    full_error = reference.error(reduced_world(reference.scene, longer), INFINITY);
   }
   Choice nothing_reduced = full;
   nothing_reduced.error = full_error / measured;
@@ -218,14 +220,14 @@ Choice choose(const Reference& reference, const Room& room) {
     c.model.fidelity =
         choose_fidelity(reference, left_out.terms, share(kShareOfFidelity), c.coarser);
     std::vector<std::pair<Dynamics, double>> ways;
-    if (room.try_quasi_static) ways.emplace_back(Dynamics::quasi_static, room.steps.front());
-    for (const double step : room.steps) ways.emplace_back(world.dynamics, step);
+    if (budget.try_quasi_static) ways.emplace_back(Dynamics::quasi_static, budget.steps.front());
+    for (const double step : budget.steps) ways.emplace_back(world.dynamics, step);
     for (const auto& [dynamics, step] : ways) {
       c.model.dynamics = dynamics;
       c.model.step = step;
-      c.error = reference.error(reduced_scene(reference.scene, c.model).world, enough);
+      c.error = reference.error(reduced_world(reference.scene, c.model), enough);
       if (c.error > enough) continue;
-      if (step == room.steps.back()) c.error = std::max(c.error, full_error);
+      if (step == budget.steps.back()) c.error = std::max(c.error, full_error);
       c.error /= measured;
       return c;
     }
@@ -233,30 +235,68 @@ Choice choose(const Reference& reference, const Room& room) {
   return nothing_reduced;
 }
 
+// The error of the fidelity of a surface term's force [N]; 0 for others.
+double coarser_by(const Choice& choice, Term term) {
+  const auto found = std::find(kSurfaceTermTable.begin(), kSurfaceTermTable.end(), term);
+  if (found == kSurfaceTermTable.end()) return 0;
+  return choice.coarser[static_cast<std::size_t>(found - kSurfaceTermTable.begin())];
+}
+
 std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice& choice,
                                        const World& chosen) {
+  const std::vector<Term>& without = choice.left_out.terms;
   std::vector<PlannedTerm> terms;
-  for (int i = 0; i < kTerms; ++i) {
-    if (!has_term(reference.scene.world, i)) continue;
-    const auto at = static_cast<std::size_t>(i);
-    const std::vector<int>& without = choice.left_out.terms;
-    PlannedTerm term;
-    term.name = kTermNames[at];
-    term.kept = std::find(without.begin(), without.end(), i) == without.end();
-    term.fidelity = term.kept ? fidelity(chosen, i) : "none";
-    term.max_force = reference.most[at];
-    term.state = reference.where[at];
-    term.relative_error = 0;
-    if (!term.kept)
-      term.relative_error = reference.changes(term.max_force);
-    else if ((i == 0 || i == 1 || i == 3) && term.max_force > 0)
-      term.relative_error =
-          choice.coarser[i == 3 ? kCapillary : static_cast<SurfaceTerm>(i)] / term.max_force;
-    if (term.kept && i == 1 && electrostatic_in_closed_form(chosen))
-      term.relative_error += closed_form_error(chosen.annulus);
-    terms.push_back(term);
+  for (const Term term : kAllTerms) {
+    if (!info(term).present(reference.scene.world.laws)) continue;
+    PlannedTerm planned;
+    planned.name = info(term).name;
+    planned.kept = std::find(without.begin(), without.end(), term) == without.end();
+    planned.fidelity = planned.kept ? info(term).fidelity(chosen) : "none";
+    planned.max_force = reference.extreme(term).force;
+    planned.state = reference.extreme(term).where;
+    planned.relative_error = 0;
+    if (!planned.kept)
+      planned.relative_error = reference.changes(planned.max_force);
+    else if (planned.max_force > 0)
+      planned.relative_error = coarser_by(choice, term) / planned.max_force;
+    if (planned.kept && term == Term::electrostatic && electrostatic_in_closed_form(chosen))
+      planned.relative_error += closed_form_error(chosen.annulus);
+    terms.push_back(planned);
   }
   return terms;
+}
+
+}  // namespace
+
+namespace {
+
+// Inertia, where the scene does not say whether it is modelled.
+struct Inertia {
+  bool stated;    // by the scene
+  double force;   // that speeds the fibre up as the hand moves [N]
+  double change;  // what leaving it out changes [-]
+
+  explicit Inertia(const Scene& scene) : stated(scene.document.contains("dynamics")) {
+    const Holder& holder = scene.world.holder;
+    const double mass = holder.mass.topLeftCorner<3, 3>().norm();
+    force = mass * kPeakOfMinimumJerk * scene.limits.speed / kSpeedingUp;
+    change = force * holder.compliance() / scene.world.annulus.clearance();
+  }
+};
+
+// Every term, the finest fidelity, the finest of the steps.
+Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& steps) {
+  Scene full = scene;
+  WorldParameters& p = full.parameters;
+  if (inertial) {
+    p.dynamics = Dynamics::inertial;
+    p.numerics.integrator = Integrator::bdf2;
+  }
+  p.numerics.closed_form = true;
+  p.numerics.quadrature = Quadrature::gauss_legendre(kFullNodes);
+  p.numerics.longest_step = steps.back();
+  full.world = make_world(p);
+  return full;
 }
 
 }  // namespace
@@ -264,32 +304,16 @@ std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice&
 Plan make_plan(const Scene& scene, double tolerance) {
   if (!(tolerance >= 1e-6 && tolerance <= 0.5))
     throw BadInput("accuracy = " + Json(tolerance).dump() + ": must be from 1e-6 to 0.5");
-
-  // Inertia, where the scene does not say: the force that speeds the fibre up.
-  const bool stated = scene.document.contains("dynamics");
-  const Holder& holder = scene.world.holder;
-  const double mass = holder.mass.topLeftCorner<3, 3>().norm();
-  const double inertia = mass * kPeakOfMinimumJerk * scene.limits.speed / kSpeedingUp;
-  const double slow =  // what leaving it out changes
-      inertia * holder.compliance() / scene.world.annulus.clearance();
-  const bool rings = !stated && slow > kShareOfInertia * tolerance;
+  const Inertia inertia(scene);
+  const bool rings = !inertia.stated && inertia.change > kShareOfInertia * tolerance;
   const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
-  const std::vector<double>& steps = inertial           ? kInertialSteps
-                                     : scene.world.drag ? kDragSteps
-                                                        : kTimeless;
-  const Scene full = changed(scene, [&](Json& d) {
-    d.erase("accuracy");
-    d.erase("tilted_axes");
-    d["quadrature"] = kFullNodes;
-    if (rings) d["dynamics"] = "inertial";
-    if (inertial) d["integrator"] = "bdf2";
-    d["step_s"] = steps.back();
-  });
-
+  const std::vector<double>& steps = inertial                ? kInertialSteps
+                                     : scene.world.laws.drag ? kDragSteps
+                                                             : kTimeless;
+  const Scene full = full_model(scene, inertial, steps);
   const Reference reference(full);
-  const double room = stated || rings ? tolerance : tolerance - slow;
-  const Choice choice = choose(reference, {room, inertial && stated, steps});
-  const Scene chosen = reduced_scene(full, choice.model);
+  const double budget = inertia.stated || rings ? tolerance : tolerance - inertia.change;
+  const Choice choice = choose(reference, {budget, inertial && inertia.stated, steps});
 
   Plan plan;
   plan.tolerance = tolerance;
@@ -300,19 +324,24 @@ Plan make_plan(const Scene& scene, double tolerance) {
       std::max(choice.error,
                choice.left_out.change +
                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
-  plan.terms = planned_terms(reference, choice, chosen.world);
-  if (!stated || inertial) {
+  plan.terms = planned_terms(reference, choice, reduced_world(full, choice.model));
+  if (!inertia.stated || inertial) {
     // Where the scene has it, what leaving it out changes is measured.
     const bool kept = plan.dynamics == Dynamics::inertial;
-    const double change = kept ? 0 : stated ? choice.error : slow;
+    const double change = kept ? 0 : inertia.stated ? choice.error : inertia.change;
     plan.terms.push_back(
-        {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia, change, State()});
-    if (!stated) plan.error_bound += change;
+        {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia.force, change, State()});
+    if (!inertia.stated) plan.error_bound += change;
   }
-  plan.document = chosen.document;
+  plan.document = reduced_document(full, choice.model);
   plan.document["planned_accuracy"] = tolerance;
   plan.document["planned_error_bound"] = plan.error_bound;
   return plan;
+}
+
+Scene planned(const Scene& scene) {
+  if (!scene.accuracy) return scene;
+  return parse_scene(make_plan(scene, *scene.accuracy).document, scene.name);
 }
 
 }  // namespace ferrule

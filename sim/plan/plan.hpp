@@ -34,7 +34,7 @@
 namespace ferrule {
 
 struct PlannedTerm {
-  std::string name;  // as in kTermNames, or "inertia"
+  std::string name;  // as in the table of terms, or "inertia"
   bool kept;
   std::string fidelity;   // how it is computed; "none" where left out
   double max_force;       // largest in any probe [N]
@@ -44,8 +44,8 @@ struct PlannedTerm {
 
 struct Plan {
   double tolerance;
-  // Those of the scene, in the order of kTermNames, then inertia, unless the scene says that it is
-  // quasi-static.
+  // Those of the scene, in the order of the table of terms, then inertia, unless the scene says
+  // that it is quasi-static.
   std::vector<PlannedTerm> terms;
   Dynamics dynamics;
   double step;         // longest step in time [s]
@@ -54,8 +54,11 @@ struct Plan {
   Json document;       // the planned scene
 };
 
-// `scene` without "accuracy"; 1e-6 <= tolerance <= 0.5. Deterministic; takes some seconds.
-// Throws BadInput if the tolerance is out of range.
+// Whatever accuracy the scene itself asks for; 1e-6 <= tolerance <= 0.5. Deterministic; takes some
+// seconds. Throws BadInput if the tolerance is out of range.
 Plan make_plan(const Scene& scene, double tolerance);
+
+// The scene itself, or where it states an accuracy the planned one. Throws BadInput.
+Scene planned(const Scene& scene);
 
 }  // namespace ferrule

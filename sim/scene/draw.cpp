@@ -14,11 +14,19 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   const double fibre = 2 * scene.world.annulus.fibre_radius + t.fibre_sd * deviation;
   const double bore = t.bore_low + (t.bore_high - t.bore_low) * random.uniform();
   if (fibre >= bore) return nullptr;
-  Json document = scene.document;
-  document.erase("tolerance");
-  document["fibre"]["diameter_um"] = 1e6 * fibre;
-  document["ferrule"]["bore_diameter_um"] = 1e6 * bore;
-  return std::make_shared<const Scene>(parse_scene(document, scene.name));
+  const auto drawn = std::make_shared<Scene>(scene);
+  drawn->tolerance.reset();
+  WorldParameters& p = drawn->parameters;
+  p.fibre.diameter_um = 1e6 * fibre;
+  p.ferrule.bore_diameter_um = 1e6 * bore;
+  if (const auto found = inconsistency(p))
+    throw BadInput(scene.name + ": tolerance: " + found->key + " " + found->rule);
+  drawn->world = make_world(p);
+  // What a recording states of its scene.
+  drawn->document.erase("tolerance");
+  drawn->document["fibre"]["diameter_um"] = p.fibre.diameter_um;
+  drawn->document["ferrule"]["bore_diameter_um"] = p.ferrule.bore_diameter_um;
+  return drawn;
 }
 
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {

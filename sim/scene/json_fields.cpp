@@ -38,6 +38,21 @@ Rule not_negative() {
 Rule between(double low, double high, std::string text) {
   return {low, high, false, false, std::move(text)};
 }
+
+namespace {
+Rule with_range(double low, double high, const char* must_be) {
+  std::ostringstream text;
+  text << must_be << ", from " << low << " to " << high;
+  return between(low, high, text.str());
+}
+}  // namespace
+
+Rule positive(double low, double high) {
+  return with_range(low, high, "must be positive");
+}
+Rule not_negative(double high) {
+  return with_range(0, high, "must not be negative");
+}
 }  // namespace rule
 
 Json parse_json(const std::string& text, const std::string& file) {
@@ -134,8 +149,9 @@ void write_text(const std::string& name, const std::string& text, bool replace) 
   if (error) cannot_write(name, error);
 }
 
-JsonFields::JsonFields(const Json& object, std::string file, std::string path)
-    : object_(object), file_(std::move(file)), path_(std::move(path)) {
+JsonFields::JsonFields(const Json& object, std::string file, std::string path,
+                       std::vector<BoundNumber>* bound)
+    : object_(object), file_(std::move(file)), path_(std::move(path)), bound_(bound) {
   if (!object_.is_object())
     throw BadInput(file_ + ": " + (path_.empty() ? "the document" : path_) + " = " +
                    shown(object_) + ": must be an object {...}");
@@ -143,8 +159,7 @@ JsonFields::JsonFields(const Json& object, std::string file, std::string path)
 
 void JsonFields::refuse(const std::string& key, const std::string& rule) const {
   const auto found = object_.find(key);
-  const std::string place = path_.empty() ? key : path_ + "." + key;
-  throw BadInput(file_ + ": " + place +
+  throw BadInput(file_ + ": " + dotted(key) +
                  (found == object_.end() ? " is missing: " : " = " + shown(*found) + ": ") + rule);
 }
 
@@ -155,14 +170,27 @@ const Json& JsonFields::get(const std::string& key, const std::string& expected)
   return *found;
 }
 
+std::string JsonFields::dotted(const std::string& key) const {
+  return path_.empty() ? key : path_ + "." + key;
+}
+
 double JsonFields::number(const std::string& key, const Rule& rule) {
+  const double x = checked(key, rule);
+  if (bound_) bound_->push_back({dotted(key), nullptr, 1, rule});
+  return x;
+}
+
+void JsonFields::number(const std::string& key, const Rule& rule, double& value, double unit) {
+  value = unit * checked(key, rule);
+  if (bound_) bound_->push_back({dotted(key), &value, unit, rule});
+}
+
+double JsonFields::checked(const std::string& key, const Rule& rule) {
   const std::string expected = rule.text;
   const Json& value = get(key, "a number that " + expected);
   if (!value.is_number()) refuse(key, "must be a number");
   const double x = value.get<double>();
-  const bool low_ok = rule.low_open ? x > rule.low : x >= rule.low;
-  const bool high_ok = rule.high_open ? x < rule.high : x <= rule.high;
-  if (!(low_ok && high_ok)) refuse(key, expected);
+  if (!rule.allows(x)) refuse(key, expected);
   return x;
 }
 
@@ -200,7 +228,7 @@ std::size_t JsonFields::choice(const std::string& key, const std::vector<std::st
 }
 
 JsonFields JsonFields::object(const std::string& key) {
-  return {get(key, "an object {...}"), file_, path_.empty() ? key : path_ + "." + key};
+  return {get(key, "an object {...}"), file_, dotted(key), bound_};
 }
 
 const Json& JsonFields::raw(const std::string& key) {

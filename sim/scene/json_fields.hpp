@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "sim/error.hpp"
 
@@ -31,20 +32,39 @@ struct Rule {
   double low, high;
   bool low_open = false, high_open = false;
   std::string text;  // "must be positive"
+
+  bool allows(double x) const noexcept {
+    return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
+  }
 };
 namespace rule {
 Rule any();
 Rule positive();
 Rule not_negative();
 Rule between(double low, double high, std::string text);
+// The same with the range in the text: "must be positive, from 1 to 10".
+Rule positive(double low, double high);
+Rule not_negative(double high);
 }  // namespace rule
+
+// A number that was read, and where it is kept: what varies a document's numbers goes by this.
+struct BoundNumber {
+  std::string key;          // dotted
+  double* value = nullptr;  // null: nothing depends on it
+  double unit = 1;          // *value = unit times the number in the document
+  Rule rule;
+};
 
 class JsonFields {
  public:
-  // `object` must outlive this. Throws BadInput if it is not an object.
-  JsonFields(const Json& object, std::string file, std::string path = "");
+  // `object` must outlive this. Every number read by this or by objects within it is added to
+  // `bound` where that is not null. Throws BadInput if it is not an object.
+  JsonFields(const Json& object, std::string file, std::string path = "",
+             std::vector<BoundNumber>* bound = nullptr);
 
   double number(const std::string& key, const Rule& rule);
+  // Into `value`, times `unit`.
+  void number(const std::string& key, const Rule& rule, double& value, double unit = 1);
   std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
   // [a, b], two finite numbers.
   Eigen::Vector2d pair(const std::string& key);
@@ -64,10 +84,13 @@ class JsonFields {
 
  private:
   const Json& get(const std::string& key, const std::string& expected);
+  std::string dotted(const std::string& key) const;
+  double checked(const std::string& key, const Rule& rule);
 
   const Json& object_;
   std::string file_, path_;
   std::set<std::string> known_;
+  std::vector<BoundNumber>* bound_;
 };
 
 }  // namespace ferrule

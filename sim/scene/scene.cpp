@@ -1,11 +1,10 @@
 #include "sim/scene/scene.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <sstream>
 
-#include "sim/plan/plan.hpp"
 #include "sim/scene/shipped_files.hpp"
+#include "sim/scene/terms.hpp"
 
 namespace ferrule {
 namespace {
@@ -13,214 +12,108 @@ namespace {
 constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 
 constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
-constexpr double degree = std::numbers::pi / 180;
 constexpr double kFarthest = 1e6;  // of a start [um]
 constexpr int kUsualNodes = 5;     // of the quadrature along the insertion
 
-// Ranges: wide, so that whatever is in them can be computed with.
-Rule range(double low, double high, const char* must_be) {
-  std::ostringstream text;
-  text << must_be << ", from " << low << " to " << high;
-  return rule::between(low, high, text.str());
-}
-Rule positive(double low, double high) {
-  return range(low, high, "must be positive");
-}
-Rule not_negative(double high) {
-  return range(0, high, "must not be negative");
+// Ranges are wide, so that whatever is in them can be computed with.
+using rule::not_negative;
+using rule::positive;
+
+void read_fibre(JsonFields f, FibreParameters& fibre) {
+  f.number("diameter_um", positive(1, 1e5), fibre.diameter_um);
+  f.number("density_kg_m3", positive(1, 1e5), fibre.density_kg_m3);
+  f.number("young_GPa", positive(1e-6, 1e4), fibre.young_GPa);
+  f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), fibre.poisson);
+  f.number("shear_GPa", positive(1e-6, 1e4), fibre.shear_GPa);
+  f.number("manipulated_length_mm", positive(1e-3, 1e4), fibre.manipulated_length_mm);
+  f.finish();
 }
 
-Form read_form(JsonFields& law) {
-  return law.choice("form", {"printed", "corrected"}) == 0 ? Form::printed : Form::corrected;
-}
-
-// Liquid in the gap has no printed drag or meniscus.
-Form only_corrected(JsonFields& law) {
-  law.choice("form", {"corrected"});
-  return Form::corrected;
-}
-
-double read_contact_angle(JsonFields& law) {
-  Rule wetting = rule::between(0, 90, "must be at least 0 and below 90 degrees");
-  wetting.high_open = true;
-  return degree * law.number("contact_angle_deg", wetting);
-}
-
-Capillary read_capillary(JsonFields f) {
-  Capillary law;
-  law.form = read_form(f);
-  law.surface_tension = f.number("surface_tension_N_m", positive(1e-30, 100));
-  law.contact_angle = read_contact_angle(f);
-  law.film = nano * f.number("film_nm", positive(1e-3, 1e6));
-  // Needed by the corrected form; the printed one may carry them along.
-  if (law.form == Form::corrected || f.present("volume_per_length_m2"))
-    law.volume = f.number("volume_per_length_m2", positive(1e-20, 1e-6));
-  if (law.form == Form::corrected || f.present("rupture_nm")) {
-    law.rupture = nano * f.number("rupture_nm", positive(1e-3, 1e6));
-    if (!(law.rupture > 2 * law.film))
-      f.refuse("rupture_nm", "must be more than twice film_nm, where a bridge forms");
+void read_ferrule(JsonFields f, FerruleParameters& ferrule) {
+  f.number("bore_diameter_um", positive(1, 1e5), ferrule.bore_diameter_um);
+  f.number("length_mm", positive(1e-3, 1e4), ferrule.length_mm);
+  f.number("young_GPa", positive(1e-6, 1e4), ferrule.young_GPa);
+  f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), ferrule.poisson);
+  f.number("shear_GPa", positive(1e-6, 1e4), ferrule.shear_GPa);
+  f.raw("lead_in");
+  if (f.has("lead_in")) {
+    LeadIn& lead_in = ferrule.lead_in.emplace();
+    JsonFields g = f.object("lead_in");
+    g.number("angle_deg", rule::between(1, 179, "must be from 1 to 179 degrees (full angle)"),
+             lead_in.angle_deg);
+    g.number("diameter_um", positive(1, 1e5), lead_in.diameter_um);
+    g.finish();
   }
   f.finish();
-  return law;
 }
 
-Adhesion read_adhesion(JsonFields f, double modulus, double fibre_radius) {
-  Adhesion law;
-  law.form = read_form(f);
-  const bool printed = law.form == Form::printed;
-  law.work_of_adhesion = f.number("work_of_adhesion_J_m2", positive(1e-9, 1e3));
-  law.maugis_lambda =
-      f.number("maugis_lambda", printed ? rule::between(0.12, 5.8, "must be from 0.12 to 5.8")
-                                        : rule::between(0.01, 100, "must be from 0.01 to 100"));
-  law.m = 1;
-  if (printed || f.present("m"))
-    law.m = f.number("m", rule::between(1, 1e3, "must be at least 1, at most 1000"));
-  law.reduced_modulus = modulus;
-  law.radius = fibre_radius;
-  if (f.present("radius_um")) {
-    const double radius = micro * f.number("radius_um", positive(1e-3, 1e6));
-    if (!printed) law.radius = radius;
+void read_laws(JsonFields f, Laws& laws) {
+  for (const Term term : kAllTerms) {
+    const TermInfo& law = info(term);
+    if (law.read && f.has(law.name)) law.read(f.object(law.name), laws);
   }
   f.finish();
-  if (!printed)
-    law.contact = std::make_shared<const MaugisContact>(law.maugis_lambda, law.work_of_adhesion,
-                                                        law.reduced_modulus, law.radius);
-  return law;
 }
 
-// `friction` comes with the shear moduli.
-void read_laws(JsonFields laws, World& world, Friction friction, double modulus) {
-  if (laws.has("van_der_waals")) {
-    JsonFields f = laws.object("van_der_waals");
-    world.van_der_waals = {read_form(f), f.number("hamaker_J", positive(1e-40, 1e-15))};
-    f.finish();
-  }
-  if (laws.has("electrostatic")) {
-    JsonFields f = laws.object("electrostatic");
-    world.electrostatic = {read_form(f), f.number("voltage_V", not_negative(1e5))};
-    f.finish();
-  }
-  if (laws.has("gravity")) {
-    JsonFields f = laws.object("gravity");
-    world.gravity = {read_form(f)};
-    f.finish();
-  }
-  if (laws.has("capillary"))
-    world.capillary = prepare(read_capillary(laws.object("capillary")), world.annulus);
-  if (laws.has("adhesion"))
-    world.adhesion = read_adhesion(laws.object("adhesion"), modulus, world.annulus.fibre_radius);
-  if (laws.has("friction")) {
-    JsonFields f = laws.object("friction");
-    friction.form = read_form(f);
-    friction.burgers = nano * f.number("burgers_nm", positive(1e-6, 1e3));
-    f.finish();
-    world.friction = friction;
-  }
-  if (laws.has("drag")) {
-    JsonFields f = laws.object("drag");
-    world.drag = {only_corrected(f), f.number("viscosity_Pa_s", positive(1e-30, 1e6))};
-    f.finish();
-  }
-  if (laws.has("meniscus")) {
-    JsonFields f = laws.object("meniscus");
-    world.meniscus = {only_corrected(f), f.number("surface_tension_N_m", positive(1e-30, 100)),
-                      read_contact_angle(f)};
-    f.finish();
-  }
-  laws.finish();
-}
-
-Holder read_holder(JsonFields f, const World& world) {
-  Holder holder;
+void read_holder(JsonFields f, std::variant<RigidHand, ElasticFibre>& holder) {
   if (f.choice("type", {"rigid_hand", "elastic_fibre"}) == 0) {
-    holder = rigid_hand(f.number("stiffness_N_m", positive(1e-9, 1e9)),
-                        f.number("tilt_stiffness_N_m_rad", positive(1e-15, 1e9)), world.fibre,
-                        world.fibre_young, world.gravity);
+    auto& hand = holder.emplace<RigidHand>();
+    f.number("stiffness_N_m", positive(1e-9, 1e9), hand.stiffness_N_m);
+    f.number("tilt_stiffness_N_m_rad", positive(1e-15, 1e9), hand.tilt_stiffness_N_m_rad);
   } else {
-    holder = elastic_fibre(milli * f.number("free_length_mm", positive(1e-3, 1e4)),
-                           f.number("gripper_stiffness_N_m", positive(1e-6, 1e9)), world.fibre,
-                           world.fibre_young, world.gravity);
+    auto& fibre = holder.emplace<ElasticFibre>();
+    f.number("free_length_mm", positive(1e-3, 1e4), fibre.free_length_mm);
+    f.number("gripper_stiffness_N_m", positive(1e-6, 1e9), fibre.gripper_stiffness_N_m);
   }
   f.finish();
-  return holder;
 }
 
-World read_world(JsonFields& scene) {
-  const Rule poisson = rule::between(-1, 0.5, "must be from -1 to 0.5");
-  World world{};
-  Friction friction{};
+// Corrected surface laws are integrated along the insertion; the printed ones know one gap.
+bool integrated(const Laws& laws) {
+  return std::holds_alternative<VanDerWaals>(laws.van_der_waals) ||
+         std::holds_alternative<Electrostatic>(laws.electrostatic) ||
+         std::holds_alternative<Capillary>(laws.capillary);
+}
 
-  JsonFields fibre = scene.object("fibre");
-  const double fibre_diameter = fibre.number("diameter_um", positive(1, 1e5));
-  world.annulus.fibre_radius = 0.5 * micro * fibre_diameter;
-  world.fibre.radius = world.annulus.fibre_radius;
-  world.fibre.density = fibre.number("density_kg_m3", positive(1, 1e5));
-  world.fibre_young = giga * fibre.number("young_GPa", positive(1e-6, 1e4));
-  const double fibre_poisson = fibre.number("poisson", poisson);
-  friction.shear_fibre = giga * fibre.number("shear_GPa", positive(1e-6, 1e4));
-  world.fibre.length = milli * fibre.number("manipulated_length_mm", positive(1e-3, 1e4));
-  fibre.finish();
-
-  JsonFields ferrule = scene.object("ferrule");
-  const double bore_diameter = ferrule.number("bore_diameter_um", positive(1, 1e5));
-  if (!(bore_diameter > fibre_diameter))
-    ferrule.refuse("bore_diameter_um", "must be wider than the fibre (fibre.diameter_um = " +
-                                           Json(fibre_diameter).dump() + ")");
-  world.annulus.bore_radius = 0.5 * micro * bore_diameter;
-  world.profile = {world.annulus.bore_radius, 0, 0,
-                   milli * ferrule.number("length_mm", positive(1e-3, 1e4))};
-  const double ferrule_young = giga * ferrule.number("young_GPa", positive(1e-6, 1e4));
-  const double ferrule_poisson = ferrule.number("poisson", poisson);
-  friction.shear_ferrule = giga * ferrule.number("shear_GPa", positive(1e-6, 1e4));
-  ferrule.raw("lead_in");
-  if (ferrule.has("lead_in")) {
-    JsonFields lead_in = ferrule.object("lead_in");
-    const Rule angle = rule::between(1, 179, "must be from 1 to 179 degrees (full angle)");
-    const double tangent = std::tan(0.5 * degree * lead_in.number("angle_deg", angle));
-    const double diameter = lead_in.number("diameter_um", positive(1, 1e5));
-    if (!(diameter > bore_diameter))
-      lead_in.refuse("diameter_um", "must be wider than the bore (ferrule.bore_diameter_um = " +
-                                        Json(bore_diameter).dump() + ")");
-    world.profile.lead_in_tangent = tangent;
-    world.profile.lead_in_length = 0.5 * micro * (diameter - bore_diameter) / tangent;
-    lead_in.finish();
-  }
-  ferrule.finish();
-
-  world.annulus.roughness = nano * scene.number("roughness_nm", not_negative(1e5));
-
-  const double modulus =
-      reduced_modulus(world.fibre_young, fibre_poisson, ferrule_young, ferrule_poisson);
-  read_laws(scene.object("laws"), world, friction, modulus);
-  if (!world.adhesion || world.adhesion->form == Form::printed)
-    world.wall = {modulus, world.annulus.fibre_radius, world.adhesion ? kPrintedDepth : 0.0};
-
-  world.holder = read_holder(scene.object("holder"), world);
-  if (scene.present("dynamics") && scene.choice("dynamics", {"quasi_static", "inertial"}) == 1)
-    world.dynamics = Dynamics::inertial;
+void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
   if (scene.present("integrator") && scene.choice("integrator", {"backward_euler", "bdf2"}) == 1)
-    world.integrator = Integrator::bdf2;
-  // Between tilted axes the corrected laws are integrated along the insertion; the printed ones
-  // know one gap.
-  const auto corrected = [](const auto& law) { return law && law->form == Form::corrected; };
-  const bool integrated = corrected(world.van_der_waals) || corrected(world.electrostatic) ||
-                          corrected(world.capillary);
-  int order = integrated ? kUsualNodes : 1;
+    numerics.integrator = Integrator::bdf2;
+  int order = integrated(laws) ? kUsualNodes : 1;
   if (scene.present("quadrature"))
     order = static_cast<int>(scene.integer("quadrature", 1, kMostNodes));
-  world.quadrature = Quadrature::gauss_legendre(order);
+  numerics.quadrature = Quadrature::gauss_legendre(order);
   if (scene.present("tilted_axes"))
-    world.closed_form = scene.choice("tilted_axes", {"closed_form", "quadrature"}) == 0;
+    numerics.closed_form = scene.choice("tilted_axes", {"closed_form", "quadrature"}) == 0;
   if (scene.present("step_s"))
-    world.longest_step = scene.number("step_s", rule::between(1e-7, 1, "must be from 1e-7 to 1"));
+    scene.number("step_s", rule::between(1e-7, 1, "must be from 1e-7 to 1"), numerics.longest_step);
   if (scene.present("event_travel_nm"))
-    world.event_travel = nano * scene.number("event_travel_nm", positive(1e-6, 1e9));
-  return world;
+    scene.number("event_travel_nm", positive(1e-6, 1e9), numerics.event_travel, nano);
 }
 
-Tolerance read_tolerance(JsonFields f) {
-  Tolerance t{};
-  t.fibre_sd = micro * f.number("fibre_diameter_sd_um", not_negative(1e3));
+void read_world(JsonFields& scene, WorldParameters& world) {
+  read_fibre(scene.object("fibre"), world.fibre);
+  read_ferrule(scene.object("ferrule"), world.ferrule);
+  scene.number("roughness_nm", not_negative(1e5), world.roughness_nm);
+  read_laws(scene.object("laws"), world.laws);
+  read_holder(scene.object("holder"), world.holder);
+  if (scene.present("dynamics") && scene.choice("dynamics", {"quasi_static", "inertial"}) == 1)
+    world.dynamics = Dynamics::inertial;
+  read_numerics(scene, world.laws, world.numerics);
+}
+
+void read_start(JsonFields f, StartDistribution& start) {
+  f.number("distance_um", not_negative(kFarthest), start.distance, micro);
+  const Vector2d mean = f.pair("lateral_mean_um");
+  if (!(mean.cwiseAbs().maxCoeff() <= kFarthest))
+    f.refuse("lateral_mean_um", "must be two numbers from -1e6 to 1e6");
+  start.lateral_mean = micro * mean;
+  f.number("lateral_sd_um", not_negative(kFarthest), start.lateral_sd, micro);
+  f.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"), start.tilt_sd, milli);
+  f.finish();
+}
+
+void read_tolerance(JsonFields f, Tolerance& t) {
+  f.number("fibre_diameter_sd_um", not_negative(1e3), t.fibre_sd, micro);
   const Vector2d bore = f.pair("bore_diameter_um");
   if (!(bore[0] >= 1 && bore[1] >= bore[0] && bore[1] <= 1e5))
     f.refuse("bore_diameter_um",
@@ -228,13 +121,11 @@ Tolerance read_tolerance(JsonFields f) {
   t.bore_low = micro * bore[0];
   t.bore_high = micro * bore[1];
   f.finish();
-  return t;
 }
 
-ForceSensorModel read_sensor(JsonFields f) {
-  ForceSensorModel sensor;
+void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
-    if (f.present(key)) value = unit * f.number(key, rule);
+    if (f.present(key)) f.number(key, rule, value, unit);
   };
   number("noise_uN", micro, not_negative(1e9), sensor.noise);
   number("bias_uN", micro, not_negative(1e9), sensor.bias);
@@ -242,73 +133,114 @@ ForceSensorModel read_sensor(JsonFields f) {
   number("resolution_uN", micro, not_negative(1e9), sensor.resolution);
   number("moment_arm_mm", milli, positive(1e-6, 1e6), sensor.arm);
   f.finish();
-  return sensor;
+}
+
+void read_limits(JsonFields f, Limits& limits) {
+  f.number("force_uN", positive(1e-6, 1e12), limits.force, micro);
+  f.number("speed_um_s", positive(1e-6, 1e9), limits.speed, micro);
+  Rule time = rule::between(0, 3600, "must be positive and at most 3600");
+  time.low_open = true;
+  f.number("time_s", time, limits.time);
+  if (f.present("proof_stress_GPa"))
+    f.number("proof_stress_GPa", positive(1e-9, 1e6), limits.proof_stress, giga);
+  f.finish();
+}
+
+void read_scaling(JsonFields f, ScalingRanges& scaling) {
+  f.number("hand_range_mm", positive(1e-6, 1e6), scaling.hand_range, milli);
+  f.number("tip_range_um", positive(1e-6, 1e6), scaling.tip_range, micro);
+  f.number("hand_force_N", positive(1e-9, 1e6), scaling.hand_force);
+  f.number("tip_force_uN", positive(1e-9, 1e12), scaling.tip_force, micro);
+  f.finish();
+}
+
+// Of all numbers of a scene.
+std::optional<Inconsistency> inconsistency(const Scene& scene) {
+  if (const auto found = inconsistency(scene.parameters)) return found;
+  if (scene.success.depth > milli * scene.parameters.ferrule.length_mm)
+    return {{"success.depth_um", "must not exceed the ferrule's length (ferrule.length_mm)"}};
+  const ScalingRanges& r = scene.scaling;
+  for (const double ratio : {r.hand_range / r.tip_range, r.hand_force / r.tip_force})
+    if (!(ratio > 1e-12 && ratio < 1e12))
+      return {{"scaling", "the ranges of hand and tip must be within a factor of 1e12"}};
+  return std::nullopt;
+}
+
+// Refuses the value of a dotted key.
+[[noreturn]] void refuse(JsonFields fields, const std::string& key, const std::string& rule) {
+  const auto dot = key.find('.');
+  if (dot == std::string::npos) fields.refuse(key, rule);
+  refuse(fields.object(key.substr(0, dot)), key.substr(dot + 1), rule);
+}
+
+// All but the world that follows.
+void read_scene(JsonFields& fields, Scene& scene) {
+  if (fields.present("$schema")) fields.text("$schema");
+  scene.name = fields.text("name");
+  if (fields.present("about")) fields.text("about");
+  read_world(fields, scene.parameters);
+  read_start(fields.object("start"), scene.start);
+  if (fields.present("tolerance"))
+    read_tolerance(fields.object("tolerance"), scene.tolerance.emplace());
+  read_sensor(fields.object("sensor"), scene.sensor);
+  read_limits(fields.object("limits"), scene.limits);
+  JsonFields success = fields.object("success");
+  success.number("depth_um", positive(1e-6, 1e7), scene.success.depth, micro);
+  success.finish();
+  read_scaling(fields.object("scaling"), scene.scaling);
+  if (fields.present("planned_accuracy")) fields.number("planned_accuracy", positive(1e-6, 0.5));
+  if (fields.present("planned_error_bound"))
+    fields.number("planned_error_bound", not_negative(1e9));
+  if (fields.present("accuracy"))
+    fields.number("accuracy", rule::between(1e-6, 0.5, "must be from 1e-6 to 0.5"),
+                  scene.accuracy.emplace());
+  fields.finish();
 }
 
 }  // namespace
 
-Scene parse_scene(const Json& document, const std::string& file, Planning planning) {
+Scene parse_scene(const Json& document, const std::string& file) {
   JsonFields fields(document, file);
   Scene scene{};
   scene.document = document;
-  if (fields.present("$schema")) fields.text("$schema");
-  scene.name = fields.text("name");
-  if (fields.present("about")) fields.text("about");
-  scene.world = read_world(fields);
+  read_scene(fields, scene);
+  if (const auto found = inconsistency(scene)) refuse(fields, found->key, found->rule);
+  scene.world = make_world(scene.parameters);
+  return scene;
+}
 
-  JsonFields start = fields.object("start");
-  scene.start.distance = micro * start.number("distance_um", not_negative(kFarthest));
-  const Vector2d mean = start.pair("lateral_mean_um");
-  if (!(mean.cwiseAbs().maxCoeff() <= kFarthest))
-    start.refuse("lateral_mean_um", "must be two numbers from -1e6 to 1e6");
-  scene.start.lateral_mean = micro * mean;
-  scene.start.lateral_sd = micro * start.number("lateral_sd_um", not_negative(kFarthest));
-  scene.start.tilt_sd =
-      milli * start.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"));
-  start.finish();
+VariableScene::VariableScene(const Scene& scene) : scene_{} {
+  std::vector<BoundNumber> bound;
+  JsonFields fields(scene.document, scene.name, "", &bound);
+  read_scene(fields, scene_);
+  for (BoundNumber& number : bound) {
+    const Json::json_pointer place("/" + [&] {
+      std::string path = number.key;
+      std::replace(path.begin(), path.end(), '.', '/');
+      return path;
+    }());
+    numbers_.push_back({std::move(number), scene.document[place].get<double>()});
+  }
+}
 
-  if (fields.present("tolerance")) scene.tolerance = read_tolerance(fields.object("tolerance"));
-  scene.sensor = read_sensor(fields.object("sensor"));
+std::optional<double> VariableScene::number(const std::string& key) const {
+  for (const Number& n : numbers_)
+    if (n.bound.key == key) return n.set;
+  return std::nullopt;
+}
 
-  JsonFields limits = fields.object("limits");
-  scene.limits.force = micro * limits.number("force_uN", positive(1e-6, 1e12));
-  scene.limits.speed = micro * limits.number("speed_um_s", positive(1e-6, 1e9));
-  Rule time = rule::between(0, 3600, "must be positive and at most 3600");
-  time.low_open = true;
-  scene.limits.time = limits.number("time_s", time);
-  if (limits.present("proof_stress_GPa"))
-    scene.limits.proof_stress = giga * limits.number("proof_stress_GPa", positive(1e-9, 1e6));
-  limits.finish();
+void VariableScene::set(const std::string& key, double value) {
+  for (Number& n : numbers_)
+    if (n.bound.key == key) {
+      n.set = value;
+      if (n.bound.value) *n.bound.value = n.bound.unit * value;
+    }
+}
 
-  JsonFields success = fields.object("success");
-  scene.success.depth = micro * success.number("depth_um", positive(1e-6, 1e7));
-  if (scene.success.depth > scene.world.profile.length)
-    success.refuse("depth_um", "must not exceed the ferrule's length (ferrule.length_mm)");
-  success.finish();
-
-  JsonFields scaling = fields.object("scaling");
-  scene.scaling.hand_range = milli * scaling.number("hand_range_mm", positive(1e-6, 1e6));
-  scene.scaling.tip_range = micro * scaling.number("tip_range_um", positive(1e-6, 1e6));
-  scene.scaling.hand_force = scaling.number("hand_force_N", positive(1e-9, 1e6));
-  scene.scaling.tip_force = micro * scaling.number("tip_force_uN", positive(1e-9, 1e12));
-  scaling.finish();
-  const ScalingRanges& r = scene.scaling;
-  for (const double ratio : {r.hand_range / r.tip_range, r.hand_force / r.tip_force})
-    if (!(ratio > 1e-12 && ratio < 1e12))
-      fields.refuse("scaling", "the ranges of hand and tip must be within a factor of 1e12");
-  if (fields.present("planned_accuracy")) fields.number("planned_accuracy", positive(1e-6, 0.5));
-  if (fields.present("planned_error_bound"))
-    fields.number("planned_error_bound", not_negative(1e9));
-  const bool to_plan = fields.present("accuracy");
-  const Rule accuracy = rule::between(1e-6, 0.5, "must be from 1e-6 to 0.5");
-  const double tolerance = to_plan ? fields.number("accuracy", accuracy) : 0;
-  fields.finish();
-  if (planning == Planning::none)
-    for (const char* key : {"accuracy", "planned_accuracy", "planned_error_bound"})
-      scene.document.erase(key);
-  if (!to_plan || planning == Planning::none) return scene;
-  const Plan plan = make_plan(scene, tolerance);
-  return parse_scene(plan.document, file);
+bool VariableScene::consistent() const {
+  return std::all_of(numbers_.begin(), numbers_.end(),
+                     [](const Number& n) { return n.bound.rule.allows(n.set); }) &&
+         !inconsistency(scene_);
 }
 
 void apply_setting(Json& document, const std::string& setting) {
@@ -334,12 +266,11 @@ void apply_setting(Json& document, const std::string& setting) {
   *place = value;
 }
 
-Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings,
-                 Planning planning) {
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
   const std::string file = kScenes.find(name_or_file);
   Json document = parse_json(read_text(file), file);
   for (const auto& setting : settings) apply_setting(document, setting);
-  return parse_scene(document, settings.empty() ? file : file + " with --set", planning);
+  return parse_scene(document, settings.empty() ? file : file + " with --set");
 }
 
 std::vector<std::string> shipped_scenes() {
@@ -351,7 +282,10 @@ void set_form(Json& document, Form form, const std::string& file) {
   std::string lacking;
   for (auto& [name, law] : document["laws"].items()) {
     if (!law.is_object()) continue;
-    if (form == Form::printed && (name == "drag" || name == "meniscus")) lacking += " " + name;
+    const auto term = std::find(kTermNames.begin(), kTermNames.end(), name);
+    if (form == Form::printed && term != kTermNames.end() &&
+        !info(static_cast<Term>(term - kTermNames.begin())).printed)
+      lacking += " " + name;
     law["form"] = form == Form::printed ? "printed" : "corrected";
   }
   if (!lacking.empty()) throw BadInput(file + ": laws that the paper does not print:" + lacking);

@@ -9,7 +9,7 @@
 
 #include "sim/scene/force_sensor.hpp"
 #include "sim/scene/json_fields.hpp"
-#include "sim/world.hpp"
+#include "sim/scene/world_parameters.hpp"
 
 namespace ferrule {
 
@@ -47,30 +47,32 @@ struct ScalingRanges {
   double hand_force, tip_force;  // f_s and f_m [N], > 0
 };
 
+// The form of a force law: as the paper prints it, or corrected (sim/laws/laws.hpp).
+enum class Form { printed, corrected };
+
 struct Scene {
   std::string name;
-  World world;
+  WorldParameters parameters;  // what it states of the world
+  World world;                 // and the world that follows
   StartDistribution start;
   std::optional<Tolerance> tolerance;
   ForceSensorModel sensor;
   Limits limits;
   Success success;
   ScalingRanges scaling;
+  // "accuracy": what the scene wants of a model that leaves out what it does not need. Reading a
+  // scene does not apply it; planned() of sim/plan/plan.hpp does.
+  std::optional<double> accuracy;
   Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
 };
 
-// Whether an "accuracy" in the scene is applied (see plan.hpp), or checked and dropped.
-enum class Planning { as_asked, none };
-
 // Throws BadInput: "FILE: KEY = VALUE: RULE".
-Scene parse_scene(const Json& document, const std::string& file,
-                  Planning planning = Planning::as_asked);
+Scene parse_scene(const Json& document, const std::string& file);
 
 // `name_or_file`: a file, or the bare name of a scene that ships with the program. `settings` are
 // "dotted.key=value" with JSON values (bare words are texts); null removes a law. Throws BadInput,
 // FileTrouble.
-Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {},
-                 Planning planning = Planning::as_asked);
+Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 
 // One of those settings. Throws BadInput.
 void apply_setting(Json& document, const std::string& setting);
@@ -81,5 +83,30 @@ std::vector<std::string> shipped_scenes();
 // Changes the form of all laws of a scene document. Throws BadInput naming the laws that do not
 // exist in that form (the paper prints no drag and no meniscus).
 void set_form(Json& document, Form form, const std::string& file);
+
+// A scene whose numbers can be changed one by one.
+class VariableScene {
+ public:
+  explicit VariableScene(const Scene& scene);
+  VariableScene(const VariableScene&) = delete;
+  VariableScene& operator=(const VariableScene&) = delete;
+
+  // The number of that dotted key, in the unit of the file; empty: there is none.
+  std::optional<double> number(const std::string& key) const;
+  // Sets it, whether it is allowed or not; the key is there.
+  void set(const std::string& key, double value);
+  // Are the numbers, as set, those of a scene?
+  bool consistent() const;
+  // The world of the numbers as set, which are consistent.
+  World world() const { return make_world(scene_.parameters); }
+
+ private:
+  Scene scene_;
+  struct Number {
+    BoundNumber bound;
+    double set;  // in the unit of the file
+  };
+  std::vector<Number> numbers_;  // kept in scene_
+};
 
 }  // namespace ferrule

@@ -30,7 +30,7 @@ TEST(Session, ARowPairsAForceWithTheVelocityThatAnswersIt) {
   const Scene scene = testing::paper();
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, 1, 1);
-  KnownHand hand(scaling.motion_to_hand(start.hand));
+  KnownHand hand(scaling.motion_to_hand(start.command));
   std::vector<RowVector> rows;
   run_episode(
       scene, start, hand, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },

@@ -22,7 +22,7 @@ TEST(DeviceController, AnOperatorDoesInATrialWhatIsRecordedOfHim) {
     const Scaling scaling = scene_scaling(scene);
     State state = draw_start(scene, 1, trial);
     ForceSensor sensor(scene.sensor, 1, trial);
-    HandPose pose = scaling.motion_to_hand(state.hand);
+    HandPose pose = scaling.motion_to_hand(state.command);
     HandWrench at_rest;
     for (Eigen::Index n = 0; n + 1 < std::min<Eigen::Index>(episode.rows.rows(), 12000); ++n) {
       const StepResult r =

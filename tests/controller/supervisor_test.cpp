@@ -157,7 +157,7 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   Supervisor supervisor(std::make_unique<Adversary>(kind, seed, limits), limits);
   State state = draw_start(scene, seed, static_cast<std::uint64_t>(kind));
   InsertionWatch watch(scene, state);
-  HandPose pose = scaling.motion_to_hand(state.hand);
+  HandPose pose = scaling.motion_to_hand(state.command);
   ForceSensor sensor(scene.sensor, seed, static_cast<std::uint64_t>(kind));
   HandTwist v = HandTwist::Zero();
   HandWrench rest, read_rest;

@@ -228,7 +228,7 @@ struct Touching {
   Touching() {
     const World& world = scene.world;
     state = at_rest(world, testing::pose(20e-6, 0, 0));
-    Pose hand = state.hand;
+    Pose hand = state.command;
     for (int i = 0; i < 200; ++i) advance(hand = hand - testing::pose(0.2e-6, 0, 0));
     for (int i = 0; i < 300; ++i) advance(hand = hand - testing::pose(0, 20e-9, 0));
     for (int i = 0; i < 10; ++i) advance(hand);
@@ -252,7 +252,7 @@ std::pair<double, double> let_go_on_the_wall(double share, bool controlled) {
       device(loop.K, 1e-3, 0, share * damping_needed(device(loop.K, 1e-3, 0, 0), loop.K));
   PassivityController passivity(d.period, 0.5 * d.mass / d.period);
   HandAndDevice hand(d);
-  const HandPose rest = loop.scaling.motion_to_hand(loop.state.hand);
+  const HandPose rest = loop.scaling.motion_to_hand(loop.state.command);
   const Vector3d held = loop.force;  // what the hand leans against
   hand.hand_force = -held.y();
   hand.x = 2e-6;
@@ -296,7 +296,7 @@ double wandering_on_the_face(bool coupled) {
   State state = at_rest(world, testing::pose(face + 0.05e-6, 150e-6, 0));
   HandAndDevice hand(d);
   hand.hand_force = -2;
-  const HandPose begin = scaling.motion_to_hand(state.hand);
+  const HandPose begin = scaling.motion_to_hand(state.command);
   VirtualCoupling coupling(stable_coupling(d), d.period, begin.head<3>());
   Vector3d force = Vector3d::Zero();
   double low = INFINITY, high = -INFINITY;

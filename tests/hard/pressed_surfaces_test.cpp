@@ -15,8 +15,10 @@ namespace {
 double deepest(const World& world) {
   const double h = -world.annulus.roughness;
   double w = 0;
-  if (world.van_der_waals) w -= van_der_waals(*world.van_der_waals, world.annulus, h).potential;
-  if (world.electrostatic) w -= electrostatic(*world.electrostatic, world.annulus, h).potential;
+  if (const auto* law = std::get_if<VanDerWaals>(&world.laws.van_der_waals))
+    w -= van_der_waals(*law, world.annulus, h).potential;
+  if (const auto* law = std::get_if<Electrostatic>(&world.laws.electrostatic))
+    w -= electrostatic(*law, world.annulus, h).potential;
   return w;
 }
 
@@ -43,7 +45,7 @@ TEST(PressedSurfaces, PullTheFibreInByTheEnergyOfTheOverlapAtMost) {
       State state = draw_start(scene, 1, trial);
       const double reach = deepest(scene.world) / stiffness;
       for (int n = 0; n < 400; ++n) {
-        Pose hand = state.hand;
+        Pose hand = state.command;
         if (n < 300) hand[0] -= 200e-9;  // 60 um
         hand[1] += 1e-8 * std::sin(0.03 * n);
         const StepResult r = step(scene.world, state, hand, 1e-3);

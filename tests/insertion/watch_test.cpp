@@ -12,7 +12,7 @@ Outcome push_straight(const Scene& scene, const Pose& tip) {
   State state = at_rest(scene.world, tip);
   InsertionWatch watch(scene, state);
   for (int n = 0;; ++n) {
-    Pose hand = state.hand;
+    Pose hand = state.command;
     hand[0] -= scene.limits.speed * 1e-3;
     const StepResult r = step(scene.world, state, hand, 1e-3);
     state = r.state;

@@ -9,7 +9,7 @@ int main(int, char** arguments) {
   using namespace ferrule;
   const Scene scene = load_scene(arguments[1], {"limits.speed_um_s=40"});
   State state = draw_start(scene, 1, 1);
-  Pose hand = state.hand;
+  Pose hand = state.command;
   for (int n = 0; n < 100; ++n) {
     hand[0] -= 10e-9;
     state = step(scene.world, state, hand, 1e-3).state;

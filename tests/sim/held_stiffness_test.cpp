@@ -20,8 +20,8 @@ Matrix5 by_stepping(const World& world, const State& state, double dt) {
     const double h = i < 3 ? 0.2e-9 : 0.2e-9 / world.holder.tilt_length;
     Pose move = Pose::Zero();
     move[i] = h;
-    const Wrench up = step(world, state, state.hand + move, dt).forces.holder;
-    const Wrench down = step(world, state, state.hand - move, dt).forces.holder;
+    const Wrench up = step(world, state, state.command + move, dt).forces.holder;
+    const Wrench down = step(world, state, state.command - move, dt).forces.holder;
     K.col(i) = (down - up) / (2 * h);
   }
   return K;
@@ -44,7 +44,7 @@ State somewhere(const Scene& scene, std::uint64_t trial) {
   const Pose goal =
       testing::pose(-depth, any(3 * c), any(3 * c), any(4 * c / depth), any(4 * c / depth)) -
       world.holder.sag;
-  const Pose from = state.hand;
+  const Pose from = state.command;
   for (int i = 1; i <= 400; ++i)
     state = step(world, state, from + i / 400.0 * (goal - from), 1e-3).state;
   for (int i = 0; i < 5; ++i) state = step(world, state, goal, 1.0).state;
@@ -83,7 +83,7 @@ TEST(HeldStiffness, IsTheDerivativeOfTheStep) {
       const State state = somewhere(scene, trial);
       two_point += state.contact[kEnd].closed && state.contact[kSide].closed;
       for (const double dt : {1e3, 1e-3}) {
-        if (dt == 1e-3 && !world.drag) continue;
+        if (dt == 1e-3 && !world.laws.drag) continue;
         const Matrix5 K = scaled(world, held_stiffness(world, state, dt));
         const Matrix5 stepped = scaled(world, by_stepping(world, state, dt));
         EXPECT_LT((K - stepped).norm(), 2e-3 * scaled(world, world.holder.stiffness).norm())
@@ -129,7 +129,7 @@ TEST(HeldStiffness, OfAnInsertionSeesBothContactsInEveryScene) {
     const Matrix3d there = held_stiffness(scene.world, range.stiffest).topLeftCorner<3, 3>();
     EXPECT_CLOSE(Eigen::SelfAdjointEigenSolver<Matrix3d>(there).eigenvalues()[2], range.largest,
                  1e-9);
-    EXPECT_EQ(range.damping > 0, scene.world.drag.has_value()) << name;
+    EXPECT_EQ(range.damping > 0, scene.world.laws.drag.has_value()) << name;
   }
 }
 
@@ -138,11 +138,12 @@ TEST(HeldStiffness, DampingIsThatOfTheDragBehindAStiffHolder) {
   const Scene scene = load_scene("epoxy", {"laws.adhesion=null", "laws.friction=null"});
   const World& world = scene.world;
   State state = at_rest(world, testing::pose(2e-6, 0, 0));
-  const Pose from = state.hand;
+  const Pose from = state.command;
   for (int i = 1; i <= 400; ++i)
     state = step(world, state, from - testing::pose(0.05e-6 * i, 0, 0), 1.0).state;
   const double length = state.inserted_length(), dt = 1e-3;
-  const double c = drag(*world.drag, world.annulus, state.tip.segment<2>(1).norm(), length).axial;
+  const double c =
+      drag(*world.laws.drag, world.annulus, state.tip.segment<2>(1).norm(), length).axial;
   const double k = world.holder.stiffness(0, 0);
   const double more = (held_stiffness(world, state, dt) - held_stiffness(world, state))(0, 0);
   EXPECT_CLOSE(dt * more, c * k * dt / (k * dt + c), 0.02);

@@ -15,7 +15,7 @@ constexpr double pi = std::numbers::pi;
 constexpr double kYoung = 72e9, kRadius = 62.5e-6, kDensity = 2200;
 const double kEI = kYoung * pi * std::pow(kRadius, 4) / 4;
 
-Holder silica(double length, std::optional<Gravity> gravity = Gravity{Form::corrected}) {
+Holder silica(double length, const GravityLaw& gravity = Gravity{}) {
   return elastic_fibre(length, 1e9, {kRadius, kDensity, length}, kYoung, gravity);
 }
 
@@ -44,8 +44,7 @@ TEST(ElasticFibre, SagsUnderItsWeightToTheClosedForm) {
 
 TEST(ElasticFibre, AxialStiffnessIsInSeriesWithTheGripper) {
   const double length = 10e-3, rod = kYoung * pi * kRadius * kRadius / length;
-  const Holder holder =
-      elastic_fibre(length, 2 * rod, {kRadius, kDensity, length}, kYoung, std::nullopt);
+  const Holder holder = elastic_fibre(length, 2 * rod, {kRadius, kDensity, length}, kYoung, {});
   EXPECT_CLOSE(holder.stiffness(0, 0), rod * 2 / 3, 1e-12);
 }
 

@@ -18,7 +18,7 @@ Pose random_pose(RandomStream& random, const World& world) {
 }
 
 struct Case {
-  Lagged lagged;
+  FrozenCoefficients frozen;
   Pose tip;
 };
 
@@ -34,17 +34,17 @@ std::vector<Case> cases(const World& world, std::uint64_t seed) {
       tip.segment<2>(1) = 1.002 * world.annulus.clearance() * tip.segment<2>(1).normalized();
     }
     State state = at_rest(world, tip);
-    Pose hand = state.hand;
+    Pose hand = state.command;
     for (int n = 0; n < 3; ++n) {
       hand[0] -= 5e-9;
       hand[1] -= 1e-8;
       state = step(world, state, hand, 1e-3).state;
     }
-    Lagged lagged = lag(world, state, hand, 1e-3);
+    FrozenCoefficients frozen = freeze(world, state, hand, 1e-3);
     // A slipping contact is at the knee of Huber's potential: past it, where it has derivatives.
-    for (LaggedFriction& friction : lagged.friction)
+    for (FrozenFriction& friction : frozen.friction)
       if (friction.acts) friction.limit *= 0.5;
-    all.push_back({lagged, state.tip});
+    all.push_back({frozen, state.tip});
   }
   return all;
 }
@@ -57,7 +57,7 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
   const World world = testing::paper().world;
   int compared = 0;
   for (const Case& c : cases(world, 3)) {
-    const Potential here(world, c.lagged, c.tip);
+    const Potential here(world, c.frozen, c.tip);
     const Pose gradient = here.gradient.full();
     for (int i = 0; i < 5; ++i) {
       const double h = 2e-12 / length_of(i);
@@ -66,7 +66,7 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
             [&](double d) {
               Pose tip = c.tip;
               tip[i] += d;
-              return Potential(world, c.lagged, tip).value;
+              return Potential(world, c.frozen, tip).value;
             },
             0, step);
       };
@@ -88,19 +88,19 @@ TEST(Potential, GradientIsTheDerivativeOfTheValue) {
 TEST(Potential, HessianIsTheDerivativeOfTheGradient) {
   const World world = testing::paper().world;
   for (const Case& c : cases(world, 4)) {
-    const Potential here(world, c.lagged, c.tip);
+    const Potential here(world, c.frozen, c.tip);
     const Matrix5 hessian = here.hessian.full();
     // The laws' slope jumps at the ends of their printed range.
     const double gap =
-        world.annulus.clearance() - eccentricity(c.tip, 0.5 * c.lagged.length).norm();
-    if (c.lagged.length > 0 && gap > 0 && gap < 0.12e-9) continue;
+        world.annulus.clearance() - eccentricity(c.tip, 0.5 * c.frozen.length).norm();
+    if (c.frozen.length > 0 && gap > 0 && gap < 0.12e-9) continue;
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j) {
         const double slope = testing::derivative(
             [&](double d) {
               Pose tip = c.tip;
               tip[i] += d;
-              return Potential(world, c.lagged, tip).gradient.full()[j];
+              return Potential(world, c.frozen, tip).gradient.full()[j];
             },
             0, 1e-13 / length_of(i));
         const double scale =
@@ -114,10 +114,10 @@ TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   const World world = testing::paper().world;
   int cut = 0;
   for (const Case& c : cases(world, 5)) {
-    const Potential here(world, c.lagged, c.tip);
+    const Potential here(world, c.frozen, c.tip);
     cut += here.push_out + here.pull_out != 0;
     Breakdown b;
-    forces(world, c.lagged, c.tip, here, b);
+    forces(world, c.frozen, c.tip, here, b);
     const Wrench left = b.sum(c.tip) - b.holder + here.gradient.full();
     EXPECT_LT(left.head<3>().norm(), 1e-9 * here.force_scale);
     // Moments to first order in the tilts: arms of the radius times a tilt are left out.
@@ -133,12 +133,13 @@ TEST(Potential, OfTwoContactsSharesTheAdhesionOfOne) {
   Pose tip;
   tip << -20e-6, -world.annulus.clearance() - 10.01e-9, 0, 0, 0;
   State state;
-  state.tip = state.hand = tip;
+  state.tip = state.command = tip;
   for (int n = 0; n < 3; ++n) state = step(world, state, tip, 1e-3).state;
   const Breakdown b = step(world, state, tip, 1e-3).forces;
   EXPECT_TRUE(state.contact[kEnd].closed);
   EXPECT_TRUE(state.contact[kSide].closed);
-  EXPECT_CLOSE(b.adhesion[kEnd].force.y() + b.adhesion[kSide].force.y(), -7.830277437e-6, 1e-6);
+  EXPECT_CLOSE(b[Term::adhesion][kEnd].force.y() + b[Term::adhesion][kSide].force.y(),
+               -7.830277437e-6, 1e-6);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "sim/potential.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/scene/random.hpp"
+#include "sim/scene/terms.hpp"
 #include "tests/allocations.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
@@ -14,7 +15,7 @@ using testing::pose;
 
 // Moves the hand from where it is to `to` at `speed` [m/s] in steps of dt.
 StepResult drive(const World& world, State state, const Pose& to, double speed, double dt = 1e-3) {
-  const Pose from = state.hand;
+  const Pose from = state.command;
   const int steps = std::max(1, static_cast<int>((to - from).head<3>().norm() / (speed * dt)));
   StepResult result;
   for (int n = 1; n <= steps; ++n) {
@@ -31,10 +32,10 @@ TEST(Step, FreeFlightHangsBelowTheHandByWeightOverStiffness) {
   State state = at_rest(world, pose(500e-6, 20e-6, -10e-6));
   const StepResult r = step(world, state, pose(490e-6, 30e-6, 5e-6, 1e-3, -2e-3), 1e-3);
   EXPECT_EQ(r.status, StepStatus::ok);
-  EXPECT_CLOSE(30e-6 - r.state.tip[1], gravity(*world.gravity, world.fibre) / 0.5, 1e-9);
+  EXPECT_CLOSE(30e-6 - r.state.tip[1], weight(world.laws.gravity, world.fibre) / 0.5, 1e-9);
   EXPECT_CLOSE(r.state.tip[0], 490e-6, 1e-12);
   EXPECT_CLOSE(r.state.tip[4], -2e-3, 1e-12);
-  EXPECT_CLOSE(r.forces.holder[1], -gravity(*world.gravity, world.fibre), 1e-9);
+  EXPECT_CLOSE(r.forces.holder[1], -weight(world.laws.gravity, world.fibre), 1e-9);
 }
 
 TEST(Step, EndsWhereTheHolderBalancesAllOtherForces) {
@@ -42,13 +43,13 @@ TEST(Step, EndsWhereTheHolderBalancesAllOtherForces) {
   State state = draw_start(scene, 5, 1);
   StepResult r(state);
   for (int n = 0; n < 6000; ++n) {
-    Pose hand = r.state.hand;
+    Pose hand = r.state.command;
     hand[0] -= 8e-9;
     r = step(scene.world, r.state, hand, 1e-3);
     ASSERT_EQ(r.status, StepStatus::ok) << n;
     const Wrench left = r.forces.sum(r.state.tip) - r.forces.holder;
     double scale = 1e-9;
-    for (const Vector3d& f : term_forces(r.forces)) scale += f.norm();
+    for (const Term term : kAllTerms) scale += r.forces.force(term).norm();
     EXPECT_LT(left.head<3>().norm(), 1e-6 * scale) << n;
   }
   EXPECT_LT(r.state.tip[0], -5e-6);
@@ -59,18 +60,18 @@ TEST(Step, ResultIsALocalMinimumOfThePotential) {
   const Scene scene = testing::paper();
   State state = draw_start(scene, 5, 2);
   for (int n = 0; n < 7000; ++n) {
-    Pose hand = state.hand;
+    Pose hand = state.command;
     hand[0] -= 8e-9;
-    const Lagged lagged = lag(scene.world, state, hand, 1e-3);
+    const FrozenCoefficients frozen = freeze(scene.world, state, hand, 1e-3);
     const StepResult r = step(scene.world, state, hand, 1e-3);
     if (n % 500 == 499 && r.substeps == 1) {
-      const double value = Potential(scene.world, lagged, r.state.tip).value;
+      const double value = Potential(scene.world, frozen, r.state.tip).value;
       RandomStream random(9, static_cast<std::uint64_t>(n), Draw::start);
       for (int k = 0; k < 200; ++k) {
         Pose near = r.state.tip;
         const double reach = 1e-9 * random.uniform();
         for (int i = 0; i < 5; ++i) near[i] += (i < 3 ? 1 : 1e4) * reach * random.normal();
-        const Potential there(scene.world, lagged, near);
+        const Potential there(scene.world, frozen, near);
         EXPECT_GE(there.value, value - 1e-14 * there.value_scale);
       }
     }
@@ -111,7 +112,7 @@ TEST(Step, ALeadInGathersExactlyTheFibresWithinItsRim) {
 TEST(Step, AFibreOnTheAxisFollowsTheHandIn) {
   const World world = testing::paper().world;
   State state = at_rest(world, testing::pose(5e-6, 0, 0));
-  const Pose from = state.hand;
+  const Pose from = state.command;
   for (int n = 1; n <= 2000; ++n) {
     const StepResult r = step(world, state, from + testing::pose(-27.5e-9 * n, 0, 0), 1e-3);
     ASSERT_EQ(r.status, StepStatus::ok) << n;
@@ -130,7 +131,7 @@ TEST(Step, AFibrePulledOutAlongAWallSlidesOffTheRim) {
       State state = at_rest(world, testing::pose(20e-6, 0.1e-6, 0));
       int stuck = 0;
       const auto go = [&](double x, double y, int steps) {
-        const Pose from = state.hand;
+        const Pose from = state.command;
         for (int n = 1; n <= steps; ++n) {
           const Pose move = testing::pose(x * n / steps, y * n / steps, 0);
           const StepResult r = step(world, state, from + move, 1e-3);
@@ -169,7 +170,7 @@ TEST(Step, LocatesASnapWhereTheSceneAsksForIt) {
                        "laws.friction={\"form\":\"corrected\",\"burgers_nm\":0.48}", event_travel});
     const double c = scene.world.annulus.clearance();
     State state = at_rest(scene.world, pose(-20e-6, c - 60e-9, 0, -2e-3));
-    Pose hand = state.hand;
+    Pose hand = state.command;
     *halvings = 0;
     for (int n = 0; n < 200 && !state.contact[kEnd].closed; ++n) {
       hand[0] -= 60e-9;
@@ -203,14 +204,15 @@ TEST(Step, AFibreTiltedOnTheFaceFeelsNoForcesOfTheBore) {
                       "\"contact_angle_deg\":30}"});
   const double beside = 5 * scene.world.annulus.clearance();
   const State start = at_rest(scene.world, pose(2e-6, beside, 0, -0.02, 0));
-  Pose pressed = start.hand;
+  Pose pressed = start.command;
   pressed[0] = -5e-6;
   const StepResult r = drive(scene.world, start, pressed, 20e-6);
   EXPECT_EQ(r.state.side, EdgeSide::face);
   EXPECT_LT(r.state.tip[0], 0);
   EXPECT_TRUE(r.state.contact[kEnd].closed);
-  const auto terms = term_forces(r.forces);
-  for (const std::size_t term : {0u, 1u, 3u, 8u}) EXPECT_EQ(terms[term].norm(), 0) << term;
+  for (const Term term :
+       {Term::van_der_waals, Term::electrostatic, Term::capillary, Term::meniscus})
+    EXPECT_EQ(r.forces.force(term).norm(), 0) << static_cast<int>(term);
   EXPECT_NEAR(1e6 * r.state.tip[1], 1e6 * beside, 0.5);
 }
 
@@ -229,8 +231,8 @@ TEST(Step, AFibreThatStartsInTheWallIsPushedOut) {
   const double c = scene.world.annulus.clearance();
   State start;
   start.tip = pose(-20e-6, c + 300e-9, 0);
-  start.hand = pose(-20e-6, 0, 0);
-  const StepResult r = step(scene.world, start, start.hand, 1e-3);
+  start.command = pose(-20e-6, 0, 0);
+  const StepResult r = step(scene.world, start, start.command, 1e-3);
   EXPECT_EQ(r.status, StepStatus::ok);
   EXPECT_LT(r.state.tip[1], c);
 }
@@ -240,20 +242,20 @@ TEST(Step, BadCommandsLeaveTheStateUnchanged) {
   const State state = draw_start(scene, 1, 1);
   for (const double bad : {double(NAN), double(INFINITY)})
     for (int i = 0; i < 5; ++i) {
-      Pose hand = state.hand;
+      Pose hand = state.command;
       hand[i] = bad;
       const StepResult r = step(scene.world, state, hand, 1e-3);
       EXPECT_EQ(r.status, StepStatus::bad_command);
       EXPECT_EQ(to_row(r.state), to_row(state));
     }
-  EXPECT_EQ(step(scene.world, state, state.hand, -1e-3).status, StepStatus::bad_command);
-  EXPECT_EQ(step(scene.world, state, state.hand, NAN).status, StepStatus::bad_command);
+  EXPECT_EQ(step(scene.world, state, state.command, -1e-3).status, StepStatus::bad_command);
+  EXPECT_EQ(step(scene.world, state, state.command, NAN).status, StepStatus::bad_command);
 }
 
 TEST(Step, AHandAtRestForAMillionStepsDoesNotDrift) {
   const Scene scene = testing::paper();
   State state = draw_start(scene, 2, 3);
-  Pose hand = state.hand;
+  Pose hand = state.command;
   for (int n = 0; n < 6000; ++n) {
     hand[0] -= 8e-9;
     state = step(scene.world, state, hand, 1e-3).state;
@@ -269,10 +271,10 @@ TEST(Step, PrintedSingularLawsSnapInFromAHundredNanometres) {
   const Scene scene = testing::paper();
   const double c = scene.world.annulus.clearance();
   State state;
-  state.tip = state.hand = pose(-50e-6, -(c - 100e-9), 0);
-  state.hand[1] += 5e-6;
+  state.tip = state.command = pose(-50e-6, -(c - 100e-9), 0);
+  state.command[1] += 5e-6;
   for (int n = 0; n < 2000; ++n) {
-    Pose hand = state.hand;
+    Pose hand = state.command;
     hand[1] -= 10e-9;
     const StepResult r = step(scene.world, state, hand, 1e-3);
     ASSERT_EQ(r.status, StepStatus::ok) << n;
@@ -289,13 +291,13 @@ TEST(Step, FrictionSticksAndThenSlipsAtItsLimit) {
   const World& world = scene.world;
   State state;
   state.tip = pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
-  state.hand = state.tip;
-  for (int n = 0; n < 5; ++n) state = step(world, state, state.hand, 1e-3).state;
+  state.command = state.tip;
+  for (int n = 0; n < 5; ++n) state = step(world, state, state.command, 1e-3).state;
   ASSERT_TRUE(state.contact[kEnd].closed);
   const double x0 = state.tip[0];
-  const double limit = friction(*world.friction, printed_contact_radius(10e-9));
+  const double limit = friction(*friction_law(world.laws), printed::contact_radius(10e-9));
   // Half the limit: the tip moves by limit/2k_t, some 0.1 nm.
-  Pose hand = state.hand;
+  Pose hand = state.command;
   hand[0] -= 0.5 * limit / 0.5;
   State held = step(world, state, hand, 1e-3).state;
   EXPECT_LT(std::abs(held.tip[0] - x0), 0.2e-9);
@@ -303,9 +305,9 @@ TEST(Step, FrictionSticksAndThenSlipsAtItsLimit) {
   for (int n = 0; n < 10000; ++n) held = step(world, held, hand, 1e-3).state;
   EXPECT_LT(std::abs(held.tip[0] - creep_from), 1e-15) << "a held load must not creep";
   // Beyond: it slides and lags behind by limit/k.
-  const StepResult slid = drive(world, state, pose(-30e-6, state.hand[1], 0, 2e-3, 0), 8e-6);
-  EXPECT_CLOSE(slid.state.tip[0] - slid.state.hand[0], limit / 0.5, 1e-3);
-  EXPECT_CLOSE(slid.forces.friction[kEnd].force.x(), limit, 1e-3);
+  const StepResult slid = drive(world, state, pose(-30e-6, state.command[1], 0, 2e-3, 0), 8e-6);
+  EXPECT_CLOSE(slid.state.tip[0] - slid.state.command[0], limit / 0.5, 1e-3);
+  EXPECT_CLOSE(slid.forces[Term::friction][kEnd].force.x(), limit, 1e-3);
 }
 
 TEST(Step, DoesNotAllocate) {
@@ -313,7 +315,7 @@ TEST(Step, DoesNotAllocate) {
   State state = draw_start(scene, 2, 4);
   const std::size_t before = testing::allocations();
   for (int n = 0; n < 7000; ++n) {
-    Pose hand = state.hand;
+    Pose hand = state.command;
     hand[0] -= 8e-9;
     state = step(scene.world, state, hand, 1e-3).state;
   }
@@ -329,7 +331,7 @@ TEST(Step, AlwaysReturnsSomethingFinite) {
     RandomStream random(11, k, Draw::operator_hand);
     State state = draw_start(scene, 11, k);
     for (int n = 0; n < 150; ++n, ++steps) {
-      Pose hand = state.hand;
+      Pose hand = state.command;
       const double reach = std::pow(10.0, -9 + 5 * random.uniform());
       for (int i = 0; i < 3; ++i) hand[i] += reach * random.normal();
       for (int i = 3; i < 5; ++i) hand[i] += 10 * reach * random.normal();

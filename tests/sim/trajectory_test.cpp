@@ -46,7 +46,7 @@ TEST(Trajectory, AgreesWithCvodeInAdhesiveToFirstOrder) {
                           .world;
   State start;
   start.tip = pose(-60e-6, 0.1e-6, -0.05e-6, 1e-3, 0.5e-3);
-  start.hand = start.tip;
+  start.command = start.tip;
   const auto hand = [&](double t) {
     return Pose(start.tip + pose(-8e-6 * t, 0.8e-6 * std::sin(3 * t), 0.5e-6 * t, 0, 1e-3 * t));
   };
@@ -66,7 +66,7 @@ TEST(Trajectory, AgreesWithCvodeWithInertiaToItsOrder) {
     State start = at_rest(world, pose(400e-6, 0, 0));
     const auto hand = [&](double t) {
       const double p = std::min(1.0, t / 2e-3);
-      return Pose(start.hand + pose(0, 5e-6 * p * p * (3 - 2 * p), 0));
+      return Pose(start.command + pose(0, 5e-6 * p * p * (3 - 2 * p), 0));
     };
     const double coarse = tip_error(world, start, hand, 4e-3, 2e-6);
     const double fine = tip_error(world, start, hand, 4e-3, 1e-6);
@@ -86,7 +86,7 @@ TEST(Trajectory, InertiaIsUnconditionallyStable) {
                           "\"gripper_stiffness_N_m\":100}"})
               .world;
       State state = at_rest(world, pose(400e-6, 0, 0));
-      const Pose rest = state.hand;
+      const Pose rest = state.command;
       state.tip[1] += 5e-6;
       const auto energy = [&](const State& s) {
         const Pose stretch = s.tip - rest;
@@ -112,15 +112,15 @@ TEST(Trajectory, AClosedHandMotionNeverGainsWork) {
       const World world = corrected(settings).world;
       // Far enough out for the holder to pull the fibre from the liquid.
       State state = at_rest(world, pose(200e-6, 0, 0));
-      const Pose origin = state.hand;
+      const Pose origin = state.command;
       double lost = 0, turned = 0;
       const auto drive = [&](const Pose& to, int steps) {
-        const Pose from = state.hand;
+        const Pose from = state.command;
         for (int n = 1; n <= steps; ++n) {
           const Pose hand = from + (to - from) * (static_cast<double>(n) / steps);
-          const Pose middle = 0.5 * (state.hand + hand);
+          const Pose middle = 0.5 * (state.command + hand);
           const double work =
-              -(world.holder.stiffness * (state.tip - middle)).dot(hand - state.hand);
+              -(world.holder.stiffness * (state.tip - middle)).dot(hand - state.command);
           state = step(world, state, hand, 1e-3).state;
           lost += work;
           turned += std::abs(work);
@@ -151,7 +151,7 @@ TEST(PegInHole, TouchesAtTwoPointsWhereWhitneySays) {
     State state = at_rest(world, pose(1e-6, 0, 0, tilt, 0));
     double two_points = 0;
     for (int n = 0; n < 40000 && two_points == 0; ++n) {
-      Pose hand = state.hand;
+      Pose hand = state.command;
       hand[0] -= 10e-9;
       // Kept centred, so that neither point is pressed before both touch.
       hand[1] = -0.5 * tilt * state.inserted_length();
@@ -169,17 +169,17 @@ TEST(PegInHole, TwoPointForcesCarryTheMoment) {
   const double length = 80e-6, tilt = 2 * world.annulus.clearance() / length;
   State state;
   state.tip = pose(-length, -0.5 * tilt * length, 0, tilt, 0);
-  state.hand = state.tip;
-  state.hand[3] = 1.5 * tilt;
+  state.command = state.tip;
+  state.command[3] = 1.5 * tilt;
   StepResult r;
   for (int n = 0; n < 20; ++n) {
-    r = step(world, state, state.hand, 1e-3);
+    r = step(world, state, state.command, 1e-3);
     state = r.state;
   }
   ASSERT_TRUE(state.contact[kEnd].closed && state.contact[kSide].closed);
-  const double moment = 1e-6 * (state.hand[3] - state.tip[3]);
-  EXPECT_CLOSE(r.forces.wall[kEnd].force.y(), moment / state.inserted_length(), 1e-3);
-  EXPECT_CLOSE(-r.forces.wall[kSide].force.y(), moment / state.inserted_length(), 1e-3);
+  const double moment = 1e-6 * (state.command[3] - state.tip[3]);
+  EXPECT_CLOSE(r.forces[Term::wall][kEnd].force.y(), moment / state.inserted_length(), 1e-3);
+  EXPECT_CLOSE(-r.forces[Term::wall][kSide].force.y(), moment / state.inserted_length(), 1e-3);
 }
 
 // A fibre touching at two points, held by a moment. Friction of Hurtado and Kim on Hertz contacts
@@ -193,14 +193,14 @@ struct TwoPoints {
 
   TwoPoints(double length, double moment) {
     const double tilt = 2 * world.annulus.clearance() / length;
-    state.tip = state.hand = pose(-length, -0.5 * tilt * length, 0, tilt, 0);
+    state.tip = state.command = pose(-length, -0.5 * tilt * length, 0, tilt, 0);
     hold(tilt + moment / 1e-6, 50);
   }
   // To a tilt of the hand, in small steps.
   void hold(double tilt, int steps) {
-    const double from = state.hand[3];
+    const double from = state.command[3];
     for (int n = 1; n <= steps; ++n) {
-      Pose hand = state.hand;
+      Pose hand = state.command;
       hand[3] = from + (tilt - from) * n / steps;
       move(hand);
     }
@@ -210,10 +210,10 @@ struct TwoPoints {
     ASSERT_EQ(last.status, StepStatus::ok);
     state = last.state;
   }
-  double moment() const { return 1e-6 * (state.hand[3] - state.tip[3]); }
+  double moment() const { return 1e-6 * (state.command[3] - state.tip[3]); }
   double coefficient(double normal) const {
-    const double a = std::cbrt(normal * world.wall->radius / world.wall->reduced_modulus);
-    return friction(*world.friction, a) / normal;
+    const double a = std::cbrt(normal * world.laws.wall->radius / world.laws.wall->reduced_modulus);
+    return friction(*friction_law(world.laws), a) / normal;
   }
 };
 
@@ -229,7 +229,7 @@ TEST(PegInHole, JamsUpToThePushThatWhitneySays) {
       const double slides = normal * (2 * mu + peg.state.tip[3]);
       const double x = peg.state.tip[0], stiffness = peg.world.holder.stiffness(0, 0);
       const auto moved_under = [&](double push) {
-        Pose hand = peg.state.hand;
+        Pose hand = peg.state.command;
         hand[0] = x - push / stiffness;
         for (int n = 0; n < 20; ++n) peg.move(hand);
         return x - peg.state.tip[0];
@@ -246,14 +246,15 @@ TEST(PegInHole, WedgesWhereTheFrictionConesMeet) {
     for (const double moment : {2e-11, 2e-10, 2e-9}) {
       TwoPoints peg(length, moment);
       for (int n = 0; n < 400; ++n)  // the hand goes where the fibre is, and holds nothing
-        peg.move(peg.state.hand + 0.2 * (peg.state.tip - peg.state.hand));
+        peg.move(peg.state.command + 0.2 * (peg.state.tip - peg.state.command));
       const Breakdown& f = peg.last.forces;
-      const double normal = f.wall[kEnd].force.y(), slender = 0.5 * length / 62.5e-6;
+      const double normal = f[Term::wall][kEnd].force.y(), slender = 0.5 * length / 62.5e-6;
       ASSERT_GT(normal, 1e-10) << length << " " << moment;
       EXPECT_LT(f.holder.head<3>().norm(), 1e-6 * normal);
-      EXPECT_CLOSE(-f.wall[kSide].force.y(), normal, 2e-2);
+      EXPECT_CLOSE(-f[Term::wall][kSide].force.y(), normal, 2e-2);
       EXPECT_GT(peg.coefficient(normal), slender) << length << " " << moment;
-      const double along = 0.5 * (f.friction[kEnd].force.x() - f.friction[kSide].force.x());
+      const double along =
+          0.5 * (f[Term::friction][kEnd].force.x() - f[Term::friction][kSide].force.x());
       EXPECT_CLOSE(along, slender * normal, 2e-2) << length << " " << moment;
     }
 }

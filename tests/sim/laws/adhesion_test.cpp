@@ -1,12 +1,13 @@
 #include "sim/laws/adhesion.hpp"
 
+#include "sim/laws/printed/adhesion.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {
 
 const double kModulus = reduced_modulus(4.7e10, 0.35, 7.0e10, 0.35);
-const Adhesion kTableI = {Form::printed, 0.144, 4.0, 1.05, kModulus, 62.5e-6};
+const printed::Adhesion kTableI = {0.144, 4.0, 1.05, kModulus, 62.5e-6};
 
 TEST(ReducedModulus, OfTableI) {
   EXPECT_CLOSE(kModulus, 4.2726925917809e10, 1e-13);
@@ -22,7 +23,7 @@ TEST(Adhesion, PrintedHasThePublishedValuesOfTableI) {
 }
 
 TEST(Adhesion, PrintedHas30DigitValuesOfOtherParameters) {
-  const Adhesion law = {Form::printed, 0.09, 2.5, 1.2, 74818798223.053542, 62.5e-6};
+  const printed::Adhesion law = {0.09, 2.5, 1.2, 74818798223.053542, 62.5e-6};
   EXPECT_CLOSE(adhesion(law, 0).force, -9.8644216337964975e-6, 1e-13);
   EXPECT_CLOSE(adhesion(law, 4e-9).force, -1.1394157526463601e-5, 1e-13);
   EXPECT_CLOSE(adhesion(law, 10e-9).force, -1.3860002130455125e-5, 1e-13);
@@ -54,10 +55,7 @@ TEST(Adhesion, ForceAndSlopeAreDerivatives) {
 }
 
 Adhesion corrected() {
-  Adhesion law = kTableI;
-  law.form = Form::corrected;
-  law.contact = std::make_shared<const MaugisContact>(4.0, 0.144, kModulus, 62.5e-6);
-  return law;
+  return prepare(Adhesion{0.144, 4.0, kModulus, 62.5e-6});
 }
 
 // Fig. 7 of the paper: attractive at first, then quickly and increasingly repulsive.

@@ -3,6 +3,7 @@
 #include <array>
 #include <numbers>
 
+#include "sim/laws/printed/capillary.hpp"
 #include "sim/scene/random.hpp"
 #include "sim/step.hpp"
 #include "sim/surface_forces.hpp"
@@ -14,29 +15,29 @@ namespace {
 
 constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr Capillary kWater = {Form::printed, 0.072, 60 * kDegree, 80e-9};
+constexpr printed::Capillary kWater = {0.072, 60 * kDegree, 80e-9};
 
 TEST(Capillary, PrintedHasThePublishedValuesOfTableI) {
-  EXPECT_CLOSE(100e-6 * capillary(kWater, kTableI, 10e-9, true).force, -61.2e-6, 1e-13);
-  EXPECT_CLOSE(100e-6 * capillary(kWater, kTableI, 100e-9, true).force, -9.36e-6, 1e-13);
+  EXPECT_CLOSE(100e-6 * capillary(kWater, 10e-9).force, -61.2e-6, 1e-13);
+  EXPECT_CLOSE(100e-6 * capillary(kWater, 100e-9).force, -9.36e-6, 1e-13);
 }
 
 TEST(Capillary, PrintedHas30DigitValuesOfOtherParameters) {
-  const Capillary epoxy = {Form::printed, 0.045, 20 * kDegree, 130e-9};
-  EXPECT_CLOSE(capillary(epoxy, kTableI, 0.5e-9, true).force, -41.330540304914464, 1e-13);
-  EXPECT_CLOSE(capillary(epoxy, kTableI, 25e-9, true).force, -0.83160913531005946, 1e-13);
-  EXPECT_CLOSE(capillary(epoxy, kTableI, 400e-9, true).force, -0.056757135891607851, 1e-13);
+  const printed::Capillary epoxy = {0.045, 20 * kDegree, 130e-9};
+  EXPECT_CLOSE(capillary(epoxy, 0.5e-9).force, -41.330540304914464, 1e-13);
+  EXPECT_CLOSE(capillary(epoxy, 25e-9).force, -0.83160913531005946, 1e-13);
+  EXPECT_CLOSE(capillary(epoxy, 400e-9).force, -0.056757135891607851, 1e-13);
 }
 
 TEST(Capillary, ForceAndSlopeAreDerivativesOverDecades) {
-  const auto at = [](double h) { return capillary(kWater, kTableI, h, true); };
+  const auto at = [](double h) { return capillary(kWater, h); };
   for (double h = 0.12e-9; h < 500e-9; h *= 1.7) {
     const double step = 1e-3 * h;
     testing::expect_derivatives(at, h, step, 1e-7);
   }
 }
 
-constexpr Capillary kBridge = {Form::corrected, 0.072, 60 * kDegree, 80e-9, 4e-12, 300e-9};
+constexpr Capillary kBridge = {0.072, 60 * kDegree, 80e-9, 4e-12, 300e-9};
 
 TEST(Capillary, CorrectedHas30DigitValues) {
   const auto at = [](double h) { return capillary(kBridge, kTableI, h, true).force; };
@@ -85,8 +86,11 @@ TEST(Capillary, ForceIsContinuousInTheTilt) {
     add_surface_forces(energy, terms, world, length, true, tip);
     return -terms[kCapillary].e.x();
   };
-  for (double gap = 1e-9; gap < 0.99 * c && gap < world.capillary->rupture; gap *= 1.3) {
-    const double parallel = length * capillary(*world.capillary, world.annulus, gap, true).force;
+  for (double gap = 1e-9; gap < 0.99 * c && gap < std::get<Capillary>(world.laws.capillary).rupture;
+       gap *= 1.3) {
+    const double parallel =
+        length *
+        capillary(std::get<Capillary>(world.laws.capillary), world.annulus, gap, true).force;
     EXPECT_CLOSE(pull(gap, 0), parallel, 1e-12) << gap;
     for (const double tilt : {1e-12, -1e-12, 1e-10, -1e-10})
       EXPECT_CLOSE(pull(gap, tilt), parallel, 1e-12 + 2 * std::abs(tilt) * length / gap) << gap;
@@ -154,7 +158,8 @@ TEST(Capillary, BridgeAlongATiltedFibreIsTheIntegral) {
       for (int i = 0; i < kPlaces; ++i) {
         const double s = part * (i + 0.5);
         const Vector2d e(tip[1] + s * tip[3], tip[2] + s * tip[4]);
-        const LineForce here = capillary(*world.capillary, world.annulus, c - e.norm(), true);
+        const LineForce here =
+            capillary(std::get<Capillary>(world.laws.capillary), world.annulus, c - e.norm(), true);
         wet += here.force != 0;
         force += part * here.force * e.normalized();
         moment += part * s * here.force * e.normalized();
@@ -209,7 +214,8 @@ TEST(Capillary, HessianAlongATiltedFibreIsTheDerivativeOfTheGradient) {
   int ruptured = 0;
   for (int kind = 0; kind < kKinds; ++kind) {
     const World world = liquid(kind, 16);
-    const double open = world.annulus.clearance() - world.capillary->rupture;
+    const double open =
+        world.annulus.clearance() - std::get<Capillary>(world.laws.capillary).rupture;
     for (std::uint64_t k = 0; k < 60; ++k) {
       const Pose tip = tilted(world, 23, k), unit = units(world, tip);
       const PoseVector at(tip);
@@ -237,9 +243,11 @@ TEST(Capillary, HessianAlongATiltedFibreIsTheDerivativeOfTheGradient) {
 // Where the whole length ruptures at once, and where the axis passes the reach without crossing it.
 TEST(Capillary, BridgeIsFiniteWhereItsEndIsNowhere) {
   const World world = liquid(0, 5);
-  const double c = world.annulus.clearance(), open = c - world.capillary->rupture;
-  const double parallel =
-      100e-6 * capillary(*world.capillary, world.annulus, c - 1.0001 * open, true).force;
+  const double c = world.annulus.clearance(),
+               open = c - std::get<Capillary>(world.laws.capillary).rupture;
+  const double parallel = 100e-6 * capillary(std::get<Capillary>(world.laws.capillary),
+                                             world.annulus, c - 1.0001 * open, true)
+                                       .force;
   for (const double tilt : {0.0, 1e-300, 1e-20, 1e-12, 1e-9, 1e-7})
     for (const double away : {-1e-4, -1e-12, 0.0, 1e-12, 1e-4})
       for (const double across : {0.0, 1.0}) {
@@ -262,11 +270,12 @@ TEST(Capillary, StepsOfATiltedFibreInLiquidFindTheirEnd) {
   for (int kind = 0; kind < kKinds; ++kind)
     for (const double tilt : {0.0, 1e-3, 3e-3, 6e-3}) {
       World world = liquid(kind, 1 + 4 * (kind % 2));
-      world.adhesion.reset();
-      world.capillary->surface_tension = 2e-5;  // that the soft hand can overcome
+      world.laws.adhesion = {};
+      std::get<Capillary>(world.laws.capillary).surface_tension =
+          2e-5;  // that the soft hand can overcome
       State state = at_rest(world, testing::pose(5e-6, -0.1e-6, 0.1e-6, tilt, -0.5 * tilt));
       for (int n = 0; n < 4000; ++n) {
-        Pose hand = state.hand;
+        Pose hand = state.command;
         hand[0] += n < 2000 ? -40e-9 : 40e-9;
         hand[1] += 10e-9 * std::sin(0.01 * n);
         const StepResult r = step(world, state, hand, 1e-3);

@@ -13,13 +13,13 @@ constexpr Annulus kTableI = {62.5e-6, 63e-6};
 
 TEST(Drag, OfAThickAdhesiveInALongBore) {
   // 10 mm of a 126 um bore at 4 Pa s and 0.1 mm/s: 3.1 mN.
-  const Drag law = {Form::corrected, 4};
+  const Drag law = {4};
   EXPECT_CLOSE(0.1e-3 * drag(law, kTableI, 0, 10e-3).axial, 3.1e-3, 2e-2);
 }
 
 // The coefficients are integrals of the film's pressure around the circumference.
 TEST(Drag, SqueezeFilmIsTheIntegralOfThePressure) {
-  const Drag law = {Form::corrected, 0.7};
+  const Drag law = {0.7};
   const double e = 0.3e-6, length = 40e-6, c = kTableI.clearance();
   double radial = 0, tangential = 0, couette = 0;
   const int n = 20000;
@@ -37,7 +37,7 @@ TEST(Drag, SqueezeFilmIsTheIntegralOfThePressure) {
 }
 
 TEST(Drag, StaysFiniteInContact) {
-  const Drag law = {Form::corrected, 1};
+  const Drag law = {1};
   EXPECT_TRUE(std::isfinite(drag(law, kTableI, 0.6e-6, 1e-4).radial));
 }
 
@@ -45,16 +45,17 @@ TEST(Drag, StaysFiniteInContact) {
 TEST(Drag, HoldsBackAFibreThatMoves) {
   const Scene scene = testing::bare({"laws.drag={\"form\":\"corrected\",\"viscosity_Pa_s\":1}"});
   State state;
-  state.tip = state.hand = (Pose() << -100e-6, 0, 0, 0, 0).finished();
+  state.tip = state.command = (Pose() << -100e-6, 0, 0, 0, 0).finished();
   StepResult r;
   for (int n = 0; n < 3000; ++n) {
-    Pose hand = state.hand;
+    Pose hand = state.command;
     hand[0] -= 5e-9;
     r = step(scene.world, state, hand, 1e-3);
     state = r.state;
   }
-  const double expected = 5e-6 * drag(*scene.world.drag, kTableI, 0, -state.tip[0]).axial;
-  EXPECT_CLOSE(r.forces.drag[0].force.x() + r.forces.drag[1].force.x(), expected, 1e-2);
+  const double expected = 5e-6 * drag(*scene.world.laws.drag, kTableI, 0, -state.tip[0]).axial;
+  EXPECT_CLOSE(r.forces[Term::drag][0].force.x() + r.forces[Term::drag][1].force.x(), expected,
+               1e-2);
   EXPECT_CLOSE(r.forces.holder[0], expected, 1e-2);
 }
 

@@ -1,12 +1,13 @@
 #include "sim/laws/electrostatic.hpp"
 
+#include "sim/laws/printed/electrostatic.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {
 
 constexpr Annulus kTableI = {62.5e-6, 63e-6};
-constexpr Electrostatic kTenthVolt = {Form::printed, 0.1};
+constexpr printed::Electrostatic kTenthVolt = {0.1};
 
 TEST(Electrostatic, PrintedHasThePublishedValuesOfTableI) {
   EXPECT_CLOSE(100e-6 * electrostatic(kTenthVolt, kTableI, 10e-9).force, -4.3442336e-6, 2e-8);
@@ -15,7 +16,7 @@ TEST(Electrostatic, PrintedHasThePublishedValuesOfTableI) {
 
 TEST(Electrostatic, PrintedHas30DigitValuesOfOtherParameters) {
   const Annulus annulus = {40e-6, 41e-6};
-  const Electrostatic law = {Form::printed, 0.7};
+  const printed::Electrostatic law = {0.7};
   EXPECT_CLOSE(electrostatic(law, annulus, 0.5e-9).force, -544.94066169168554, 1e-13);
   EXPECT_CLOSE(electrostatic(law, annulus, 25e-9).force, -0.21797626467667421, 1e-13);
   EXPECT_CLOSE(electrostatic(law, annulus, 400e-9).force, -8.5146978389325865e-4, 1e-13);
@@ -30,12 +31,12 @@ TEST(Electrostatic, ForceAndSlopeAreDerivativesOverDecades) {
 }
 
 TEST(Electrostatic, GrowsWithTheSquareOfTheVoltage) {
-  EXPECT_CLOSE(electrostatic({Form::printed, 0.3}, kTableI, 20e-9).force,
+  EXPECT_CLOSE(printed::electrostatic({0.3}, kTableI, 20e-9).force,
                9 * electrostatic(kTenthVolt, kTableI, 20e-9).force, 1e-14);
-  EXPECT_EQ(electrostatic({Form::printed, 0}, kTableI, 20e-9).force, 0);
+  EXPECT_EQ(printed::electrostatic({0}, kTableI, 20e-9).force, 0);
 }
 
-constexpr Electrostatic kCorrected = {Form::corrected, 0.1};
+constexpr Electrostatic kCorrected = {0.1};
 
 TEST(Electrostatic, CorrectedHasThePublishedValues) {
   const auto uN = [](double h) {

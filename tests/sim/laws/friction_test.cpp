@@ -1,12 +1,13 @@
 #include "sim/laws/friction.hpp"
 
 #include "sim/laws/adhesion.hpp"
+#include "sim/laws/printed/adhesion.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr Friction kTableI = {Form::printed, 3.17e9, 0.73e9, 0.48e-9};
+constexpr Friction kTableI = {3.17e9, 0.73e9, 0.48e-9};
 
 TEST(Friction, ConstantsAt20Digits) {
   EXPECT_CLOSE(hurtado_kim_m(), -0.42348600603698873, 1e-14);
@@ -15,8 +16,8 @@ TEST(Friction, ConstantsAt20Digits) {
 }
 
 TEST(Friction, PrintedHasThePublishedValuesOfTableI) {
-  EXPECT_CLOSE(friction(kTableI, printed_contact_radius(0)), 0.1296897463e-6, 4e-10);
-  EXPECT_CLOSE(friction(kTableI, printed_contact_radius(10e-9)), 0.1728765087e-6, 4e-10);
+  EXPECT_CLOSE(friction(kTableI, printed::contact_radius(0)), 0.1296897463e-6, 4e-10);
+  EXPECT_CLOSE(friction(kTableI, printed::contact_radius(10e-9)), 0.1728765087e-6, 4e-10);
 }
 
 TEST(Friction, Has30DigitValuesInAllThreeRanges) {

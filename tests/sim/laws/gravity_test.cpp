@@ -1,5 +1,6 @@
 #include "sim/laws/gravity.hpp"
 
+#include "sim/laws/printed/gravity.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {
@@ -8,13 +9,12 @@ namespace {
 constexpr FibreMass kTableI = {62.5e-6, 2330, 0.05};
 
 TEST(Gravity, PrintedIsTheMassThatThePaperTakesAsNewtons) {
-  EXPECT_CLOSE(gravity({Form::printed}, kTableI), 1.4297e-6, 5e-5);
+  EXPECT_CLOSE(printed::gravity({}, kTableI), 1.4297e-6, 5e-5);
 }
 
 TEST(Gravity, CorrectedIsTheWeight) {
-  EXPECT_CLOSE(gravity({Form::corrected}, kTableI), 1.4020e-5, 5e-5);
-  EXPECT_CLOSE(gravity({Form::corrected}, kTableI), 9.80665 * gravity({Form::printed}, kTableI),
-               1e-15);
+  EXPECT_CLOSE(gravity(Gravity{}, kTableI), 1.4020e-5, 5e-5);
+  EXPECT_CLOSE(gravity(Gravity{}, kTableI), 9.80665 * printed::gravity({}, kTableI), 1e-15);
 }
 
 }  // namespace

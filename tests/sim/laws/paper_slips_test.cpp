@@ -14,7 +14,7 @@ constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr double kHamaker = 3.67e-19, kLength = 100e-6, kGap = 10e-9;
 
 double printed_van_der_waals() {
-  return -kLength * van_der_waals({Form::printed, kHamaker}, kTableI, kGap).force;
+  return -kLength * printed::van_der_waals({kHamaker}, kTableI, kGap).force;
 }
 
 TEST(Slip, E1HalfSpacesAttractFourTimesAsMuchAsPrinted) {
@@ -25,7 +25,7 @@ TEST(Slip, E1HalfSpacesAttractFourTimesAsMuchAsPrinted) {
 
 TEST(Slip, E2WithoutGTheWeightIsTenTimesTooSmall) {
   const FibreMass fibre = {62.5e-6, 2330, 0.05};
-  EXPECT_CLOSE(gravity({Form::corrected}, fibre) / gravity({Form::printed}, fibre), 9.80665, 1e-15);
+  EXPECT_CLOSE(gravity(Gravity{}, fibre) / printed::gravity({}, fibre), 9.80665, 1e-15);
 }
 
 TEST(Slip, E3WithTheAngularRangeTheMeniscusWouldHaveNoRadius) {
@@ -33,13 +33,13 @@ TEST(Slip, E3WithTheAngularRangeTheMeniscusWouldHaveNoRadius) {
   // per 100 um, where the contact angle in its place gives 61.2 uN at 10 nm.
   const double degree = std::numbers::pi / 180;
   const double no_radius = 2 * 0.072 * kLength * std::cos(60 * degree);
-  const Capillary law = {Form::printed, 0.072, 60 * degree, 80e-9};
-  EXPECT_CLOSE(-kLength * capillary(law, kTableI, kGap, true).force / no_radius, 8.5, 1e-13);
+  const printed::Capillary law = {0.072, 60 * degree, 80e-9};
+  EXPECT_CLOSE(-kLength * capillary(law, kGap).force / no_radius, 8.5, 1e-13);
 }
 
 TEST(Slip, E4ThePrintedMeniscusNeverLetsGo) {
-  const Capillary law = {Form::printed, 0.072, std::numbers::pi / 3, 80e-9};
-  for (double h = 0.1e-9; h < 1; h *= 3) EXPECT_LT(capillary(law, kTableI, h, true).force, 0) << h;
+  const printed::Capillary law = {0.072, std::numbers::pi / 3, 80e-9};
+  for (double h = 0.1e-9; h < 1; h *= 3) EXPECT_LT(capillary(law, h).force, 0) << h;
 }
 
 TEST(Slip, E5ModuliInKilogramsWouldBeTenTimesTooSoft) {
@@ -56,7 +56,7 @@ TEST(Slip, E6SiliconInPlaceOfSilicaMakesTheFibreSoftAndHeavy) {
 }
 
 TEST(Slip, E7ThePrintedAdhesionAttractsEverMoreWithDepth) {
-  const Adhesion law = {Form::printed, 0.144, 4, 1.05, 4.2726925917809e10, 62.5e-6};
+  const printed::Adhesion law = {0.144, 4, 1.05, 4.2726925917809e10, 62.5e-6};
   double before = adhesion(law, 0).force;
   for (double d = 1e-9; d <= 10e-9; d += 1e-9) {
     EXPECT_LT(adhesion(law, d).force, before);
@@ -76,8 +76,8 @@ TEST(Slip, E8ThePatchAttractsSevenTimesAsMuchAsTheAnnulus) {
 TEST(Slip, E9TheForceOfFig10IsGravityWithoutG) {
   // -1.2 uN in the figure: within a fifth of the printed 1.43 uN, a twelfth of the true weight.
   const FibreMass fibre = {62.5e-6, 2330, 0.05};
-  EXPECT_CLOSE(gravity({Form::printed}, fibre), 1.2e-6, 0.2);
-  EXPECT_GT(gravity({Form::corrected}, fibre), 10 * 1.2e-6);
+  EXPECT_CLOSE(printed::gravity({}, fibre), 1.2e-6, 0.2);
+  EXPECT_GT(gravity(Gravity{}, fibre), 10 * 1.2e-6);
 }
 
 }  // namespace

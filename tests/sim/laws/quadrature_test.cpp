@@ -20,7 +20,7 @@ TEST(Quadrature, IsExactForPolynomialsOfItsDegree) {
 
 // Between tilted axes the van der Waals force converges with the order.
 TEST(Quadrature, ConvergesForTiltedAxes) {
-  const VanDerWaals law = {Form::corrected, 3.67e-19};
+  const VanDerWaals law = {3.67e-19};
   const Annulus rough = {62.5e-6, 63e-6, 5e-9};
   const auto force = [&](int order) {
     const Quadrature q = Quadrature::gauss_legendre(order);

@@ -7,8 +7,8 @@ namespace ferrule {
 namespace {
 
 constexpr Annulus kTableI = {62.5e-6, 63e-6, 2e-9};
-constexpr VanDerWaals kAttraction = {Form::corrected, 3.67e-19};
-constexpr Electrostatic kCharge = {Form::corrected, 0.1};
+constexpr VanDerWaals kAttraction = {3.67e-19};
+constexpr Electrostatic kCharge = {0.1};
 
 // The scalar law integrated by the midpoint rule along the straight line.
 template <class Law>

@@ -1,12 +1,13 @@
 #include "sim/laws/van_der_waals.hpp"
 
+#include "sim/laws/printed/van_der_waals.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {
 
 constexpr Annulus kTableI = {62.5e-6, 63e-6};
-constexpr VanDerWaals kAluminium = {Form::printed, 3.67e-19};
+constexpr printed::VanDerWaals kAluminium = {3.67e-19};
 
 TEST(VanDerWaals, PrintedHasThePublishedValuesOfTableI) {
   EXPECT_CLOSE(100e-6 * van_der_waals(kAluminium, kTableI, 10e-9).force, -47.786458e-6, 2e-8);
@@ -15,7 +16,7 @@ TEST(VanDerWaals, PrintedHasThePublishedValuesOfTableI) {
 
 TEST(VanDerWaals, PrintedHas30DigitValuesOfOtherParameters) {
   const Annulus annulus = {40e-6, 41e-6};
-  const VanDerWaals law = {Form::printed, 1.1e-19};
+  const printed::VanDerWaals law = {1.1e-19};
   EXPECT_CLOSE(van_der_waals(law, annulus, 0.5e-9).force, -733.33333333333333, 1e-13);
   EXPECT_CLOSE(van_der_waals(law, annulus, 3e-9).force, -3.3950617283950617, 1e-13);
   EXPECT_CLOSE(van_der_waals(law, annulus, 25e-9).force, -0.0058666666666666667, 1e-13);
@@ -42,7 +43,7 @@ TEST(VanDerWaals, PrintedIsContinuousAtTheEndsOfItsRangeAndZeroBeyond) {
   EXPECT_EQ(van_der_waals(kAluminium, kTableI, -5e-9).force, 0);
 }
 
-constexpr VanDerWaals kCorrected = {Form::corrected, 3.67e-19};
+constexpr VanDerWaals kCorrected = {3.67e-19};
 
 TEST(VanDerWaals, CorrectedHasThePublishedValues) {
   const auto uN = [](double h) {

@@ -106,7 +106,7 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
     tip[4] = near * start.tip[4] + (1 - near) * t * std::sin(4.9 * phase);
     hand.push_back(tip - world.holder.sag);
   }
-  hand.front() = start.hand;
+  hand.front() = start.command;
   return hand;
 }
 
@@ -129,8 +129,8 @@ TEST(Plan, LeavesOutWhatDoesNotActAndSaysWhatItWouldHaveChanged) {
   EXPECT_FALSE(plan.terms[0].kept);
   EXPECT_LT(plan.terms[0].relative_error, 1e-6);
   EXPECT_TRUE(plan.terms[1].kept);
-  EXPECT_CLOSE(plan.terms[1].max_force, gravity(*scene.world.gravity, scene.world.fibre), 1e-12);
-  EXPECT_FALSE(parse_scene(plan.document, "planned").world.electrostatic);
+  EXPECT_CLOSE(plan.terms[1].max_force, weight(scene.world.laws.gravity, scene.world.fibre), 1e-12);
+  EXPECT_FALSE(present(parse_scene(plan.document, "planned").world.laws.electrostatic));
   EXPECT_LE(plan.error_bound, 0.01);
 }
 
@@ -145,7 +145,7 @@ TEST(Plan, ChoosesInertiaWhereItMatters) {
 TEST(Plan, OfASceneThatIsPlannedAlreadyIsAppliedOnce) {
   Json document = testing::paper().document;
   document["accuracy"] = 0.02;
-  const Scene scene = parse_scene(document, "paper");
+  const Scene scene = planned(parse_scene(document, "paper"));
   EXPECT_EQ(scene.document.at("planned_accuracy"), 0.02);
   EXPECT_FALSE(scene.document.contains("accuracy"));
   EXPECT_EQ(parse_scene(scene.document, "again").document, scene.document);

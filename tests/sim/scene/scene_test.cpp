@@ -22,11 +22,11 @@ TEST(Scene, PaperIsTableI) {
   const World w = testing::paper().world;
   EXPECT_CLOSE(w.annulus.fibre_radius, 62.5e-6, 1e-15);
   EXPECT_CLOSE(w.annulus.clearance(), 0.5e-6, 1e-9);
-  EXPECT_CLOSE(w.wall->reduced_modulus, 4.2726925917809e10, 1e-13);
-  EXPECT_CLOSE(w.van_der_waals->hamaker, 3.67e-19, 1e-15);
-  EXPECT_CLOSE(w.capillary->film, 80e-9, 1e-15);
+  EXPECT_CLOSE(w.laws.wall->reduced_modulus, 4.2726925917809e10, 1e-13);
+  EXPECT_CLOSE(std::get<printed::VanDerWaals>(w.laws.van_der_waals).hamaker, 3.67e-19, 1e-15);
+  EXPECT_CLOSE(std::get<printed::Capillary>(w.laws.capillary).film, 80e-9, 1e-15);
   EXPECT_CLOSE(w.profile.mouth_radius(), 125e-6, 1e-14);
-  EXPECT_CLOSE(w.wall->begins, 10e-9, 1e-15);
+  EXPECT_CLOSE(w.laws.wall->begins, 10e-9, 1e-15);
 }
 
 TEST(Scene, AllShippedScenesAreValid) {
@@ -37,16 +37,16 @@ TEST(Scene, AllShippedScenesAreValid) {
 TEST(Scene, DocumentGivesTheSameSceneAgain) {
   const Scene a = testing::paper({"laws.electrostatic.voltage_V=0.25"});
   const Scene b = parse_scene(Json::parse(a.document.dump()), "again");
-  EXPECT_EQ(b.world.electrostatic->voltage, 0.25);
+  EXPECT_EQ(std::get<printed::Electrostatic>(b.world.laws.electrostatic).voltage, 0.25);
   EXPECT_EQ(a.document, b.document);
 }
 
 TEST(Scene, NullRemovesALaw) {
-  EXPECT_FALSE(testing::paper({"laws.capillary=null"}).world.capillary.has_value());
+  EXPECT_FALSE(present(testing::paper({"laws.capillary=null"}).world.laws.capillary));
 }
 
 TEST(Scene, AdhesionAbsentLetsTheWallBeginAtTouch) {
-  EXPECT_EQ(testing::paper({"laws.adhesion=null"}).world.wall->begins, 0);
+  EXPECT_EQ(testing::paper({"laws.adhesion=null"}).world.laws.wall->begins, 0);
 }
 
 TEST(Scene, ComplaintsNameKeyValueAndRule) {
@@ -103,12 +103,13 @@ bool computes(const Scene& scene) {
   Pose end = Pose::Zero();
   end[0] = -std::min(scene.success.depth, 20e-6);
   end[1] = 2 * c;
-  const Pose from = state.hand, to = end - scene.world.holder.sag;
+  const Pose from = state.command, to = end - scene.world.holder.sag;
   for (int n = 1; n <= 12; ++n) {
     const StepResult r = step(scene.world, state, from + n / 12.0 * (to - from), 1e-3);
     state = r.state;
     bool finite = to_row(state).allFinite() && r.forces.holder.allFinite();
-    for (const Vector3d& f : term_forces(r.forces)) finite = finite && f.allFinite();
+    for (const TermForces& term : r.forces.terms)
+      for (const PointForce& f : term) finite = finite && f.force.allFinite();
     if (!finite) return false;
   }
   return true;

@@ -14,7 +14,6 @@
 
 namespace ferrule::printed {
 
-inline constexpr double kInteratomicDistance = 0.1e-9;         // a_0 [m], Table I
 inline constexpr double kPatchAngle = std::numbers::pi / 2.0;  // theta [rad], Table I
 
 // `law(h)` returns the LineForce of the bare formula, valid for h >= a_0.

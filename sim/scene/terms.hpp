@@ -1,0 +1,32 @@
+// The table of force terms: what readers of scenes, planner, tables and plots know of each. Its
+// rows are in the order of `Term` (sim/laws/laws.hpp); a new law is a new row.
+#pragma once
+
+#include <string>
+
+#include "sim/scene/json_fields.hpp"
+#include "sim/world.hpp"
+
+namespace ferrule {
+
+struct TermInfo {
+  const char* name;  // in scenes, files and tables
+  bool printed;      // does the paper print it?
+  // Reads the law from the scene's laws.NAME; throws BadInput. Null for the wall, which is no
+  // choice of the scene.
+  void (*read)(JsonFields fields, Laws& laws);
+  bool (*present)(const Laws& laws) noexcept;
+  void (*leave_out)(Laws& laws) noexcept;
+  std::string (*fidelity)(const World& world);  // how it is computed, of a world that has it
+};
+
+const TermInfo& info(Term term) noexcept;
+
+// All of them, in order.
+inline constexpr std::array<Term, kTerms> kAllTerms = [] {
+  std::array<Term, kTerms> all{};
+  for (std::size_t i = 0; i < kTerms; ++i) all[i] = static_cast<Term>(i);
+  return all;
+}();
+
+}  // namespace ferrule
