@@ -1,15 +1,14 @@
-// Adhesion at a closed contact, equation (6) of the paper (Maugis-Dugdale), and the reduced modulus
-// (7).
+// Adhesion at a closed contact, equation (6) of the paper (Maugis-Dugdale), and the reduced
+// modulus, equation (7).
 //
-// Printed, (6):  F = K a^3 / r - lambda a^2 (pi w K^2 / r)^(1/3) (s + m^2 atan s),  s = sqrt(m^2 -
-// 1)
+// Printed, (6):
+//     F = K a^3 / r - lambda a^2 (pi w K^2 / r)^(1/3) (s + m^2 atan s),   s = sqrt(m^2 - 1)
 //   with the contact radius prescribed: a = 100 nm + 2 d for a penetration 0 <= d <= 10 nm, held at
 //   120 nm beyond. As printed it attracts ever more with depth (E7 in sim/README.md), so the wall
 //   (sim/laws/wall.hpp) begins where the prescription ends. The force jumps at d = 0; it is reached
 //   in a straight line over the last a_0 = 0.1 nm of the approach, -a_0 < d < 0.
 // Corrected, (6c): self-consistent (sim/laws/maugis.hpp), attraction and elastic resistance
-// together, with
-//   the branch that holds as state. No further wall is needed.
+//   together, with the branch that holds as state. No further wall is needed.
 #pragma once
 
 #include <memory>

@@ -2,9 +2,8 @@
 //
 // Printed, (2) of the paper:  F = -eps0 U^2 S / (2 h^2),  S = r theta l_f,  theta = 90 degrees,
 //   h >= a_0, with eps0 = 8.85e-12 as in Table I. Below a_0: sim/laws/printed_range.hpp.
-// Corrected, (2c): exact for eccentric cylinders of parallel axes (Landau and Lifshitz, vol. 8,
-// sec.
-//   3), e = c - h:
+// Corrected, (2c): exact for eccentric cylinders of parallel axes, e = c - h (Landau and Lifshitz,
+//   vol. 8, sec. 3):
 //     C' = 2 pi eps0 / acosh((R^2 + r^2 - e^2)/(2 r R)),   f = -(U^2/2) dC'/de
 //   with c and h enlarged by the roughness; in contact: sim/laws/corrected_range.hpp.
 #pragma once
