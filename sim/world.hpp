@@ -53,7 +53,8 @@ struct World {
   std::optional<Meniscus> meniscus;
 };
 
-// State of a fibre whose end rests at `tip` in free air: the hand holds it there against gravity.
+// State of a fibre whose end rests at `tip` in free air, with the command that holds it there
+// against gravity.
 State at_rest(const World& world, const Pose& tip) noexcept;
 
 // Contact radius [m] that friction takes at penetration `depth` [m]: prescribed by the printed
