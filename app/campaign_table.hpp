@@ -6,7 +6,7 @@
 
 namespace ferrule {
 
-// The keys are in the README.
+// controller/README.md describes the keys.
 Json to_json(const CampaignSummary& summary);
 void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);

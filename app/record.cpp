@@ -1,5 +1,5 @@
-// ferrule record: demonstrations from a simulated operator, a device, or a controller at the hand's
-// place.
+// ferrule record: demonstrations from a simulated operator, a device, or a controller in the place
+// of the hand.
 #include <fmt/format.h>
 
 #include <cstring>

@@ -10,8 +10,8 @@
 namespace ferrule {
 namespace {
 
-// Lowers a fibre from above the mouth at `offset` from the axis; does it get past `depth` into the
-// bore?
+// Lowers a fibre from above the mouth at `offset` from the axis. Does it get deeper than `depth`
+// into the bore?
 bool goes_in(const World& world, const Vector2d& offset, double speed, double dt) {
   constexpr double above = 0.5e-6, depth = 2.5e-6;
   const double aside = std::max(0.0, offset.norm() - world.annulus.clearance());

@@ -94,8 +94,8 @@ SteppingRow explicit_euler(const Case& c, double dt) {
     const Pose hand = c.hand(t - dt);
     const FrozenCoefficients still = freeze(c.world, state, hand, 0);
     const Potential there(c.world, still, state.tip);
-    // At the step's start drag has no force, and what it adds to the Hessian is the damping over
-    // dt.
+    // At the step's start drag has no force, and what it adds to the Hessian is its damping divided
+    // by dt.
     const Matrix5 damping =
         Potential(c.world, freeze(c.world, state, hand, dt), state.tip).hessian.full() -
         there.hessian.full();

@@ -38,13 +38,13 @@ Measures measure(const Episode& episode, const Scene& scene);
 
 // Spectral arc length SPARC of a speed profile sampled every `period` [s] (Balasubramanian,
 // Melendez-Calderon, Roby-Brami and Burdet 2015, "On the analysis of movement smoothness"):
-//   -integral from 0 to f_c of sqrt((1/f_c)^2 + (d V/d f)^2) df,  V the spectrum over its value at
-//   0,
-// with the speed padded with zeros to 16 times the next power of two of its length, and f_c the
-// last frequency up to 20 Hz at which V >= 0.05. The authors' 10 Hz would cut through the band of
-// physiological tremor (8 to 12 Hz), so that chance decides whether a hand's tremor counts; with
-// 20 Hz all of it counts where it is above the threshold. < 0, and 0 where nothing moves; does not
-// depend on the profile's amplitude, nor on its duration while the spectrum stays below 20 Hz.
+//   -integral from 0 to f_c of sqrt((1/f_c)^2 + (d V/d f)^2) df
+// with V the spectrum divided by its value at 0, the speed padded with zeros to 16 times the next
+// power of two of its length, and f_c the last frequency up to 20 Hz at which V >= 0.05. The
+// authors' 10 Hz would cut through the band of physiological tremor (8 to 12 Hz), so that chance
+// decides whether a hand's tremor counts; with 20 Hz all of it counts where it is above the
+// threshold. The result is < 0, or 0 where nothing moves. It does not depend on the profile's
+// amplitude, nor on its duration while the spectrum stays below 20 Hz.
 double spectral_arc_length(const Eigen::VectorXd& speed, double period);
 
 // Movements of an axial velocity [m/s] sampled every `period` [s]: averaged over 0.2 s, which takes

@@ -1,5 +1,5 @@
-// The loop between hand and fibre: read the device, step the simulator, let the hand feel it,
-// record.
+// The loop between hand and fibre: read the device, step the simulator, let the hand feel it, and
+// record the row.
 #pragma once
 
 #include <functional>

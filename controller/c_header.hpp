@@ -15,7 +15,7 @@
 
 namespace ferrule {
 
-// `origin` is told in the header's first comment.
+// The header's first comment names `origin`.
 std::string c_header(const Law& law, const std::string& origin);
 std::string c_header(const Policy& policy, const std::string& origin);
 

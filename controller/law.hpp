@@ -36,8 +36,8 @@ constexpr std::span<const Gain> gain_table(LawKind kind) noexcept {
   return kGainTable;
 }
 
-// Velocity [m/s] from gains in the order of the table, at a felt force relative to that at rest
-// [N], a depth of the hand [m] and a time since the start [s]. T is double, or a dual number.
+// Velocity [m/s] from gains in the order of the table, at an observed force less that at rest [N],
+// a depth of the hand [m] and a time since the start [s]. T is double, or a dual number.
 template <class T>
 Eigen::Matrix<T, 3, 1> law_velocity(LawKind kind, const T* gains, const Eigen::Vector3d& force,
                                     double depth, double time) {

@@ -1,9 +1,9 @@
-// A learned policy: small multilayer perceptrons from what is felt to a Gaussian over the hand's
+// A learned policy: small multilayer perceptrons from observations to a Gaussian over the hand's
 // velocity, in the hand's world. It runs without the library that trained it.
 //
 //   input    x = (w(t), w(t - s), ..., w(t - (H - 1) s), d(t)),
-//            w felt wrench [N, N m], d depth of the hand past the entrance [m]; no time, and not
-//            its own velocity: it answers what it feels, not what it did
+//            w observed wrench [N, N m], d depth of the hand past the entrance [m]; no time, and
+//            not its own velocity: it answers what it observes, not what it did
 //   scaled   z = (x - mean) / scale, channel by channel
 //   member   h_0 = z, h_i = tanh(W_i h_i-1 + b_i), (m, l) = W_n h_n-1 + b_n
 //   velocity v = v_mean + v_scale m [m/s], standard deviation v_scale exp(l), l within

@@ -6,9 +6,9 @@
 //   acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start
 //   force         the speed falls with what is left to the force it brakes for,
 //                 F_b = (1 - margin) force:  s^2 / (2 acceleration) + s T / 2 <= (F_b - |f|) / k,
-//                 k the largest stiffness that is felt: a hand that brakes with the acceleration
-//                 stops before F_b if the force rises by no more than k per metre.
-//                 The part of v along the felt force relieves it, and is not braked.
+//                 k the largest stiffness in the hand's world: a hand that brakes with the
+//                 acceleration stops before F_b if the force rises by no more than k per metre.
+//                 The part of v along the observed force f relieves it, and is not braked.
 // Force wins over acceleration: where |f| + k s T > force, the next period could exceed the limit
 // itself; all but the relieving part is then stopped at once, however fast it was. A jerk can be
 // mended, a broken fibre cannot. Nothing else exceeds the acceleration: stopping, retreating and
@@ -41,9 +41,9 @@ namespace ferrule {
 // Hand's world.
 struct SupervisorLimits {
   double speed = 0;         // [m/s], > 0
-  double force = 0;         // felt, relative to that at rest [N], > 0
+  double force = 0;         // observed, less that at rest [N], > 0
   double acceleration = 0;  // [m/s^2], > 0
-  double stiffness = 0;     // k: the largest that is felt [N/m], > 0
+  double stiffness = 0;     // k: the largest in the hand's world [N/m], > 0
   double lever = 0;         // at which a tilt counts as a motion [m], > 0
   double margin = 0.1;      // of the force, kept free by braking [-], 0 to 1
   double disagreement = 0;  // [m/s], > 0

@@ -14,7 +14,7 @@ struct TrialResult {
   std::optional<Supervision> supervision;  // empty for a controller without supervisor
 };
 
-// Trial `trial` of a campaign under `seed`. The controller feels what the scene's force sensor
+// Trial `trial` of a campaign under `seed`. The controller observes what the scene's force sensor
 // reads, scaled up by `scaling`, and its velocity is scaled down; control and simulation share one
 // period [s].
 TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,

@@ -4,11 +4,11 @@
 //   x(p) = x_0 - D (10 p^3 - 15 p^4 + 6 p^5),   phase p from 0 to 1,
 // feels the force on its hand with a delay, relative to what it felt at rest at the start (it has
 // got used to the weight), and answers it:
-//   lateral velocity  v_y = A (f_y - F_p), v_z = A f_z    yields to the force, but for a light
-//   press
-//                                                         F_p downwards that keeps the fibre on the
-//                                                         lower side; it sets in at phase 0.7
-//   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))   slows down where the force is large
+//   lateral velocity  v_y = A (f_y - F_p),  v_z = A f_z
+//                     yields to the force, but for a light press F_p downwards that keeps the fibre
+//                     on the lower side; it sets in at phase 0.7
+//   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))
+//                     slows down where the force is large
 // On top come physiological tremor (8 to 12 Hz, three axes) and hesitations, during which g falls
 // from 1 towards 0. `skill` from 0 to 1 moves all of them together (trainee_traits).
 #pragma once

@@ -34,7 +34,7 @@ std::vector<Learner> learners(std::uint64_t fit_seed);
 // The first `count` demonstrations of a set.
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count);
 
-// Time of one action [ns], fed with what was felt in a demonstration.
+// Time of one action [ns], over the observations of a demonstration.
 double ns_per_action(const Contestant& contestant, const Demonstration& felt);
 
 }  // namespace ferrule

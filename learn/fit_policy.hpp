@@ -1,11 +1,12 @@
 // Behaviour cloning: trains a policy (controller/policy.hpp) on demonstrations with libtorch.
 //
 // Rows every 10 ms, but for those cut to the speed limit and those in which the hand rests (slower
-// than a tenth of the limit: a policy that learned to rest would do so for ever); the felt wrench
-// of a row is that of one reaction time before (identified as in fit_law), at H samples of the
-// past; the depth is that of the row. Inputs and velocities are scaled by their mean and standard
-// deviation over the training rows; a velocity that does not vary is answered exactly. About a
-// fifth of the demonstrations is held out, whole, and decides which epoch's weights are kept.
+// than a tenth of the limit: a policy that learned to rest would do so for ever). The observed
+// wrench of a row is that of one reaction time before (identified as in fit_law), at H samples of
+// the past; the depth is that of the row. Inputs and velocities are scaled by their mean and
+// standard deviation over the training rows; a velocity that does not vary is answered exactly.
+// About a fifth of the demonstrations is held out, whole, and decides which epoch's weights are
+// kept.
 //
 // DAgger (Ross et al. 2011), for simulated operators: each round lets the policy insert in new
 // starts, asks the simulated operator what it would have done in every state met

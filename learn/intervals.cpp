@@ -8,7 +8,7 @@ namespace ferrule {
 namespace {
 
 constexpr double kNothing = 1e-10;  // eigenvalue, of the information scaled to a unit diagonal
-constexpr double kTouched = 1e-3;   // share of a parameter in a direction that is told nothing of
+constexpr double kTouched = 1e-3;   // share of a parameter in an unobservable direction
 
 }  // namespace
 

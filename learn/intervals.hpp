@@ -5,8 +5,7 @@
 // episode (Liang and Zeger 1986),
 //   C = B^+ M B^+,   B = sum over rows of w J^T J,   M = sum over episodes of s s^T,
 //   s = sum over an episode's rows of w J^T r,
-// with J the Jacobian of the residuals r and w the weight of the robust loss, and the half widths
-// are
+// with J the Jacobian of the residuals r and w the weight of the robust loss. The half widths are
 //   t sqrt(G / (G - 1)) sqrt(C_ii)
 // with t Student's 97.5 % quantile of G - 1 degrees of freedom, G the number of episodes.
 #pragma once

@@ -1,4 +1,4 @@
-// Recordings replayed in scenes with other parameters: how the forces differ from the recorded
+// Recordings replayed in scenes with other parameters: how far the forces are from the recorded
 // ones.
 #pragma once
 

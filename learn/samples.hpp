@@ -11,7 +11,7 @@ namespace ferrule {
 inline constexpr double kStep = 0.01;  // between rows used [s]
 
 struct Sample {
-  Eigen::Vector3d force, velocity;  // felt, relative to that at rest [N]; that answers it [m/s]
+  Eigen::Vector3d force, velocity;  // observed, less that at rest [N]; that answers it [m/s]
   double depth, time;               // [m], [s]
 };
 using Samples = std::vector<Sample>;  // of one episode

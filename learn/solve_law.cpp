@@ -201,7 +201,7 @@ LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const 
     }
     if (!std::isfinite(best.cost)) return best;
   } else {
-    // The starts are told apart by fewer rows.
+    // Fewer rows suffice to compare the starts.
     std::vector<Samples> fewer;
     for (const Samples& episode : episodes) fewer.push_back(thinned(episode, kStride));
     const LawSolution rough = solve_law(kind, fewer, scales, Effort::rough);

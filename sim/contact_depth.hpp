@@ -41,8 +41,9 @@ inline Vector3d across(const Vector2d& n) noexcept {
   return {0, n.x(), n.y()};
 }
 
-// The depth d [m] of one contact, -infinity where there is none, as a function of the point p = (x
-// + lean.tilt, eccentricity at `arm`), with its derivatives by that.
+// The depth d [m] of one contact, -infinity where there is none, as a function of the point
+//   p = (x + lean.tilt, eccentricity at `arm`),
+// with its derivatives by that.
 struct ContactDepth {
   double value = -INFINITY;  // the rest is only set where there is a contact
   Arm arm;                   // fixed to the ferrule only where d does not depend on x

@@ -5,8 +5,8 @@
 // intersection of
 //   bore:  rho > R                       (depth rho - R)
 //   cone:  rho > R + x tan(beta)         (depth (rho - R) cos(beta) - x sin(beta)), beta half angle
-//   face:  x < L                         (depth L - x),   L the length of the lead-in, 0 without
-//   one
+//   face:  x < L                         (depth L - x)
+// with L the length of the lead-in, 0 where there is none.
 // The bore and the cone together are the throat: its depth is the smaller of the two. Which of face
 // and throat a fibre end rests against is decided by where it came from (EdgeSide), so that however
 // hard the end is pushed onto the face it does not slip into the bore.

@@ -1,9 +1,10 @@
-// What the holder feels when it moves: the stiffness of the fibre's end as seen from the hand.
+// The stiffness of the fibre's end as seen from the holder: how the wrench at the holder answers a
+// change of the command.
 //
 // The step's potential (sim/potential.hpp) is (q - h)^T K_h (q - h)/2 + U(q) for the tip q and the
-// hand h, K_h being the holder's stiffness. Where the fibre rests it is stationary,
+// command h, K_h being the holder's stiffness. Where the fibre rests it is stationary,
 //   K_h (q - h) + U'(q) = 0,   so   H dq = K_h dh   with   H = K_h + U''(q),
-// and the wrench felt, K_h (q - h), changes by -K dh with
+// and the wrench at the holder, K_h (q - h), changes by -K dh with
 //   K = K_h - K_h H^-1 K_h.
 // K is symmetric; 0 in free air, K_h against a rigid contact and never more than that where H is
 // positive definite, as it is where the fibre rests; negative where attraction wins over the walls

@@ -1,7 +1,7 @@
 // What holds the fibre: a linear spring in all five coordinates between the commanded pose and the
 // fibre's end, with the weight and the inertia that belong to it.
 //
-// The wrench felt at the holder is stiffness (tip - hand).
+// The wrench of the fibre on the holder is stiffness (tip - command).
 #pragma once
 
 #include "sim/laws/laws.hpp"
@@ -14,7 +14,7 @@ struct Holder {
   Wrench weight = Wrench::Zero();          // load of gravity on the end's coordinates [N, N m]
   Vector3d weight_arm = Vector3d::Zero();  // from the end to where it acts as one force [m]
   Matrix5 mass = Matrix5::Zero();          // [kg, kg m, kg m^2]
-  Pose sag = Pose::Zero();                 // tip - hand in free air
+  Pose sag = Pose::Zero();                 // tip - command in free air
   double tilt_length = 1;  // of a lever that makes tilts comparable to positions [m]
   double euler_load = 0;   // buckling load, clamped at the holder and free at the end [N]
 

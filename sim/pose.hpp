@@ -5,8 +5,8 @@
 // with the centre of the end face at (x, y, z) [m] and the axis running from there towards the
 // holder through (x + s, y + s tilt_y, z + s tilt_z); tilts are small slopes [rad]. Frame: x out of
 // the bore, y up, z to the viewer; insertion is motion along -x; gravity is -y.
-// The wrench conjugate to it is (F_x, F_y, F_z [N], M_y, M_z [N m]), M_y the moment that raises
-// tilt_y.
+// The wrench conjugate to it is (F_x, F_y, F_z [N], M_y, M_z [N m]), with M_y the moment that
+// raises tilt_y and M_z the one that raises tilt_z.
 #pragma once
 
 #include <Eigen/Core>

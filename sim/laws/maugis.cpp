@@ -48,8 +48,8 @@ double root(const F& f, double a, double b) noexcept {
   return 0.5 * (found.first + found.second);
 }
 
-// Integral of P dD = P 4 y^3 dy from a cell's begin, over the fraction u of it, as a polynomial in
-// u: y = width (cell + u).
+// Integral of P dD = P 4 y^3 dy from a cell's begin, as a polynomial in the fraction u of the cell,
+// y = width (cell + u).
 template <std::size_t n>
 std::array<double, n + 3> work(const std::array<double, n>& P, double width, double cell) noexcept {
   std::array<double, n + 3> gained{};

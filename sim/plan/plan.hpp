@@ -2,14 +2,14 @@
 // by measurement. The full model (every term of the scene, the finest fidelity, a fine step) and
 // the reduced one are driven through the same probe motions, and compared.
 //
-// Motions that a plan is for: starts of the scene's start distribution; hands that move at up to
+// Motions that a plan is for: starts of the scene's start distribution; commands that move at up to
 // limits.speed and change speed in 0.1 s; insertion to the success depth, sideways pushes, tilting
 // and withdrawal, as long as the force at the holder stays below limits.force.
 //
 // Errors are those of sim/plan/sampled_run.hpp, at 1 kHz. The full model steps as control does:
-// without drag and inertia it too takes a step per hand sample of 1 ms, which is the input and no
-// approximation. Where the fibre snaps or sticks, hands sampled more finely end elsewhere; the
-// bound does not speak of that.
+// without drag and inertia it too takes one step per command, 1 ms, which is the input and no
+// approximation. Where the fibre snaps or sticks, commands sampled more finely end elsewhere; the
+// bound does not cover that.
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
@@ -21,9 +21,9 @@
 // model is the plan. The bound is what was measured over the share it may have: other motions than
 // the probes differ by more.
 //
-// Where the scene does not say which dynamics it has, inertia is judged by the hand's acceleration
-// alone: how long a fibre without damping rings where it snaps or hits, the bound does not speak
-// of. Parts with a tolerance are planned for as a pair of the nominal diameters.
+// Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
+// command alone: the bound does not cover how long a fibre without damping rings where it snaps or
+// hits. Parts with a tolerance are planned for as a pair of the nominal diameters.
 #pragma once
 
 #include <string>

@@ -8,7 +8,7 @@
 
 namespace ferrule {
 
-inline constexpr double kSpeedingUp = 0.1;  // time in which a hand changes its speed [s]
+inline constexpr double kSpeedingUp = 0.1;  // time in which a command changes its speed [s]
 
 struct Probe {
   State start;

@@ -1,4 +1,4 @@
-// Runs along given hand poses, a sample per millisecond, and how far one is from another.
+// Runs along given commands, one per millisecond, and how far one is from another.
 #pragma once
 
 #include <functional>
@@ -26,7 +26,7 @@ SampledRun sample_run(const World& world, const State& start, const std::vector<
 // Of the holder's forces [N].
 double largest_force(const SampledRun& run);
 
-// Whether the end ever moves by far more than the hand does.
+// Whether the end ever moves by far more than the command does.
 bool snaps(const SampledRun& run, const std::vector<Pose>& hand, double clearance);
 
 // Error of a run against that of the full model, sample by sample, the larger of
@@ -34,8 +34,8 @@ bool snaps(const SampledRun& run, const std::vector<Pose>& hand, double clearanc
 //   |F - F_full| of the holder over the largest |F_full| of that run, or over the force that moves
 //     the holder by a clearance where that is more
 // An event, such as a snap into contact, is resolved to one sample in time; where it comes later,
-// the hand's travel until it comes, over the clearance, counts as the error. Over the samples of
-// the shorter run.
+// the travel of the command until then, over the clearance, counts as the error. Over the samples
+// of the shorter run.
 double run_error(const SampledRun& run, const SampledRun& full, const std::vector<Pose>& hand,
                  const World& world);
 

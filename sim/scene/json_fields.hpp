@@ -1,5 +1,5 @@
 // Reading a JSON object strictly: every key is asked for with its rule, unknown keys are refused.
-// Each complaint is a BadInput of one line: file: key = value: rule.
+// Each error is a BadInput of one line: file: key = value: rule.
 #pragma once
 
 #include <Eigen/Core>

@@ -1,5 +1,5 @@
-// Random numbers from a counter-based generator (Philox4x32-10, Salmon et al. 2011) keyed by (seed,
-// trial): trial k is trial k on any thread, rank or shard.
+// Random numbers from a counter-based generator (Philox4x32-10, Salmon et al. 2011) keyed by
+// (seed, trial): trial k is trial k on any thread, rank or shard.
 #pragma once
 
 #include <Random123/philox.h>

@@ -23,7 +23,7 @@ struct StartDistribution {
 };
 
 struct Limits {
-  double force;  // largest force felt at the holder, weight apart [N], > 0
+  double force;  // largest force at the holder, weight apart [N], > 0
   double speed;  // largest speed commanded [m/s], > 0
   double time;   // longest trial [s], > 0
   double proof_stress = std::numeric_limits<double>::infinity();  // of bending [Pa], > 0

@@ -26,9 +26,9 @@ Eigen::VectorXd minimum_jerk(double duration, double period = 1e-3) {
 }
 
 // Their spectra are known: V = exp(-2 pi^2 s^2 f^2), and the Fourier integral of 30 q^2 (1 - q)^2
-// by Gauss-Legendre quadrature with 200 nodes. The lengths are those of these curves up to V =
-// 0.05, as polygons of 2e6 and 3e4 points (numpy). Zeros after the motion make the program's bins
-// as fine.
+// by Gauss-Legendre quadrature with 200 nodes. The lengths are those of these curves up to
+// V = 0.05, as polygons of 2e6 and 3e4 points (numpy). Zeros after the motion make the program's
+// bins as fine.
 TEST(Smoothness, OfAGaussianAndOfMinimumJerkIsThatOfTheirSpectra) {
   const auto long_after = [](const Eigen::VectorXd& v) {
     Eigen::VectorXd with_zeros = Eigen::VectorXd::Zero(30000);

@@ -45,8 +45,8 @@ TEST(PidReports, AreTheCapturedBytesOfTheLayoutOf18) {
   EXPECT_EQ(r.axes(), 2);
 }
 
-// By hand, from the layout: 150 ms is 96 00, 90 degrees is 9000 = 28 23, 180 degrees is 18000 =
-// 50 46.
+// By hand, from the layout: 150 ms is 96 00, 90 degrees is 9000 = 28 23, and 180 degrees is
+// 18000 = 50 46.
 TEST(PidReports, FollowTheLayoutOf22) {
   const PidReports r(descriptor(FakeModel::pid_22));
   EXPECT_EQ(bytes(r.create_constant()), (Bytes{0x21, 0x01, 0x00, 0x00}));
@@ -106,8 +106,8 @@ TEST(PidReports, NamesWhatADeviceLacks) {
   }
 }
 
-// Whatever descriptor a device shows, a report has the length it names and nothing is written past
-// it.
+// Whatever descriptor a device shows, a report has the length it names, and nothing is written
+// past its end.
 TEST(PidReports, ServesDamagedDescriptorsOrRefusesThem) {
   std::mt19937_64 draw(4);
   int served = 0;
