@@ -214,12 +214,11 @@ VariableScene::VariableScene(const Scene& scene) : scene_{} {
   JsonFields fields(scene.document, scene.name, "", &bound);
   read_scene(fields, scene_);
   for (BoundNumber& number : bound) {
-    const Json::json_pointer place("/" + [&] {
-      std::string path = number.key;
-      std::replace(path.begin(), path.end(), '.', '/');
-      return path;
-    }());
-    numbers_.push_back({std::move(number), scene.document[place].get<double>()});
+    std::string path = number.key;
+    std::replace(path.begin(), path.end(), '.', '/');
+    path.insert(path.begin(), '/');
+    const double value = scene.document.at(Json::json_pointer(path)).get<double>();
+    numbers_.push_back({std::move(number), value});
   }
 }
 

@@ -135,6 +135,82 @@ std::string adhesion_fidelity(const World& world) {
   return prescribed ? "prescribed radius" : "Maugis table";
 }
 
+// Of a printed law along the inserted length, at the gap at its middle.
+double along(const LineForce& middle, const Posture& at) {
+  return at.length == 0 ? 0 : at.length * middle.force;
+}
+
+double middle_gap(const Posture& at) {
+  return at.gap + 0.5 * at.rise();
+}
+
+// Of a corrected law.
+template <class Law>
+double along(const Law& law, double reach, const World& world, const Posture& at) {
+  if (at.length == 0) return 0;
+  return at.length * mean_line_force([&](double h) { return law(h).force; }, world, reach, at);
+}
+
+double van_der_waals_at_gap(const World& world, const Posture& at) {
+  if (const auto* law = std::get_if<printed::VanDerWaals>(&world.laws.van_der_waals))
+    return along(printed::van_der_waals(*law, world.annulus, middle_gap(at)), at);
+  const auto& law = std::get<VanDerWaals>(world.laws.van_der_waals);
+  return along([&](double h) { return van_der_waals(law, world.annulus, h); }, 0, world, at);
+}
+
+double electrostatic_at_gap(const World& world, const Posture& at) {
+  if (const auto* law = std::get_if<printed::Electrostatic>(&world.laws.electrostatic))
+    return along(printed::electrostatic(*law, world.annulus, middle_gap(at)), at);
+  const auto& law = std::get<Electrostatic>(world.laws.electrostatic);
+  return along([&](double h) { return electrostatic(law, world.annulus, h); }, 0, world, at);
+}
+
+// Towards the wall below the fibre.
+double gravity_at_gap(const World& world, const Posture&) {
+  return -weight(world.laws.gravity, world.fibre);
+}
+
+double capillary_at_gap(const World& world, const Posture& at) {
+  if (const auto* law = std::get_if<printed::Capillary>(&world.laws.capillary))
+    return along(printed::capillary(*law, middle_gap(at)), at);
+  const auto& law = std::get<Capillary>(world.laws.capillary);
+  return along([&](double h) { return capillary(law, world.annulus, h, true); },
+               capillary_reach(law, true), world, at);
+}
+
+// The branch on which the surfaces touch.
+int contact_branch(const World& world) {
+  const auto* law = std::get_if<Adhesion>(&world.laws.adhesion);
+  return law ? law->contact->curve.branches() : 0;
+}
+
+double adhesion_at_gap(const World& world, const Posture& at) {
+  return at.depth ? adhesion_force(world.laws, *at.depth, contact_branch(world)).force : 0;
+}
+
+double wall_at_gap(const World& world, const Posture& at) {
+  return at.depth ? wall(*world.laws.wall, *at.depth).force : 0;
+}
+
+double friction_at_gap(const World& world, const Posture& at) {
+  if (!at.depth) return 0;
+  return friction(*friction_law(world.laws),
+                  friction_radius(world, *at.depth, contact_branch(world)));
+}
+
+DragCoefficients drag_coefficients(const World& world, const Posture& at) {
+  const double eccentricity = std::abs(world.annulus.clearance() - at.gap - 0.5 * at.rise());
+  return drag(*world.laws.drag, world.annulus, eccentricity, at.length);
+}
+
+double drag_at_gap(const World& world, const Posture& at) {
+  return drag_coefficients(world, at).axial * at.speed;
+}
+
+double meniscus_at_gap(const World& world, const Posture& at) {
+  return at.length > 0 ? meniscus(*world.laws.meniscus, world.annulus.fibre_radius) : 0;
+}
+
 // The columns of the table that say where a law is kept.
 template <auto member>
 bool is_present(const Laws& laws) noexcept {
@@ -146,14 +222,17 @@ void leave_out(Laws& laws) noexcept {
 }
 
 template <auto member>
-constexpr TermInfo row(Term term, bool printed, void (*read)(JsonFields, Laws&),
-                       std::string (*fidelity)(const World&)) {
+constexpr TermInfo row(Term term, const char* label, bool printed, void (*read)(JsonFields, Laws&),
+                       std::string (*fidelity)(const World&),
+                       double (*at_gap)(const World&, const Posture&)) {
   return {kTermNames[static_cast<std::size_t>(term)],
+          label,
           printed,
           read,
           is_present<member>,
           leave_out<member>,
-          fidelity};
+          fidelity,
+          at_gap};
 }
 template <const char* text>
 std::string always(const World&) {
@@ -163,23 +242,32 @@ constexpr char kWeight[] = "weight", kHertz[] = "Hertz", kStuck[] = "Hurtado-Kim
                kBearing[] = "Couette and short bearing", kClosed[] = "closed form";
 
 constexpr std::array<TermInfo, kTerms> kTable = {
-    row<&Laws::van_der_waals>(Term::van_der_waals, true, read_van_der_waals,
-                              van_der_waals_fidelity),
-    row<&Laws::electrostatic>(Term::electrostatic, true, read_electrostatic,
-                              electrostatic_fidelity),
-    row<&Laws::gravity>(Term::gravity, true, read_gravity, always<kWeight>),
-    row<&Laws::capillary>(Term::capillary, true, read_capillary, capillary_fidelity),
-    row<&Laws::adhesion>(Term::adhesion, true, read_adhesion, adhesion_fidelity),
-    row<&Laws::wall>(Term::wall, true, nullptr, always<kHertz>),
-    row<&Laws::friction>(Term::friction, true, read_friction, always<kStuck>),
-    row<&Laws::drag>(Term::drag, false, read_drag, always<kBearing>),
-    row<&Laws::meniscus>(Term::meniscus, false, read_meniscus, always<kClosed>),
+    row<&Laws::van_der_waals>(Term::van_der_waals, "van der Waals", true, read_van_der_waals,
+                              van_der_waals_fidelity, van_der_waals_at_gap),
+    row<&Laws::electrostatic>(Term::electrostatic, "electrostatic", true, read_electrostatic,
+                              electrostatic_fidelity, electrostatic_at_gap),
+    row<&Laws::gravity>(Term::gravity, "gravity", true, read_gravity, always<kWeight>,
+                        gravity_at_gap),
+    row<&Laws::capillary>(Term::capillary, "capillary", true, read_capillary, capillary_fidelity,
+                          capillary_at_gap),
+    row<&Laws::adhesion>(Term::adhesion, "adhesion", true, read_adhesion, adhesion_fidelity,
+                         adhesion_at_gap),
+    row<&Laws::wall>(Term::wall, "wall", true, nullptr, always<kHertz>, wall_at_gap),
+    row<&Laws::friction>(Term::friction, "friction", true, read_friction, always<kStuck>,
+                         friction_at_gap),
+    row<&Laws::drag>(Term::drag, "drag", false, read_drag, always<kBearing>, drag_at_gap),
+    row<&Laws::meniscus>(Term::meniscus, "meniscus", false, read_meniscus, always<kClosed>,
+                         meniscus_at_gap),
 };
 
 }  // namespace
 
 const TermInfo& info(Term term) noexcept {
   return kTable[static_cast<std::size_t>(term)];
+}
+
+double squeeze_at_gap(const World& world, const Posture& posture) {
+  return drag_coefficients(world, posture).radial * posture.speed;
 }
 
 }  // namespace ferrule

@@ -4,23 +4,30 @@
 
 #include <string>
 
+#include "sim/gap_forces.hpp"
 #include "sim/scene/json_fields.hpp"
 #include "sim/world.hpp"
 
 namespace ferrule {
 
 struct TermInfo {
-  const char* name;  // in scenes, files and tables
-  bool printed;      // does the paper print it?
+  const char* name;   // in scenes, files and tables
+  const char* label;  // in plots
+  bool printed;       // does the paper print it?
   // Reads the law from the scene's laws.NAME; throws BadInput. Null for the wall, which is no
   // choice of the scene.
   void (*read)(JsonFields fields, Laws& laws);
   bool (*present)(const Laws& laws) noexcept;
   void (*leave_out)(Laws& laws) noexcept;
   std::string (*fidelity)(const World& world);  // how it is computed, of a world that has it
+  // Its force at a gap, as in GapForces [N], of a world that has it.
+  double (*at_gap)(const World& world, const Posture& posture);
 };
 
 const TermInfo& info(Term term) noexcept;
+
+// What drag has besides: the force of the film between fibre and near wall [N].
+double squeeze_at_gap(const World& world, const Posture& posture);
 
 // All of them, in order.
 inline constexpr std::array<Term, kTerms> kAllTerms = [] {

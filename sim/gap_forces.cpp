@@ -1,0 +1,47 @@
+#include "sim/gap_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "sim/scene/terms.hpp"
+
+namespace ferrule {
+
+double mean_line_force(const std::function<double(double)>& law, const World& world, double reach,
+                       const Posture& at) {
+  const double rise = at.rise(), clearance = world.annulus.clearance();
+  if (rise == 0) return law(at.gap);
+  // The gap widens in a straight line; beyond the bore's axis the opposite wall is the near one.
+  // Gauss-Legendre between the gaps where the law ends and between those that are an octave apart.
+  std::vector<double> cuts = {0, 1};
+  const auto cut = [&](double h) {
+    for (const double there : {h, 2 * clearance - h})
+      if (const double part = (there - at.gap) / rise; part > 0 && part < 1) cuts.push_back(part);
+  };
+  for (double h = kInteratomicDistance; h < clearance; h *= 2) cut(h);
+  cut(clearance);
+  cut(reach);
+  std::sort(cuts.begin(), cuts.end());
+  static const Quadrature nodes = Quadrature::gauss_legendre(kMostNodes);
+  double sum = 0;
+  for (std::size_t i = 1; i < cuts.size(); ++i) {
+    const double width = cuts[i] - cuts[i - 1];
+    for (std::size_t n = 0; n < kMostNodes; ++n) {
+      const double h = at.gap + rise * (cuts[i - 1] + width * nodes.node[n]);
+      sum += width * nodes.weight[n] * (h > clearance ? -law(2 * clearance - h) : law(h));
+    }
+  }
+  return sum;
+}
+
+GapForces gap_forces(const World& world, const Posture& posture) {
+  GapForces forces;
+  for (const Term term : kAllTerms)
+    if (info(term).present(world.laws))
+      forces.terms[static_cast<std::size_t>(term)] = info(term).at_gap(world, posture);
+  if (world.laws.drag) forces.squeeze = squeeze_at_gap(world, posture);
+  return forces;
+}
+
+}  // namespace ferrule
