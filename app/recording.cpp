@@ -8,6 +8,7 @@
 #include "app/verb.hpp"
 #include "haptic/hid/force_stick.hpp"
 #include "insertion/hand_device.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -78,10 +79,13 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
                     const EpisodePlace& place) {
   const EpisodeInfo info = episode_info(scene, device, place);
   Recorder recorder(place.folder, place.number, info);
-  const EpisodeEnd end = run_episode(
-      scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial), info.period,
-      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
-      interrupted);
+  const InsertionEnd end =
+      run_insertion(scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial),
+                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
+                    [&](const Tick& tick) {
+                      recorder.add(make_row(tick), tick.sample.counts);
+                      return !interrupted();
+                    });
   recorder.info().why = end.why;
   return {recorder.finish(end.outcome), end, info.period};
 }
@@ -115,20 +119,24 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
   if (device.has_force()) {
     info.period = settings.profile.period;
     if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
-    feedback.emplace(force_feedback(scene, start, settings.profile, settings.coupling,
-                                    ForceStick::kReportPeriod, force_stick_motors(device.info())));
+    feedback.emplace(settings.profile, settings.coupling,
+                     scene_scaling(scene).motion_to_hand(start.command), ForceStick::kReportPeriod,
+                     force_stick_motors(device.info()));
   }
   Recorder recorder(place.folder, place.number, info);
   bool discard = false, last = false;
   const auto [end, timing] = run_in_time(
-      scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial), info.period,
-      feedback ? &*feedback : nullptr,
+      scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial),
+      {.scaling = scene_scaling(scene),
+       .period = info.period,
+       .past_success = true,
+       .feedback = feedback ? &*feedback : nullptr},
       [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
       [&] {
         const char key = keys.pressed();
         discard = discard || key == 'd';
         last = last || key == 'q';
-        return discard ? Wish::stop : last || key == ' ' ? Wish::finish : Wish::go_on;
+        return discard ? Request::stop : last || key == ' ' ? Request::finish : Request::go_on;
       },
       interrupted);
   hand.reset();  // disables the motors before anything is asked

@@ -5,6 +5,7 @@
 
 #include "app/keys.hpp"
 #include "capture/haptic_loop.hpp"
+#include "capture/recorder.hpp"
 #include "haptic/hid/device_list.hpp"
 #include "haptic/hid/fake_firmware.hpp"
 
@@ -12,7 +13,7 @@ namespace ferrule {
 
 struct Recorded {
   std::string file;  // empty: the operator discarded it, or it has no row
-  EpisodeEnd end;
+  InsertionEnd end;
   double period = 1e-3;                // of the loop [s]
   std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;

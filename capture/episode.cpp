@@ -6,6 +6,7 @@
 
 #include "capture/hdf5.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "insertion/sensed_wrench.hpp"
 
 namespace ferrule {
 namespace {
@@ -56,7 +57,7 @@ std::vector<Table> derived_tables(const Episode& episode, const Scene& scene) {
   const Matrix commands = rows.middleCols(kCommand.begin, kCommand.width);
   const Matrix actions = (commands * action_scale(scene).cwiseInverse().asDiagonal());
   Matrix rewards = Matrix::Zero(count, 1), dones = Matrix::Zero(count, 1);
-  const Matrix wrench = felt_wrench(episode, scene);
+  const Matrix wrench = sensed_wrench(episode, scene).absolute;
   const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
   if (count > 0) {
     rewards(count - 1, 0) = episode.info.outcome == Outcome::inserted ? 1 : 0;
@@ -183,15 +184,20 @@ Episode read_episode(const std::string& file) {
   return episode;
 }
 
-Eigen::Matrix<double, Eigen::Dynamic, 5> felt_wrench(const Episode& episode, const Scene& scene) {
-  const Scaling scaling = scene_scaling(scene);
-  ForceSensor sensor(scene.sensor, episode.info.seed, episode.info.trial);
-  Eigen::Matrix<double, Eigen::Dynamic, 5> felt(episode.rows.rows(), 5);
-  for (Eigen::Index n = 0; n < felt.rows(); ++n) {
-    const Wrench holder = episode.rows.row(n).segment<5>(kHolder.begin).transpose();
-    felt.row(n) = scaling.wrench_to_hand(sensor.read(holder, episode.info.period)).transpose();
+SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {
+  const EpisodeInfo& info = episode.info;
+  SensedWrench sensed(scene_scaling(scene), ForceSensor(scene.sensor, info.seed, info.trial),
+                      info.period);
+  const Eigen::Index count = episode.rows.rows();
+  SensedRows all;
+  all.absolute.resize(count, Eigen::NoChange);
+  all.relative.resize(count, Eigen::NoChange);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    sensed.read(episode.rows.row(n).segment<5>(kHolder.begin).transpose());
+    all.absolute.row(n) = sensed.absolute().transpose();
+    all.relative.row(n) = sensed.relative().transpose();
   }
-  return felt;
+  return all;
 }
 
 std::optional<Difference> derived_difference(const std::string& file, const Episode& episode) {

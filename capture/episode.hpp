@@ -13,8 +13,9 @@
 //     states             (N, 41) float64, exact
 //     actions            (N, 5) command / attribute `scale`, cut to [-1, 1]
 //     rewards, dones     1 in the last row of a successful episode; 1 in the last row
-//     obs/<key>          what a policy may see, in units of order one: wrench_N (N, 5) and
-//                        depth_mm (N, 1) in the hand's world, time_s (N, 1)
+//     obs/<key>          what a policy may see, in units of order one: wrench_N (N, 5) in the
+//     hand's
+//                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
 //     next_obs/<key>     the same one row later
 //     raw/counts         (N, 6) int64, of a device with raw axes: as it counted them at t_n
 // Every data set has the attributes `unit` and `columns`.
@@ -65,9 +66,13 @@ std::string coupling_text(const Coupling& coupling);
 std::string program_version();
 std::string program_build();
 
-// What the hand felt in each row (N, 5), through the scene's force sensor, in the hand's world
-// [N, N m]. The sensor's errors follow from the episode's seed and trial.
-Eigen::Matrix<double, Eigen::Dynamic, 5> felt_wrench(const Episode& episode, const Scene& scene);
+// The holder's wrench in each row (N, 5) as the scene's force sensor read it, and the same relative
+// to that at rest (insertion/sensed_wrench.hpp), in the hand's world [N, N m]. The sensor's errors
+// follow from the episode's seed and trial.
+struct SensedRows {
+  Eigen::Matrix<double, Eigen::Dynamic, 5> absolute, relative;
+};
+SensedRows sensed_wrench(const Episode& episode, const Scene& scene);
 
 // Writes beside `file` and gives it its name when whole. Throws FileTrouble, also if there is a
 // file of that name: an episode never replaces another.

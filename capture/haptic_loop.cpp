@@ -14,22 +14,30 @@ namespace {
 
 constexpr auto kEmptyEvery = std::chrono::milliseconds(2);
 
-struct Tick {
+struct RingEntry {
   RowVector row;
   RawCounts counts;
+};
+
+// What the two threads share.
+struct Shared {
+  boost::lockfree::spsc_queue<RingEntry, boost::lockfree::capacity<kRing>> ring;
+  std::atomic<Request> request = Request::go_on;
+  std::atomic<bool> done = false;
 };
 
 // Each read waits for its period, and says when the calling thread wants an end.
 class TimedDevice : public Device {
  public:
-  TimedDevice(Device& device, PeriodClock& clock, double period, const std::atomic<Wish>& wish)
-      : device_(device), clock_(clock), period_(period), wish_(wish) {}
+  TimedDevice(Device& device, PeriodClock& clock, double period,
+              const std::atomic<Request>& request)
+      : device_(device), clock_(clock), period_(period), request_(request) {}
   HandSample read(double t) override {
     const double passed = clock_.wait();
     stood_still_ = passed > kStandstill || stood_still_;
     HandSample sample = device_.read(t);
     sample.stalled = passed > std::max(kStall, 2 * period_);
-    sample.finished = sample.finished || stood_still_ || wish_ == Wish::finish;
+    sample.finished = sample.finished || stood_still_ || request_ == Request::finish;
     return sample;
   }
   bool stood_still() const noexcept { return stood_still_; }
@@ -40,9 +48,35 @@ class TimedDevice : public Device {
   Device& device_;
   PeriodClock& clock_;
   double period_;
-  const std::atomic<Wish>& wish_;
+  const std::atomic<Request>& request_;
   bool stood_still_ = false;
 };
+
+// What the loop's thread does.
+TimedEpisode keep_time(const Scene& scene, const State& start, Device& device,
+                       const ForceSensor& sensor, const LoopSettings& settings, Shared& shared,
+                       bool (*stopped)() noexcept) {
+  const RealTime real_time;
+  TimedEpisode result{};
+  result.timing.scheduling_error = real_time.scheduling_error();
+  result.timing.locking_error = real_time.locking_error();
+  PeriodClock clock(settings.period);
+  TimedDevice timed(device, clock, settings.period, shared.request);
+  bool full = false;
+  result.end = run_insertion(scene, start, timed, sensor, settings, [&](const Tick& tick) {
+    full = !shared.ring.push({make_row(tick), tick.sample.counts});
+    return !full && shared.request != Request::stop && !stopped();
+  });
+  device.render(HandWrench::Zero());
+  result.timing.periods = clock.statistics();
+  if (timed.stood_still()) {
+    result.end.outcome = Outcome::interrupted;
+    result.end.why = "the loop stood still";
+  } else if (full) {
+    result.end.why = "rows came faster than they could be written";
+  }
+  return result;
+}
 
 }  // namespace
 
@@ -64,39 +98,16 @@ double missed_share(const PeriodStatistics& periods) noexcept {
   return missed / std::max(1.0, missed + static_cast<double>(periods.periods));
 }
 
-TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
-                         double period, ForceFeedback* feedback,
+TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
+                         const ForceSensor& sensor, const LoopSettings& settings,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
-                         const std::function<Wish()>& wish, bool (*stopped)() noexcept) {
-  const auto ring =
-      std::make_unique<boost::lockfree::spsc_queue<Tick, boost::lockfree::capacity<kRing>>>();
-  std::atomic<Wish> wanted = Wish::go_on;
-  std::atomic<bool> done = false;
+                         const std::function<Request()>& request, bool (*stopped)() noexcept) {
+  const auto shared = std::make_unique<Shared>();
   std::exception_ptr trouble;
   TimedEpisode result{};
-
   std::thread loop([&] {
     try {
-      const RealTime real_time;
-      result.timing.scheduling_error = real_time.scheduling_error();
-      result.timing.locking_error = real_time.locking_error();
-      PeriodClock clock(period);
-      TimedDevice timed(device, clock, period, wanted);
-      bool full = false;
-      result.end = run_episode(
-          scene, start, timed, std::move(sensor), period,
-          [&](const RowVector& row, const RawCounts& counts) {
-            full = !ring->push({row, counts});
-          },
-          [&] { return full || wanted == Wish::stop || stopped(); }, feedback);
-      device.render(HandWrench::Zero());
-      result.timing.periods = clock.statistics();
-      if (timed.stood_still()) {
-        result.end.outcome = Outcome::interrupted;
-        result.end.why = "the loop stood still";
-      } else if (full) {
-        result.end.why = "rows came faster than they could be written";
-      }
+      result = keep_time(scene, start, device, sensor, settings, *shared, stopped);
     } catch (...) {
       trouble = std::current_exception();
       try {
@@ -104,20 +115,20 @@ TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
       } catch (...) {  // it has said what is wrong already
       }
     }
-    done = true;
+    shared->done = true;
   });
 
   const auto empty_ring = [&] {
-    ring->consume_all([&](const Tick& tick) { record(tick.row, tick.counts); });
+    shared->ring.consume_all([&](const RingEntry& entry) { record(entry.row, entry.counts); });
   };
   try {
-    while (!done) {
+    while (!shared->done) {
       empty_ring();
-      if (const Wish now = wish(); now != Wish::go_on) wanted = now;
+      if (const Request now = request(); now != Request::go_on) shared->request = now;
       std::this_thread::sleep_for(kEmptyEvery);
     }
   } catch (...) {
-    wanted = Wish::stop;
+    shared->request = Request::stop;
     loop.join();
     throw;
   }

@@ -1,4 +1,4 @@
-// The episode of a person at a device: the loop of capture/session.hpp in a thread of its own.
+// The episode of a person at a device: the loop of insertion/loop.hpp in a thread of its own.
 //
 // The loop's thread runs under SCHED_FIFO with memory that stays resident, as far as that is
 // permitted, and wakes at absolute deadlines, once per period. It hands each row on through a
@@ -6,8 +6,9 @@
 // force.
 #pragma once
 
-#include "capture/session.hpp"
+#include "capture/row.hpp"
 #include "haptic/period_clock.hpp"
+#include "insertion/loop.hpp"
 #include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
@@ -22,8 +23,8 @@ struct LoopTiming {
 // "memory_locked"}
 Json loop_json(const LoopTiming& timing, double period);
 
-// What the calling thread wants of a running episode.
-enum class Wish {
+// What the calling thread asks of a running episode.
+enum class Request {
   go_on,
   finish,  // as if the operator had said that he is done
   stop     // `interrupted`
@@ -33,12 +34,12 @@ enum class Wish {
 double missed_share(const PeriodStatistics& periods) noexcept;
 
 struct TimedEpisode {
-  EpisodeEnd end;
+  InsertionEnd end;
   LoopTiming timing;
 };
 
-// Runs `run_episode` in time: `device.read` is called once per period [s]. `record` and `wish` are
-// called in this thread, some hundred times per second; where `record` throws, the loop ends
+// Runs `run_insertion` in time: `device.read` is called once per period [s]. `record` and `request`
+// are called in this thread, some hundred times per second; where `record` throws, the loop ends
 // without force and the exception goes on. `stopped` is asked in the loop's thread, once per
 // period, so that it ends the episode as `interrupted` also while `record` waits for the disk. Rows
 // that wait for the disk: kRing at most, or the episode ends as `interrupted`; and so it does where
@@ -48,9 +49,9 @@ struct TimedEpisode {
 inline constexpr std::size_t kRing = 8192;
 inline constexpr double kStandstill = 0.5;  // [s]; a device's own dead man's switch is faster
 inline constexpr double kStall = 0.1;       // [s]; within ForceOutput::kDuration of the last start
-TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device, ForceSensor sensor,
-                         double period, ForceFeedback* feedback,
+TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
+                         const ForceSensor& sensor, const LoopSettings& settings,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
-                         const std::function<Wish()>& wish, bool (*stopped)() noexcept);
+                         const std::function<Request()>& request, bool (*stopped)() noexcept);
 
 }  // namespace ferrule

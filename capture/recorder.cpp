@@ -70,6 +70,40 @@ void remove_half_written(const fs::path& episode) {
   }
 }
 
+// Makes `file` of the rows that are whole in the journal's `text` after its header, which ends at
+// `line`.
+void recover_rows(const std::string& text, std::size_t line, const fs::path& journal,
+                  const fs::path& file, Recovered& result) {
+  Episode episode;
+  episode.info = parse_header(text.substr(0, line), journal.string());
+  episode.info.outcome = Outcome::interrupted;
+  const Eigen::Index width = row_size(episode.info);
+  result.rows = (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
+  if (fs::exists(file)) {
+    const auto whole = static_cast<std::size_t>(read_episode(file.string()).rows.rows());
+    if (whole < result.rows)
+      throw BadInput(file.string() + " has fewer rows (" + std::to_string(whole) + ")");
+    fs::remove(journal);
+    result.rows = 0;
+    result.remark = "was already whole as " + file.filename().string() + ": journal removed";
+    return;
+  }
+  if (result.rows == 0) {
+    fs::remove(journal);
+    result.remark = "was killed before its first flush: removed";
+    return;
+  }
+  const auto count = static_cast<Eigen::Index>(result.rows);
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> numbers(count, width);
+  std::memcpy(numbers.data(), text.data() + line + 1,
+              static_cast<std::size_t>(numbers.size()) * sizeof(double));
+  episode.rows = numbers.leftCols<kRowSize>();
+  if (width > kRowSize) episode.counts = numbers.rightCols<kRawAxes>().cast<std::int32_t>();
+  write_episode(file.string(), episode);
+  result.file = file.string();
+  fs::remove(journal);
+}
+
 Recovered recover_one(const fs::path& journal) {
   Recovered result;
   result.journal = journal.string();
@@ -97,34 +131,7 @@ Recovered recover_one(const fs::path& journal) {
     return result;
   }
   try {
-    Episode episode;
-    episode.info = parse_header(text.substr(0, line), journal.string());
-    episode.info.outcome = Outcome::interrupted;
-    const Eigen::Index width = row_size(episode.info);
-    result.rows = (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
-    if (fs::exists(file)) {
-      const auto whole = static_cast<std::size_t>(read_episode(file.string()).rows.rows());
-      if (whole < result.rows)
-        throw BadInput(file.string() + " has fewer rows (" + std::to_string(whole) + ")");
-      fs::remove(journal);
-      result.rows = 0;
-      result.remark = "was already whole as " + file.filename().string() + ": journal removed";
-      return result;
-    }
-    if (result.rows == 0) {
-      fs::remove(journal);
-      result.remark = "was killed before its first flush: removed";
-      return result;
-    }
-    const auto count = static_cast<Eigen::Index>(result.rows);
-    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> numbers(count, width);
-    std::memcpy(numbers.data(), text.data() + line + 1,
-                static_cast<std::size_t>(numbers.size()) * sizeof(double));
-    episode.rows = numbers.leftCols<kRowSize>();
-    if (width > kRowSize) episode.counts = numbers.rightCols<kRawAxes>().cast<std::int32_t>();
-    write_episode(file.string(), episode);
-    result.file = file.string();
-    fs::remove(journal);
+    recover_rows(text, line, journal, file, result);
   } catch (const std::exception& error) {
     result.rows = 0;
     result.damaged = true;

@@ -4,7 +4,7 @@
 
 #include <cstring>
 
-#include "capture/session.hpp"
+#include "insertion/loop.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -51,14 +51,15 @@ std::optional<Difference> verify(const Episode& episode) {
   const Rows& rows = episode.rows;
   if (rows.rows() == 0) return std::nullopt;
   RecordedHand hand(episode);
-  State start = draw_start(scene, episode.info.seed, episode.info.trial);
+  const EpisodeInfo& info = episode.info;
   std::optional<Difference> first;
   Eigen::Index n = 0;
-  const EpisodeEnd end = run_episode(
-      scene, start, hand, ForceSensor(scene.sensor, episode.info.seed, episode.info.trial),
-      episode.info.period,
-      [&](const RowVector& row) {
-        RowVector recorded = rows.row(n), recomputed = row;
+  const InsertionEnd end = run_insertion(
+      scene, draw_start(scene, info.seed, info.trial), hand,
+      ForceSensor(scene.sensor, info.seed, info.trial),
+      {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
+      [&](const Tick& tick) {
+        RowVector recorded = rows.row(n), recomputed = make_row(tick);
         // The last command is what the recorded hand was built from, not a result.
         if (n == rows.rows() - 1)
           recomputed.segment<kPose>(kCommand.begin) = recorded.segment<kPose>(kCommand.begin);
@@ -67,15 +68,15 @@ std::optional<Difference> verify(const Episode& episode) {
             first =
                 Difference{static_cast<std::size_t>(n), column_name(c), recorded[c], recomputed[c]};
         ++n;
-      },
-      [&] { return first.has_value(); });
+        return !first;
+      });
   if (first) return first;
   if (n != rows.rows())
-    return Difference{static_cast<std::size_t>(n), "outcome",
-                      static_cast<double>(episode.info.outcome), static_cast<double>(end.outcome)};
-  if (end.outcome != episode.info.outcome && episode.info.outcome != Outcome::interrupted)
-    return Difference{static_cast<std::size_t>(n - 1), "outcome",
-                      static_cast<double>(episode.info.outcome), static_cast<double>(end.outcome)};
+    return Difference{static_cast<std::size_t>(n), "outcome", static_cast<double>(info.outcome),
+                      static_cast<double>(end.outcome)};
+  if (end.outcome != info.outcome && info.outcome != Outcome::interrupted)
+    return Difference{static_cast<std::size_t>(n - 1), "outcome", static_cast<double>(info.outcome),
+                      static_cast<double>(end.outcome)};
   return std::nullopt;
 }
 

@@ -2,10 +2,13 @@
 
 namespace ferrule {
 
-RowVector make_row(double time, const HandPose& hand, const StepResult& result) noexcept {
+RowVector make_row(const Tick& tick) noexcept {
+  const StepResult& result = tick.result;
   RowVector row = RowVector::Zero();
-  row[kTime.begin] = time;
-  row.segment<kPose>(kHandPose.begin) = hand.transpose();
+  row[kTime.begin] = tick.time;
+  row.segment<kPose>(kHandPose.begin) = tick.hand.transpose();
+  row.segment<kPose>(kHandVelocity.begin) = tick.velocity.transpose();
+  row.segment<kPose>(kCommand.begin) = tick.command.transpose();
   row.segment<kPose>(kHolder.begin) = result.forces.holder.transpose();
   const auto terms = term_forces(result.forces);
   for (int i = 0; i < kTerms; ++i)

@@ -1,4 +1,4 @@
-// One row of a demonstration: everything at one tick of the loop.
+// One row of a demonstration: a tick of the loop (insertion/loop.hpp) as numbers.
 //
 // Row n, at time t_n:
 //   the hand is at pose_hand(t_n); the simulator has stepped to it, which gives the state and the
@@ -9,8 +9,7 @@
 #include <Eigen/Core>
 #include <array>
 
-#include "haptic/scaling.hpp"
-#include "sim/step.hpp"
+#include "insertion/loop.hpp"
 
 namespace ferrule {
 
@@ -50,8 +49,7 @@ inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kComma
 using RowVector = Eigen::Matrix<double, 1, kRowSize>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
 
-// A row but for its velocities, which need the poses before and after.
-RowVector make_row(double time, const HandPose& hand, const StepResult& result) noexcept;
+RowVector make_row(const Tick& tick) noexcept;
 
 inline auto block(const RowVector& row, const Block& b) {
   return row.segment(b.begin, b.width);

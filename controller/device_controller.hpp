@@ -1,4 +1,5 @@
-// A device at the controller's place: so that an operator can be tried on the trials of a campaign.
+// A device at the controller's place: so that an operator can be tried on the trials of a campaign,
+// by himself and under a supervisor.
 #pragma once
 
 #include <memory>
@@ -9,8 +10,7 @@
 namespace ferrule {
 
 // Commands the velocity of the device's hand over each `period` [s], and rests once the operator is
-// finished. The device must begin at the pose the trial begins at; it feels the wrench relative to
-// that at rest.
+// finished. The device must begin at the pose the trial begins at.
 class DeviceController : public Controller {
  public:
   DeviceController(std::unique_ptr<Device> device, double period)

@@ -1,6 +1,5 @@
 #include "controller/trial.hpp"
 
-#include <cmath>
 #include <limits>
 
 #include "controller/joint_loss.hpp"
@@ -21,10 +20,7 @@ HandSample ControllerHand::read(double t) {
 }
 
 void ControllerHand::render(const HandWrench& wrench) {
-  if (!felt_) at_rest_ = wrench;
-  felt_ = true;
-  velocity_ =
-      limit_speed(controller_.command({wrench - at_rest_, hand_depth(pose_), time_}), speed_);
+  velocity_ = limit_speed(controller_.command({wrench, hand_depth(pose_), time_}), speed_);
 }
 
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
@@ -33,27 +29,15 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
   if (!drawn) return {Outcome::infeasible, {}, kNone, {}};
   const Scene& scene = *drawn;
-  State state = draw_start(scene, seed, trial);
-  ForceSensor sensor(scene.sensor, seed, trial);
-  InsertionWatch watch(scene, state);
-  ControllerHand hand(controller, scaling.motion_to_hand(state.command),
+  const State start = draw_start(scene, seed, trial);
+  ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
-  std::optional<Outcome> outcome;
-  for (std::int64_t n = 0; !outcome; ++n) {
-    const HandSample sample = hand.read(static_cast<double>(n) * period);
-    if (sample.gave_up) {
-      outcome = Outcome::gave_up;
-      break;
-    }
-    const StepResult result =
-        step(scene.world, state, scaling.motion_to_tip(sample.pose), n == 0 ? 0.0 : period);
-    state = result.state;
-    hand.render(scaling.wrench_to_hand(sensor.read(result.forces.holder, period)));
-    outcome = watch.after(result);
-  }
-  TrialResult result{*outcome, watch.summary(), kNone, {}};
+  const InsertionEnd end =
+      run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+                    {.scaling = scaling, .period = period, .past_success = false});
+  TrialResult result{end.outcome, end.summary, kNone, {}};
   if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
-  if (*outcome == Outcome::inserted)
+  if (end.outcome == Outcome::inserted)
     result.loss_dB = joint_loss_dB(result.summary.offset, result.summary.tilt);
   return result;
 }

@@ -2,8 +2,7 @@
 #pragma once
 
 #include "controller/controller.hpp"
-#include "haptic/device.hpp"
-#include "insertion/watch.hpp"
+#include "insertion/loop.hpp"
 
 namespace ferrule {
 
@@ -14,13 +13,13 @@ struct TrialResult {
   std::optional<Supervision> supervision;  // empty for a controller without supervisor
 };
 
-// Trial `trial` of a campaign under `seed`. The controller observes what the scene's force sensor
-// reads, scaled up by `scaling`, and its velocity is scaled down; control and simulation share one
-// period [s].
+// Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
+// succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by
+// `scaling`, and its velocity is scaled down; control and simulation share one period [s].
 TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,
                       std::uint64_t seed, std::uint64_t trial, double period = 1e-3);
 
-// The same controller as a device, so that it can be recorded like a person.
+// A controller as a device: the hand of a trial, and of a recording of it like that of a person.
 class ControllerHand : public Device {
  public:
   // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world],
@@ -33,9 +32,7 @@ class ControllerHand : public Device {
   Controller& controller_;
   HandPose pose_;
   HandTwist velocity_ = HandTwist::Zero();
-  HandWrench at_rest_ = HandWrench::Zero();
   double speed_, end_depth_, time_ = 0;
-  bool felt_ = false;
 };
 
 }  // namespace ferrule

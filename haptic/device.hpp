@@ -2,7 +2,7 @@
 //
 // A device is two functions, called in turn once per period:
 //   sample = device.read(t)    where the hand is at time t
-//   device.render(wrench)      what the hand feels at that time
+//   device.render(wrench)      what the hand feels at that time, less what there was at rest
 // All in the hand's world (haptic/scaling.hpp). Neither may block longer than a period.
 // A device with raw axes also says how they become that pose (mapping): a pen's axes are a
 // position, the deflection of a SpaceMouse is a velocity that the device sums up.
@@ -51,7 +51,8 @@ class Device {
   virtual ~Device() = default;
   // t [s] since the start of the episode; calls come with t rising by one period.
   virtual HandSample read(double t) = 0;
-  // Force and moment of the fibre on the hand at the time of the last read [N, N m].
+  // Force and moment of the fibre on the hand at the time of the last read, relative to those at
+  // rest at the start, so that its weight does not matter [N, N m].
   virtual void render(const HandWrench& wrench) = 0;
   // Null: it has no raw axes.
   virtual const Mapping* mapping() const noexcept { return nullptr; }

@@ -2,14 +2,14 @@
 //
 //   hold   pose of the hand -> pose of the holder: the same, or with a virtual coupling what that
 //          pulls along (haptic/virtual_coupling.hpp)
-//   feel   wrench of the fibre on the holder -> wrench for the motors: less what there is at rest,
-//          through the coupling, the passivity controller (haptic/passivity.hpp) and the guard
-//          (haptic/force_guard.hpp)
+//   feel   wrench of the fibre on the holder -> wrench for the motors: through the coupling, the
+//          passivity controller (haptic/passivity.hpp) and the guard (haptic/force_guard.hpp)
 //
-// At rest there is the weight of the fibre, often more than a device can do, and the bias of the
-// scene's force sensor, which the mean of the first kTare readings tells; either would keep the
-// guard waiting. A coupling pulls against the fibre itself; the sensor's errors are felt, and do
-// not move the holder. Tilts and moments are not coupled. All in the hand's world.
+// Wrenches are relative to those at rest at the start: the fibre's weight is often more than a
+// device can do. The bias of the scene's force sensor is taken off too, as the mean of the first
+// kTare readings tells it; either would keep the guard waiting. A coupling pulls against the fibre
+// itself; the sensor's errors are felt, and do not move the holder. Tilts and moments are not
+// coupled. All in the hand's world.
 #pragma once
 
 #include <optional>
@@ -24,15 +24,13 @@ class ForceFeedback {
  public:
   static constexpr int kTare = 50;  // periods, without force
 
-  // `coupling`: empty where the hand holds the fibre itself. `start`: where hand and holder begin;
-  // `rest`: the wrench of the fibre there. `report_period`: as in GuardSettings. `motors`: 1 for x
-  // y z along which the device has one, 0 for the others, whose forces nobody feels and no energy
-  // follows from.
+  // `coupling`: empty where the hand holds the fibre itself. `start`: where hand and holder begin.
+  // `report_period`: as in GuardSettings. `motors`: 1 for x y z along which the device has one, 0
+  // for the others, whose forces nobody feels and no energy follows from.
   ForceFeedback(const DeviceProfile& device, const std::optional<Coupling>& coupling,
-                const HandPose& start, const HandWrench& rest, double report_period,
+                const HandPose& start, double report_period,
                 const Eigen::Vector3d& motors = Eigen::Vector3d::Ones()) noexcept
-      : rest_(rest),
-        hand_(start),
+      : hand_(start),
         motors_(motors),
         // A tenth of the limit that haptic/passivity.hpp states.
         passivity_(device.period, 0.1 * device.mass / device.period),
@@ -69,15 +67,15 @@ class ForceFeedback {
     const HandWrench error = reading - fibre;
     const bool taring = readings_ < kTare;
     if (taring) bias_ += (error - bias_) / ++readings_;
-    HandWrench wanted = fibre - rest_;
-    fibre_ = wanted.head<3>();
+    fibre_ = fibre.head<3>();
+    HandWrench wanted = fibre;
     if (coupling_) wanted.head<3>() = coupling_->force();
     wanted += error - bias_;
     wanted.head<3>() = passivity_.pass(hand_.head<3>(), motors_.cwiseProduct(wanted.head<3>()));
     wanted.head<3>() = motors_.cwiseProduct(wanted.head<3>());
-    const HandWrench felt = guard_.pass(now, now - age, hand_, wanted);
+    const HandWrench allowed = guard_.pass(now, now - age, hand_, wanted);
     if (!fault_) fault_ = guard_.why();
-    const HandWrench acts = fault_ || taring ? HandWrench(HandWrench::Zero()) : felt;
+    const HandWrench acts = fault_ || taring ? HandWrench(HandWrench::Zero()) : allowed;
     passivity_.acts(acts.head<3>());
     return acts;
   }
@@ -90,12 +88,11 @@ class ForceFeedback {
   ForceGuard::Stage stage() const noexcept { return guard_.stage(); }
 
  private:
-  HandWrench rest_;
   HandPose hand_;
   Eigen::Vector3d motors_;
   HandWrench bias_ = HandWrench::Zero();
   int readings_ = 0;
-  Eigen::Vector3d fibre_ = Eigen::Vector3d::Zero();  // on the holder, less its weight [N]
+  Eigen::Vector3d fibre_ = Eigen::Vector3d::Zero();  // on the holder [N]
   std::optional<VirtualCoupling> coupling_;
   PassivityController passivity_;
   ForceGuard guard_;

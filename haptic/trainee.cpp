@@ -9,7 +9,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kRest = 0.3;  // the hand rests before it starts, and gets used to the weight [s]
+constexpr double kRest = 0.3;            // the hand rests before it starts [s]
 constexpr double kAfterwards = 0.5;      // and after it has arrived [s]
 constexpr double kPressFrom = 0.7;       // phase at which it begins to press: well inside by then
 constexpr double kHesitationFade = 0.1;  // time constant of g [s]
@@ -43,7 +43,7 @@ Trainee::Trainee(const TraineeTraits& traits, const TraineeTask& task,
   for (auto& axis : tremor_)
     for (auto& s : axis) s = {8 + 4 * uniform_(), kTau * uniform_()};
   const auto delayed = static_cast<std::size_t>(std::lround(traits_.delay / task_.period));
-  felt_.assign(std::max<std::size_t>(1, delayed), Eigen::Vector3d::Zero());
+  forces_.assign(std::max<std::size_t>(1, delayed), Eigen::Vector3d::Zero());
 }
 
 HandSample Trainee::read(double t) {
@@ -53,19 +53,15 @@ HandSample Trainee::read(double t) {
 }
 
 void Trainee::render(const HandWrench& wrench) {
-  if (time_ == 0) {
-    weight_ = wrench.head<3>();
-    std::fill(felt_.begin(), felt_.end(), weight_);
-  }
-  const Eigen::Vector3d felt = felt_[next_] - weight_;  // the oldest in the ring
-  felt_[next_] = wrench.head<3>();
-  next_ = (next_ + 1) % felt_.size();
+  const Eigen::Vector3d force = forces_[next_];  // the oldest in the ring
+  forces_[next_] = wrench.head<3>();
+  next_ = (next_ + 1) % forces_.size();
 
   velocity_.setZero();
   if (time_ < kRest) return;
-  advance_intention(felt.norm());
+  advance_intention(force.norm());
   velocity_[0] = -speed_;
-  velocity_.segment<2>(1) = traits_.yield * felt.tail<2>();
+  velocity_.segment<2>(1) = traits_.yield * force.tail<2>();
   velocity_[1] -=
       traits_.yield * task_.press * std::max(0.0, (phase_ - kPressFrom) / (1 - kPressFrom));
   velocity_.head<3>() += tremor_velocity(time_);

@@ -2,13 +2,12 @@
 //
 // It intends a minimum-jerk motion along -x (Flash and Hogan 1985),
 //   x(p) = x_0 - D (10 p^3 - 15 p^4 + 6 p^5),   phase p from 0 to 1,
-// feels the force on its hand with a delay, relative to what it felt at rest at the start (it has
-// got used to the weight), and answers it:
-//   lateral velocity  v_y = A (f_y - F_p),  v_z = A f_z
-//                     yields to the force, but for a light press F_p downwards that keeps the fibre
-//                     on the lower side; it sets in at phase 0.7
-//   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))
-//                     slows down where the force is large
+// feels the force on its hand with a delay, and answers it:
+//   lateral velocity  v_y = A (f_y - F_p), v_z = A f_z    yields to the force, but for a light
+//   press
+//                                                         F_p downwards that keeps the fibre on the
+//                                                         lower side; it sets in at phase 0.7
+//   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))   slows down where the force is large
 // On top come physiological tremor (8 to 12 Hz, three axes) and hesitations, during which g falls
 // from 1 towards 0. `skill` from 0 to 1 moves all of them together (trainee_traits).
 #pragma once
@@ -50,9 +49,9 @@ class Trainee : public Device {
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;
 
-  // What it would do at time t if its hand had been led to `pose` and felt `wrench`: its velocity
-  // until the next tick, with the phase of its intention set by how far along -x the hand is
-  // [m/s, rad/s]. Instead of read and render, once per period.
+  // What it would do at time t if its hand had been led to `pose` and rendered `wrench`: its
+  // velocity until the next tick, with the phase of its intention set by how far along -x the hand
+  // is [m/s, rad/s]. Instead of read and render, once per period.
   HandTwist answer(double t, const HandPose& pose, const HandWrench& wrench);
 
  private:
@@ -73,9 +72,8 @@ class Trainee : public Device {
   double phase_ = 0, speed_ = 0;  // p and the intended speed along -x [m/s]
   double drive_ = 1;              // g
   double pause_until_ = -1, finished_at_ = -1;
-  std::vector<Eigen::Vector3d> felt_;  // ring: the force of the last `delay` seconds
+  std::vector<Eigen::Vector3d> forces_;  // ring: those of the last `delay` seconds [N]
   std::size_t next_ = 0;
-  Eigen::Vector3d weight_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace ferrule

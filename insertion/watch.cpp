@@ -22,7 +22,7 @@ Outcome outcome_from_name(const std::string& text) {
 }
 
 InsertionWatch::InsertionWatch(const Scene& scene, const State& start) noexcept
-    : scene_(scene), before_(start) {}
+    : scene_(scene), tip_before_(start.tip) {}
 
 std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept {
   const State& now = result.state;
@@ -30,7 +30,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   const double force = holder_force(scene_.world, f).norm();
   summary_.time = now.time;
   summary_.peak_force = std::max(summary_.peak_force, force);
-  const Vector3d move = (now.tip - before_.tip).head<3>();
+  const Vector3d move = (now.tip - tip_before_).head<3>();
   for (const PointForce& friction : f[Term::friction])
     summary_.friction_work += std::max(0.0, -friction.force.dot(move));
   summary_.peak_stress =
@@ -38,7 +38,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   summary_.depth = now.inserted_length();
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();
-  before_ = now;
+  tip_before_ = now.tip;
 
   if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
   if (force > scene_.limits.force) {

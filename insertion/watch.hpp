@@ -52,7 +52,7 @@ class InsertionWatch {
 
  private:
   const Scene& scene_;
-  State before_;
+  Pose tip_before_;
   InsertionSummary summary_;
 };
 

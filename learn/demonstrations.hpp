@@ -1,4 +1,4 @@
-// Demonstrations as pairs of observation and action, in the hand's world.
+// Demonstrations as pairs of what was observed and what was done, in the hand's world.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ struct Demonstration {
   Outcome outcome;
   double period;                                      // between rows [s]
   double speed_limit;                                 // of controllers, in the hand's world [m/s]
-  Eigen::Matrix<double, Eigen::Dynamic, 3> force;     // observed, less that at rest [N]
+  Eigen::Matrix<double, Eigen::Dynamic, 3> force;     // as sensed, relative to that at rest [N]
   Eigen::Matrix<double, Eigen::Dynamic, 2> moment;    // the same [N m]
   Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers it [m/s]
   Eigen::VectorXd depth;                              // of the hand past the entrance [m]

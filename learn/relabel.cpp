@@ -1,6 +1,5 @@
 #include "learn/relabel.hpp"
 
-#include "capture/session.hpp"
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
@@ -10,6 +9,31 @@ namespace ferrule {
 namespace {
 
 constexpr double kSkill = 0.8;
+
+// What the trainee does at one tick.
+struct Answer {
+  double time, depth;
+  HandWrench wrench;
+  HandTwist velocity;
+};
+
+Demonstration demonstration(const std::vector<Answer>& answers, Outcome outcome, double period,
+                            double speed_limit) {
+  Demonstration d{"", "", outcome, period, speed_limit, {}, {}, {}, {}, {}};
+  const auto count = static_cast<Eigen::Index>(answers.size());
+  for (auto* columns : {&d.force, &d.velocity}) columns->resize(count, Eigen::NoChange);
+  d.moment.resize(count, Eigen::NoChange);
+  for (auto* column : {&d.depth, &d.time}) column->resize(count);
+  for (Eigen::Index n = 0; n < count; ++n) {
+    const Answer& a = answers[static_cast<std::size_t>(n)];
+    d.force.row(n) = a.wrench.head<3>().transpose();
+    d.moment.row(n) = a.wrench.tail<2>().transpose();
+    d.velocity.row(n) = a.velocity.head<3>().transpose();
+    d.depth[n] = a.depth;
+    d.time[n] = a.time;
+  }
+  return d;
+}
 
 }  // namespace
 
@@ -21,31 +45,19 @@ Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double 
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
                       1.1 * scaling.motion * scene.success.depth);
-  std::vector<RowVector> rows;
-  Episode episode;
-  episode.info.seed = seed;
-  episode.info.trial = trial;
-  episode.info.period = policy.period;
-  const EpisodeEnd end = run_episode(
-      scene, start, hand, ForceSensor(scene.sensor, seed, trial), policy.period,
-      [&](const RowVector& row) { rows.push_back(row); }, [] { return false; });
-  episode.info.outcome = end.outcome;
-
   TraineeTraits traits = trainee_traits(kSkill);
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
   Trainee trainee(traits, trainee_task(scene, start, policy.period), [] { return 0.5; });
-  episode.rows.resize(static_cast<Eigen::Index>(rows.size()), kRowSize);
-  for (std::size_t n = 0; n < rows.size(); ++n)
-    episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
-  const auto felt = felt_wrench(episode, scene);
-  for (std::size_t n = 0; n < rows.size(); ++n) {
-    const auto row = static_cast<Eigen::Index>(n);
-    const HandPose pose = block(rows[n], kHandPose).transpose();
-    episode.rows.row(row).segment<kPose>(kCommand.begin) =
-        trainee.answer(rows[n][kTime.begin], pose, felt.row(row).transpose()).transpose();
-  }
-  return demonstration(episode, scene, "");
+  std::vector<Answer> answers;
+  const InsertionEnd end = run_insertion(
+      scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+      {.scaling = scaling, .period = policy.period, .past_success = true}, [&](const Tick& tick) {
+        answers.push_back({tick.time, hand_depth(tick.hand), tick.relative,
+                           trainee.answer(tick.time, tick.hand, tick.relative)});
+        return true;
+      });
+  return demonstration(answers, end.outcome, policy.period, scaling.motion * scene.limits.speed);
 }
 
 }  // namespace ferrule

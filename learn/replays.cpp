@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "insertion/scene_scaling.hpp"
+#include "sim/follow.hpp"
 
 namespace ferrule {
 namespace {
@@ -63,15 +64,15 @@ bool Replays::residuals(const Eigen::MatrixXd& points, Steps steps, Eigen::Matri
 
 void Replays::replay(const World& world, const Recording& r, Steps steps, double* residual) const {
   const Eigen::Index every = stride(r), by = steps == coarse ? every : 1;
-  State state = at_rest(world, r.hand.row(0).transpose() + world.holder.sag);
-  for (Eigen::Index n = 0; n < r.hand.rows(); n += by) {
-    const StepResult now = step(world, state, r.hand.row(n).transpose(),
-                                n == 0 ? 0.0 : static_cast<double>(by) * r.period);
-    state = now.state;
-    if (n % every != 0) continue;
-    Eigen::Map<Wrench> error(residual + 5 * (n / every));
-    error = (now.forces.holder - r.wrench.row(n).transpose()).cwiseQuotient(unit_);
-  }
+  const auto hand = [&](Eigen::Index n) -> Pose { return r.hand.row(n * by).transpose(); };
+  follow(world, at_rest(world, hand(0) + world.holder.sag), (r.hand.rows() - 1) / by + 1,
+         static_cast<double>(by) * r.period, hand, [&](Eigen::Index n, const StepResult& now) {
+           const Eigen::Index row = n * by;
+           if (row % every != 0) return true;
+           Eigen::Map<Wrench> error(residual + 5 * (row / every));
+           error = (now.forces.holder - r.wrench.row(row).transpose()).cwiseQuotient(unit_);
+           return true;
+         });
 }
 
 }  // namespace ferrule

@@ -3,22 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/step.hpp"
+#include "sim/follow.hpp"
 
 namespace ferrule {
 
 SampledRun sample_run(const World& world, const State& start, const std::vector<Pose>& hand,
                       double force_limit, const WatchSample& watch) {
   SampledRun samples;
-  State state = start;
-  for (const Pose& pose : hand) {
-    const StepResult r = step(world, state, pose, samples.tip.empty() ? 0.0 : kSamplePeriod);
-    state = r.state;
-    samples.tip.push_back(state.tip.head<3>());
-    samples.force.push_back(r.forces.holder.head<3>());
-    if (watch) watch(state, r.forces);
-    if (!(holder_force(world, r.forces).norm() <= force_limit)) break;
-  }
+  follow(
+      world, start, std::ssize(hand), kSamplePeriod,
+      [&](std::ptrdiff_t n) { return hand[static_cast<std::size_t>(n)]; },
+      [&](std::ptrdiff_t, const StepResult& r) {
+        samples.tip.push_back(r.state.tip.head<3>());
+        samples.force.push_back(r.forces.holder.head<3>());
+        if (watch) watch(r.state, r.forces);
+        return holder_force(world, r.forces).norm() <= force_limit;
+      });
   return samples;
 }
 

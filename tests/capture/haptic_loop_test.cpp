@@ -9,6 +9,7 @@
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
 #include "tests/compare.hpp"
+#include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {
@@ -21,18 +22,18 @@ Scene quick() {
 }
 
 // A hand that pushes on at half the scene's speed for so many periods, with something that happens
-// to it at one of them; and what it was told.
+// to it at one of them; and what it rendered.
 class PushingHand : public Device {
  public:
   enum class Event { none, not_a_number, jump, silence, loss, trouble, standstill, stall };
   int periods = 1 << 30;
   std::atomic<int> reads = 0;
-  std::vector<double> felt;       // |F| of each render [N]
+  std::vector<double> forces;     // |F| of each render [N]
   std::atomic<bool> free = true;  // of force
 
   explicit PushingHand(const Scene& scene, Event event = Event::none, int at = 0)
       : scaling_(scene_scaling(scene)), event_(event), at_(at) {
-    start_ = scaling_.motion_to_hand(draw_start(scene, 1, 1).hand);
+    start_ = scaling_.motion_to_hand(draw_start(scene, 1, 1).command);
     per_read_ = 0.5 * scaling_.motion * scene.limits.speed * T;
   }
   HandSample read(double) override {
@@ -54,8 +55,8 @@ class PushingHand : public Device {
     return sample;
   }
   void render(const HandWrench& wrench) override {
-    felt.push_back(wrench.head<3>().norm());
-    free = felt.back() == 0;
+    forces.push_back(wrench.head<3>().norm());
+    free = forces.back() == 0;
   }
 
  private:
@@ -71,8 +72,8 @@ struct Kept {
   void operator()(const RowVector& row, const RawCounts&) { rows.push_back(row); }
 };
 
-Wish go_on() {
-  return Wish::go_on;
+Request go_on() {
+  return Request::go_on;
 }
 
 bool never() noexcept {
@@ -92,23 +93,26 @@ DeviceProfile pen() {
 
 TimedEpisode run(const Scene& scene, Device& device,
                  const std::function<void(const RowVector&, const RawCounts&)>& record,
-                 const std::function<Wish()>& wish = go_on, ForceFeedback* feedback = nullptr) {
-  return run_in_time(scene, draw_start(scene, 1, 1), device, {}, T, feedback, record, wish, never);
+                 const std::function<Request()>& request = go_on,
+                 ForceFeedback* feedback = nullptr) {
+  return run_in_time(scene, draw_start(scene, 1, 1), device, {},
+                     testing::recording_settings(scene, T, feedback), record, request, never);
+}
+
+ForceFeedback feedback_of(const Scene& scene) {
+  return {pen(), {}, scene_scaling(scene).motion_to_hand(draw_start(scene, 1, 1).command), 0};
 }
 
 // The thread, the clock and the ring change nothing in what is recorded.
 TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
   const Scene scene = quick();
   const State start = draw_start(scene, 1, 1);
-  std::vector<RowVector> alone;
   const auto hand = simulated_operator(scene, start, 1, 1e-3, 1, 1);
-  const EpisodeEnd end = run_episode(
-      scene, start, *hand, {}, 1e-3, [&](const RowVector& row) { alone.push_back(row); },
-      [] { return false; });
+  const auto [end, alone] = testing::record_rows(scene, start, *hand);
   Kept kept;
   const auto again = simulated_operator(scene, start, 1, 1e-3, 1, 1);
-  const TimedEpisode timed =
-      run_in_time(scene, start, *again, {}, 1e-3, nullptr, std::ref(kept), go_on, never);
+  const TimedEpisode timed = run_in_time(
+      scene, start, *again, {}, testing::recording_settings(scene), std::ref(kept), go_on, never);
   EXPECT_EQ(timed.end.outcome, end.outcome);
   ASSERT_EQ(kept.rows.size(), alone.size());
   for (std::size_t n = 0; n < alone.size(); ++n) ASSERT_EQ(kept.rows[n], alone[n]) << n;
@@ -127,14 +131,14 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
                                    {Event::standstill, "stood still"}}) {
     PushingHand hand(scene, event, kAt);
     Kept kept;
-    ForceFeedback feedback = force_feedback(scene, draw_start(scene, 1, 1), pen(), {}, 0);
+    ForceFeedback feedback = feedback_of(scene);
     const TimedEpisode episode = run(scene, hand, std::ref(kept), go_on, &feedback);
     EXPECT_EQ(episode.end.outcome, Outcome::interrupted);
     EXPECT_NE(episode.end.why.find(why), std::string::npos) << episode.end.why;
     EXPECT_EQ(episode.end.lost, event == Event::loss);
     EXPECT_GE(kept.rows.size(), static_cast<std::size_t>(kAt)) << why;
     EXPECT_LE(hand.reads, kAt + 3) << why;
-    EXPECT_EQ(hand.felt.back(), 0) << why;
+    EXPECT_EQ(hand.forces.back(), 0) << why;
     for (const RowVector& row : kept.rows) {
       ASSERT_TRUE(row.allFinite());
       ASSERT_LT(row.segment<kPose>(kCommand.begin).norm(), 2) << why;  // no hand is faster
@@ -149,13 +153,14 @@ TEST(HapticLoop, AfterAStallTheForceRampsUpAgain) {
   PushingHand hand(scene, PushingHand::Event::stall, kAt);
   hand.periods = 2 * kAt;
   Kept kept;
-  ForceFeedback feedback = force_feedback(scene, draw_start(scene, 1, 1), pen(), {}, 0);
+  ForceFeedback feedback = feedback_of(scene);
   const ForceSensor noisy({.noise = 1e-8}, 1, 1);  // there is something to feel
-  const TimedEpisode episode = run_in_time(scene, draw_start(scene, 1, 1), hand, noisy, T,
-                                           &feedback, std::ref(kept), go_on, never);
+  const TimedEpisode episode =
+      run_in_time(scene, draw_start(scene, 1, 1), hand, noisy,
+                  testing::recording_settings(scene, T, &feedback), std::ref(kept), go_on, never);
   EXPECT_EQ(episode.end.outcome, Outcome::stopped_short) << episode.end.why;
-  ASSERT_GT(hand.felt.size(), static_cast<std::size_t>(kAt + 500));
-  const auto at = hand.felt.begin() + kAt;
+  ASSERT_GT(hand.forces.size(), static_cast<std::size_t>(kAt + 500));
+  const auto at = hand.forces.begin() + kAt;
   EXPECT_GT(*at, 0);
   EXPECT_EQ(*(at + 1), 0);
   EXPECT_LT(*std::max_element(at + 1, at + 20), *std::max_element(at - 20, at));
@@ -180,7 +185,7 @@ TEST(HapticLoop, TroubleOfTheDeviceComesThrough) {
   Kept kept;
   EXPECT_THROW(run(scene, hand, std::ref(kept)), DeviceTrouble);
   EXPECT_EQ(kept.rows.size(), 99u);  // a row is whole with the read after it
-  EXPECT_EQ(hand.felt.back(), 0);
+  EXPECT_EQ(hand.forces.back(), 0);
 }
 
 // The disk holds up the first row until the loop has gone on by 1000 periods.
@@ -204,7 +209,7 @@ TEST(HapticLoop, ADiskThatStandsEndsTheEpisode) {
   PushingHand hand(scene);
   std::size_t rows = 0;
   const TimedEpisode episode = run_in_time(
-      scene, draw_start(scene, 1, 1), hand, {}, 1e-5, nullptr,
+      scene, draw_start(scene, 1, 1), hand, {}, testing::recording_settings(scene, 1e-5),
       [&](const RowVector&, const RawCounts&) {
         const int most = static_cast<int>(kRing);
         while (rows == 0 && hand.reads < most) std::this_thread::yield();
@@ -215,7 +220,7 @@ TEST(HapticLoop, ADiskThatStandsEndsTheEpisode) {
   EXPECT_EQ(episode.end.outcome, Outcome::interrupted);
   EXPECT_NE(episode.end.why.find("written"), std::string::npos);
   EXPECT_GE(rows, kRing);
-  EXPECT_EQ(hand.felt.back(), 0);
+  EXPECT_EQ(hand.forces.back(), 0);
 }
 
 TEST(HapticLoop, ADiskThatFailsEndsTheLoop) {
@@ -225,19 +230,20 @@ TEST(HapticLoop, ADiskThatFailsEndsTheLoop) {
       run(scene, hand,
           [&](const RowVector&, const RawCounts&) { throw FileTrouble("the disk is full"); }),
       FileTrouble);
-  EXPECT_EQ(hand.felt.back(), 0);
+  EXPECT_EQ(hand.forces.back(), 0);
 }
 
 // The disk gives nothing back until the force is gone.
 TEST(HapticLoop, StoppedItEndsWithinTwoPeriodsWhileTheDiskStands) {
   using Clock = std::chrono::steady_clock;
   const Scene scene = quick();
+  const ForceSensor noisy({.noise = 1e-8}, 1, 1);  // there is something to feel
   PushingHand hand(scene);
   Kept kept;
   int reads = 0;
   g_stopped = false;
   const TimedEpisode episode = run_in_time(
-      scene, draw_start(scene, 1, 1), hand, {}, 1e-3, nullptr,
+      scene, draw_start(scene, 1, 1), hand, noisy, testing::recording_settings(scene),
       [&](const RowVector& row, const RawCounts& counts) {
         if (kept.rows.empty()) {
           while (hand.reads < 50) std::this_thread::yield();
@@ -258,12 +264,12 @@ TEST(HapticLoop, StoppedItEndsWithinTwoPeriodsWhileTheDiskStands) {
 
 TEST(HapticLoop, TheCallingThreadEndsIt) {
   const Scene scene = quick();
-  for (const auto& [wish, outcome] :
-       {std::pair{Wish::finish, Outcome::stopped_short}, {Wish::stop, Outcome::interrupted}}) {
+  for (const auto& [request, outcome] : {std::pair{Request::finish, Outcome::stopped_short},
+                                         {Request::stop, Outcome::interrupted}}) {
     PushingHand hand(scene);
     Kept kept;
-    const TimedEpisode episode = run(scene, hand, std::ref(kept), [&, wish = wish] {
-      return kept.rows.size() > 100 ? wish : Wish::go_on;
+    const TimedEpisode episode = run(scene, hand, std::ref(kept), [&, asked = request] {
+      return kept.rows.size() > 100 ? asked : Request::go_on;
     });
     EXPECT_EQ(episode.end.outcome, outcome);
     EXPECT_GT(kept.rows.size(), 100u);

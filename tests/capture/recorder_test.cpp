@@ -70,13 +70,12 @@ TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
       auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
       Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
       std::size_t n = 0;
-      run_episode(
-          scene, start, *device, {}, 1e-3,
-          [&](const RowVector& row) {
-            recorder.add(row);
-            if (++n == killed_at) ::kill(::getpid(), SIGKILL);
-          },
-          [] { return false; });
+      run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+                    [&](const Tick& tick) {
+                      recorder.add(make_row(tick));
+                      if (++n == killed_at) ::kill(::getpid(), SIGKILL);
+                      return true;
+                    });
       ::_exit(0);
     }
     int status = 0;
@@ -101,9 +100,11 @@ TEST(Recover, TakesWhatIsWholeOfATornJournal) {
     auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
     Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
     std::size_t n = 0;
-    run_episode(
-        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { recorder.add(row), ++n; },
-        [&] { return n == 500; });
+    run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+                  [&](const Tick& tick) {
+                    recorder.add(make_row(tick));
+                    return ++n != 500;
+                  });
   }  // left without finish
   const std::string journal = folder / "episode_0001.part";
   fs::resize_file(journal, fs::file_size(journal) - 1000);

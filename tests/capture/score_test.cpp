@@ -172,13 +172,9 @@ TEST(Score, AgreesWithTheWatchThatSawTheInsertion) {
   const Scene scene = testing::paper({"start.distance_um=10", "success.depth_um=8"});
   const State start = draw_start(scene, 1, 3);
   const auto device = simulated_operator(scene, start, 0.7, 1e-3, 1, 3);
-  std::vector<RowVector> rows;
-  const EpisodeEnd end = run_episode(
-      scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
-      [] { return false; });
-  Episode episode{testing::info_of(scene, 1, 3), Rows(rows.size(), kRowSize), {}};
-  for (std::size_t n = 0; n < rows.size(); ++n)
-    episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
+  const testing::RecordedRows recorded = testing::record_rows(scene, start, *device);
+  const InsertionEnd& end = recorded.end;
+  const Episode episode{testing::info_of(scene, 1, 3), recorded.matrix(), {}};
   const Measures m = measure(episode, scene);
   EXPECT_CLOSE(m[Part::peak_force], end.summary.peak_force, 1e-12);
   EXPECT_CLOSE(m[Part::friction_work], end.summary.friction_work, 1e-2);

@@ -19,23 +19,18 @@ TEST(DeviceController, AnOperatorDoesInATrialWhatIsRecordedOfHim) {
     const Episode episode = read_episode(testing::record(scene, folder.path(), trial));
     DeviceController controller(
         simulated_operator(scene, draw_start(scene, 1, trial), 0.8, 1e-3, 1, trial), 1e-3);
-    const Scaling scaling = scene_scaling(scene);
-    State state = draw_start(scene, 1, trial);
-    ForceSensor sensor(scene.sensor, 1, trial);
-    HandPose pose = scaling.motion_to_hand(state.command);
-    HandWrench at_rest;
-    for (Eigen::Index n = 0; n + 1 < std::min<Eigen::Index>(episode.rows.rows(), 12000); ++n) {
-      const StepResult r =
-          step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0.0 : 1e-3);
-      state = r.state;
-      const HandWrench felt = scaling.wrench_to_hand(sensor.read(r.forces.holder, 1e-3));
-      if (n == 0) at_rest = felt;
-      const HandTwist v =
-          controller.command({felt - at_rest, hand_depth(pose), static_cast<double>(n) * 1e-3});
-      const HandTwist recorded = episode.rows.row(n).segment<5>(kCommand.begin).transpose();
-      ASSERT_LE((v - recorded).norm(), 1e-9) << name << " row " << n;
-      pose += 1e-3 * v;
-    }
+    const State start = draw_start(scene, 1, trial);
+    ControllerHand hand(controller, scene_scaling(scene).motion_to_hand(start.command), INFINITY,
+                        INFINITY);
+    Eigen::Index n = 0;
+    run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, trial),
+                  testing::recording_settings(scene), [&](const Tick& tick) {
+                    const HandTwist recorded =
+                        episode.rows.row(n).segment<5>(kCommand.begin).transpose();
+                    EXPECT_LE((tick.command - recorded).norm(), 1e-9) << name << " row " << n;
+                    return ++n + 1 < episode.rows.rows() && !::testing::Test::HasFailure();
+                  });
+    EXPECT_EQ(n + 1, episode.rows.rows());
     std::filesystem::remove(episode_files(folder.path()).front());
   }
 }

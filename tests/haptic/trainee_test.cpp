@@ -2,12 +2,12 @@
 
 #include <complex>
 
-#include "capture/session.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
+#include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {
@@ -43,7 +43,7 @@ TraineeTraits steady(double skill) {
 }
 
 TEST(Trainee, InFreeAirMakesAMinimumJerkMotion) {
-  const auto poses = run(steady(1), [](double) { return Eigen::Vector3d(0, -1.2, 0); });
+  const auto poses = run(steady(1), [](double) { return Eigen::Vector3d::Zero(); });
   const double duration = 1.875 * kTask.distance / kTask.speed;
   EXPECT_CLOSE(poses.back()[0], -kTask.distance, 1e-9);
   for (const double p : {0.25, 0.5, 0.8}) {
@@ -51,7 +51,7 @@ TEST(Trainee, InFreeAirMakesAMinimumJerkMotion) {
     const auto n = static_cast<std::size_t>((0.3 + p * duration) * 1e3);
     EXPECT_CLOSE(poses[n][0], -kTask.distance * s, 2e-3);
   }
-  for (const auto& pose : poses) EXPECT_EQ(pose[1], 0) << "the weight is not answered";
+  for (const auto& pose : poses) EXPECT_EQ(pose[1], 0);
 }
 
 TEST(Trainee, AnswersForceAfterItsDelay) {
@@ -115,10 +115,7 @@ TEST(Trainee, InsertsAsInFig10OfThePaper) {
   for (const std::uint64_t trial : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u}) {
     const State start = draw_start(scene, 1, trial);
     const auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, trial);
-    std::vector<RowVector> rows;
-    const EpisodeEnd end = run_episode(
-        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
-        [] { return false; });
+    const auto [end, rows] = testing::record_rows(scene, start, *device);
     EXPECT_EQ(end.outcome, Outcome::inserted);
     const double to_um = 1e6 / scene_scaling(scene).motion;
     double fastest = 0, sideways = 0;

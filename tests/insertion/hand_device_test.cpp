@@ -29,14 +29,14 @@ EpisodeInfo info_of(const Scene& scene, const Device& device) {
   return info;
 }
 
-// Records until the device is done, lost, or `stop`; returns the outcome.
-Outcome run(
-    const Scene& scene, Device& device, Recorder& recorder,
-    const std::function<bool()>& stop = [] { return false; }) {
-  return run_episode(
-             scene, draw_start(scene, 1, 1), device, {}, 1e-3,
-             [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
-             stop)
+// Records until the device is done or lost; returns the outcome.
+Outcome run(const Scene& scene, Device& device, Recorder& recorder) {
+  return run_insertion(scene, draw_start(scene, 1, 1), device, {},
+                       testing::recording_settings(scene),
+                       [&](const Tick& tick) {
+                         recorder.add(make_row(tick), tick.sample.counts);
+                         return true;
+                       })
       .outcome;
 }
 
@@ -154,14 +154,12 @@ TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
     const auto device = fake_hand(FakeModel::space_mouse_split, scene, start, 1, kFull);
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     Eigen::Index n = 0;
-    run_episode(
-        scene, start, *device, {}, 1e-3,
-        [&](const RowVector& row, const RawCounts& c) {
-          recorder.add(row, c);
-          if (n < 300) counts.row(n) = c.transpose();
-          ++n;
-        },
-        [&] { return n == 350; });
+    run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+                  [&](const Tick& tick) {
+                    recorder.add(make_row(tick), tick.sample.counts);
+                    if (n < 300) counts.row(n) = tick.sample.counts.transpose();
+                    return ++n != 350;
+                  });
   }  // left without finish
   const auto recovered = recover(folder.path());
   ASSERT_EQ(recovered.size(), 1u);

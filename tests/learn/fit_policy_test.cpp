@@ -175,5 +175,26 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   EXPECT_GT(compared, 100);
 }
 
+// What the operator is asked about is what a recording of the policy shows, bit for bit.
+TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = load_scene("bench");
+  Policy p = testing::random_policy(1, {4}, 1, 1);
+  p.velocity_scale.setZero();
+  p.velocity_mean = {-4e-3, 0, 0};
+  PolicyController controller(p);
+  const std::string file = testing::record(scene, folder.path(), 3, &controller);
+  const Demonstration recorded = demonstration(read_episode(file), scene, file);
+  const Demonstration d = relabelled_trial(scene, p, 0.15, 1, 3);
+  EXPECT_EQ(d.outcome, recorded.outcome);
+  ASSERT_EQ(d.time.size(), recorded.time.size());
+  EXPECT_EQ(d.time, recorded.time);
+  EXPECT_EQ(d.depth, recorded.depth);
+  EXPECT_EQ(d.force, recorded.force);
+  EXPECT_EQ(d.moment, recorded.moment);
+  EXPECT_EQ(d.speed_limit, recorded.speed_limit);
+  EXPECT_NE(d.velocity, recorded.velocity);
+}
+
 }  // namespace
 }  // namespace ferrule

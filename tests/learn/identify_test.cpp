@@ -26,14 +26,9 @@ std::vector<Recording> recordings(const Scene& scene, double noise, std::uint64_
   for (std::uint64_t trial = 1; trial <= episodes; ++trial) {
     const State start = draw_start(scene, seed, trial);
     const auto device = simulated_operator(scene, start, 0.8, 1e-3, seed, trial);
-    std::vector<RowVector> rows;
-    run_episode(
-        scene, start, *device, {}, 1e-3, [&](const RowVector& row) { rows.push_back(row); },
-        [] { return false; });
-    Episode episode{testing::info_of(scene, seed, trial), {}, {}};
-    episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
-    for (std::size_t n = 0; n < rows.size(); ++n)
-      episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
+    const Episode episode{testing::info_of(scene, seed, trial),
+                          testing::record_rows(scene, start, *device).matrix(),
+                          {}};
     all.push_back(recording(episode, "episode " + std::to_string(trial)));
     RandomStream random(seed, trial, Draw::split);
     for (Eigen::Index n = 0; n < all.back().wrench.rows(); ++n)

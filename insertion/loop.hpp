@@ -1,0 +1,72 @@
+// The loop between hand and fibre: a hand goes in, ticks come out.
+//
+// The hand is a Device (haptic/device.hpp): a person at one, a simulated operator, a controller, a
+// recording. Tick n, at time t_n = n T:
+//   read     the hand is at a pose, to which it has moved the fibre's holder
+//   step     the simulator steps to it, which gives the state and the forces at t_n
+//   render   the hand feels the holder's wrench, as the force sensor reads it, relative to that at
+//            rest at t_0
+//   watch    has the insertion ended? (insertion/watch.hpp)
+//   answer   the hand moves on: `command` is its velocity over [t_n, t_n+1)
+// A tick pairs a force with the velocity that answers it. Who listens makes of it what he needs: a
+// row, a statistic, a frame.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "haptic/device.hpp"
+#include "haptic/force_feedback.hpp"
+#include "insertion/watch.hpp"
+#include "sim/scene/force_sensor.hpp"
+
+namespace ferrule {
+
+// Everything at t_n, in the hand's world but for `result`. Lives as long as the call it is shown
+// in.
+struct Tick {
+  double time;                 // t_n [s]
+  const HandSample& sample;    // as the device gave it
+  const HandPose& hand;        // pose of the fibre's holder: the sample's, or what a coupling made
+  const HandTwist& velocity;   // of it over [t_n-1, t_n); 0 in the first tick [m/s, rad/s]
+  const HandTwist& command;    // of it over [t_n, t_n+1) [m/s, rad/s]
+  const StepResult& result;    // state and forces at t_n, at the tip's scale
+  const HandWrench& wrench;    // at the holder, as the sensor reads it [N, N m]
+  const HandWrench& relative;  // to that of the first tick, at rest [N, N m]
+};
+
+struct LoopSettings {
+  Scaling scaling;
+  double period = 1e-3;  // T [s], > 0
+  // Whether the hand goes on after success until it is finished, as in a recording; or success ends
+  // the insertion, as in a trial.
+  bool past_success = false;
+  // Where a person feels the fibre, and holds it, by way of that: what it cannot trust ends the
+  // insertion as `interrupted`, with no force and after the ticks before.
+  ForceFeedback* feedback = nullptr;
+};
+
+struct InsertionEnd {
+  Outcome outcome;
+  InsertionSummary summary;
+  std::string why;    // the operator gave up, or what ended it; may be empty
+  bool lost = false;  // the device is gone
+};
+
+// False ends the insertion as `interrupted`.
+using OnTick = std::function<bool(const Tick&)>;
+
+// Runs one insertion from `start` (which the hand must begin at) until it fails, succeeds (see
+// `past_success`) or the hand is finished, for the scene's longest trial at most, and shows every
+// tick to `on_tick`, if any; one at least. The outcome is that of the watch, and where there is
+// none
+//   stopped_short    the hand finished before the success depth
+//   gave_up          the same, and says that this was giving up
+//   interrupted      `on_tick` ended it, the device was lost, or `feedback` did not trust it
+//   invalid_output   the hand's pose is not a finite number: no tick any more
+// Does not allocate while it runs. Throws what `hand` and `on_tick` throw.
+InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
+                           const ForceSensor& sensor, const LoopSettings& settings,
+                           const OnTick& on_tick = {});
+
+}  // namespace ferrule
