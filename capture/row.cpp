@@ -10,9 +10,8 @@ RowVector make_row(const Tick& tick) noexcept {
   row.segment<kPose>(kHandVelocity.begin) = tick.velocity.transpose();
   row.segment<kPose>(kCommand.begin) = tick.command.transpose();
   row.segment<kPose>(kHolder.begin) = result.forces.holder.transpose();
-  const auto terms = term_forces(result.forces);
-  for (int i = 0; i < kTerms; ++i)
-    row.segment<3>(kForces.begin + 3 * i) = terms[static_cast<std::size_t>(i)].transpose();
+  for (const Term term : kAllTerms)
+    row.segment<3>(force_column(term)) = result.forces.force(term).transpose();
   row[kStatus.begin] = static_cast<double>(result.status);
   row.segment<kStateSize>(kStates.begin) = to_row(result.state).transpose();
   return row;

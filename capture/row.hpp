@@ -8,6 +8,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <string_view>
 
 #include "insertion/loop.hpp"
 
@@ -30,10 +31,29 @@ inline constexpr Block kCommand{"command", 11, 5, "m/s m/s m/s rad/s rad/s",
                                 "x y z tilt_y tilt_z; of the hand over [t_n, t_n+1)"};
 inline constexpr Block kHolder{"holder_wrench", 16, 5, "N N N N.m N.m",
                                "Fx Fy Fz My Mz; at the tip's scale, of the fibre on the hand"};
-inline constexpr Block kForces{
-    "forces", 21, 3 * kTerms, "N",
-    "x y z of each of van_der_waals electrostatic gravity capillary adhesion wall friction drag "
-    "meniscus"};
+// "x y z of each of " and the names of the table of terms.
+inline constexpr auto kForceColumns = [] {
+  constexpr std::string_view head = "x y z of each of";
+  constexpr std::size_t size = [head] {
+    std::size_t sum = head.size() + 1;
+    for (const char* name : kTermNames) sum += 1 + std::string_view(name).size();
+    return sum;
+  }();
+  std::array<char, size> text{};
+  std::size_t at = 0;
+  for (const char c : head) text[at++] = c;
+  for (const char* name : kTermNames) {
+    text[at++] = ' ';
+    for (const char c : std::string_view(name)) text[at++] = c;
+  }
+  return text;
+}();
+inline constexpr Block kForces{"forces", 21, 3 * static_cast<int>(kTerms), "N",
+                               kForceColumns.data()};
+// Where a term's force begins in a row.
+constexpr int force_column(Term term) noexcept {
+  return kForces.begin + 3 * static_cast<int>(term);
+}
 inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
                                "0 ok, 1 not converged, 2 bad command"};
 inline constexpr Block kStates{

@@ -28,7 +28,8 @@ StepResult step_of(const RowVector& row) {
   for (int place = 0; place < kContactPlaces; ++place)
     result.state.contact[static_cast<std::size_t>(place)].closed = states[13 + 6 * place] != 0;
   result.forces.holder = block(row, kHolder).transpose();
-  result.forces[Term::friction][kEnd].force = row.segment<3>(kForces.begin + 3 * 6).transpose();
+  result.forces[Term::friction][kEnd].force =
+      row.segment<3>(force_column(Term::friction)).transpose();
   return result;
 }
 

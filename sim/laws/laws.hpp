@@ -45,6 +45,13 @@ inline constexpr std::array<const char*, kTerms> kTermNames = {
     "van_der_waals", "electrostatic", "gravity", "capillary", "adhesion",
     "wall",          "friction",      "drag",    "meniscus"};
 
+// All of them, in order.
+inline constexpr std::array<Term, kTerms> kAllTerms = [] {
+  std::array<Term, kTerms> all{};
+  for (std::size_t i = 0; i < kTerms; ++i) all[i] = static_cast<Term>(i);
+  return all;
+}();
+
 // A law in one of its forms, or none.
 template <class Printed, class Corrected>
 using EitherForm = std::variant<std::monostate, Printed, Corrected>;

@@ -29,11 +29,4 @@ const TermInfo& info(Term term) noexcept;
 // What drag has besides: the force of the film between fibre and near wall [N].
 double squeeze_at_gap(const World& world, const Posture& posture);
 
-// All of them, in order.
-inline constexpr std::array<Term, kTerms> kAllTerms = [] {
-  std::array<Term, kTerms> all{};
-  for (std::size_t i = 0; i < kTerms; ++i) all[i] = static_cast<Term>(i);
-  return all;
-}();
-
 }  // namespace ferrule

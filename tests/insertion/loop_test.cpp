@@ -167,16 +167,12 @@ TEST(Loop, PastSuccessTheHandSaysWhenItIsFinished) {
   EXPECT_GT(recording.end.summary.depth, trial.end.summary.depth);
 }
 
-// Periods that add up to a little less than the longest time are one more.
-TEST(Loop, TimeRunsOutOfATrialAndOfARecordingAlike) {
+TEST(Loop, ATrialWhoseTimeRunsOutSaysSo) {
   for (const char* limit : {"limits.time_s=5", "limits.time_s=10"}) {
     const Scene scene = quick({limit});
-    const auto nothing = [](int, HandSample&) {};
-    const Ended trial = run(scene, nothing, false, 0), recording = run(scene, nothing, true, 0);
+    const Ended trial = run(scene, [](int, HandSample&) {}, false, 0);
     EXPECT_EQ(trial.end.outcome, Outcome::timeout);
-    EXPECT_EQ(recording.end.outcome, Outcome::timeout);
-    EXPECT_EQ(trial.ticks, recording.ticks);
-    EXPECT_EQ(trial.end.summary.time, recording.end.summary.time);
+    EXPECT_GE(trial.end.summary.time, scene.limits.time);
   }
 }
 
