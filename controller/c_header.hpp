@@ -5,7 +5,8 @@
 //   void ferrule_command(ferrule_state* s, const double wrench[5], double depth, double time,
 //                        double velocity[5]);       once per period
 //
-// with the arguments of Controller::command, in the hand's world and SI units.
+// with the arguments of Controller::command, in the hand's world and SI units: the wrench, then the
+// scalars of kObservation (controller/observation.hpp).
 #pragma once
 
 #include <string>
@@ -15,7 +16,7 @@
 
 namespace ferrule {
 
-// `origin` is told in the header's first comment.
+// `origin` stands in the header's first comment.
 std::string c_header(const Law& law, const std::string& origin);
 std::string c_header(const Policy& policy, const std::string& origin);
 

@@ -73,6 +73,7 @@ std::vector<Network> from_tensors(Tensors tensors, std::size_t members,
   return all;
 }
 
+template <class Channel>
 Json scaled_channel(const Channel& channel, double mean, double scale) {
   return {{"name", channel.name}, {"unit", channel.unit}, {"mean", mean}, {"scale", scale}};
 }
@@ -123,10 +124,10 @@ void write_policy(const std::string& file, const PolicyFile& p) {
   Json training = Json::array(), rounds = Json::array();
   for (std::size_t i = 0; i + 1 < policy.members.front().size(); ++i)
     hidden.push_back(policy.members.front()[i].bias.size());
-  for (std::size_t i = 0; i < kInputs; ++i)
-    inputs.push_back(scaled_channel(kInputTable[i], policy.mean[i], policy.scale[i]));
+  for (std::size_t i = 0; i < kPolicyChannels; ++i)
+    inputs.push_back(scaled_channel(kPolicyInputs[i], policy.mean[i], policy.scale[i]));
   for (int i = 0; i < kVelocity; ++i)
-    outputs.push_back(scaled_channel(kOutputTable[static_cast<std::size_t>(i)],
+    outputs.push_back(scaled_channel(kPolicyAnswer[static_cast<std::size_t>(i)],
                                      policy.velocity_mean[i], policy.velocity_scale[i]));
   for (const MemberTraining& m : p.members)
     training.push_back({{"epochs", m.epochs},
@@ -187,15 +188,16 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
   policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
   policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));
   history.finish();
-  for_each(fields, "inputs", file, kInputs, kInputs, [&](JsonFields& entry, std::size_t i) {
-    entry.choice("name", {kInputTable[i].name});
-    entry.choice("unit", {kInputTable[i].unit});
-    policy.mean[i] = entry.number("mean", rule::any());
-    policy.scale[i] = entry.number("scale", rule::positive());
-  });
+  for_each(fields, "inputs", file, kPolicyChannels, kPolicyChannels,
+           [&](JsonFields& entry, std::size_t i) {
+             entry.choice("name", {kPolicyInputs[i].name});
+             entry.choice("unit", {kPolicyInputs[i].unit});
+             policy.mean[i] = entry.number("mean", rule::any());
+             policy.scale[i] = entry.number("scale", rule::positive());
+           });
   for_each(fields, "outputs", file, kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
-    entry.choice("name", {kOutputTable[i].name});
-    entry.choice("unit", {kOutputTable[i].unit});
+    entry.choice("name", {kPolicyAnswer[i].name});
+    entry.choice("unit", {kPolicyAnswer[i].unit});
     policy.velocity_mean[static_cast<Eigen::Index>(i)] = entry.number("mean", rule::any());
     policy.velocity_scale[static_cast<Eigen::Index>(i)] =
         entry.number("scale", rule::not_negative());

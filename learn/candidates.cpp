@@ -19,7 +19,7 @@ class RecordedMotion : public Controller {
   explicit RecordedMotion(std::shared_ptr<const Demonstration> recorded)
       : recorded_(std::move(recorded)) {}
 
-  HandTwist command(const Felt&) noexcept override {
+  HandTwist command(const Observation&) noexcept override {
     HandTwist v = HandTwist::Zero();
     if (next_ < recorded_->velocity.rows())
       v.head<3>() = recorded_->velocity.row(next_++).transpose();

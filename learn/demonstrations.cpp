@@ -15,13 +15,10 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   d.period = episode.info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
   const auto felt = felt_wrench(episode, scene);
-  d.force = felt.leftCols<3>();
-  if (rows.rows() > 0) d.force.rowwise() -= Eigen::RowVector3d(d.force.row(0));
-  d.moment = felt.rightCols<2>();
-  if (rows.rows() > 0) d.moment.rowwise() -= Eigen::RowVector2d(d.moment.row(0));
   d.velocity = rows.middleCols<3>(kCommand.begin);
-  d.depth = (-rows.col(kHandPose.begin)).cwiseMax(0.0);
-  d.time = rows.col(kTime.begin);
+  for (Eigen::Index n = 0; n < rows.rows(); ++n)
+    d.observations.push_back({(felt.row(n) - felt.row(0)).transpose(),
+                              std::max(0.0, -rows(n, kHandPose.begin)), rows(n, kTime.begin)});
   return d;
 }
 

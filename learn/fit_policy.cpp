@@ -22,9 +22,7 @@ constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording c
 // or to think. A policy that learned to rest would do so for ever.
 constexpr double kResting = 0.1;
 
-// Scales below which a channel counts as constant: force [N], moment [N m], depth [m].
-constexpr std::array<double, kInputs> kLeastScale = {1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6};
-constexpr double kLeastVelocity = 1e-9;  // the same [m/s]
+constexpr double kLeastVelocity = 1e-9;  // standard deviation of one that does not vary [m/s]
 
 // Unscaled.
 struct RawRows {
@@ -33,7 +31,7 @@ struct RawRows {
 
 RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy) {
   std::size_t most = 0;
-  for (const Demonstration* d : set) most += static_cast<std::size_t>(d->time.size());
+  for (const Demonstration* d : set) most += d->observations.size();
   RawRows rows{Eigen::MatrixXd(policy.inputs(), most), Eigen::MatrixXd(kVelocity, most)};
   Eigen::Index count = 0;
   for (const Demonstration* d : set) {
@@ -41,15 +39,15 @@ RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy
     const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d->period));
     const auto spacing =
         static_cast<Eigen::Index>(std::lround(policy.spacing * policy.period / d->period));
-    for (Eigen::Index n = 0; n < d->time.size(); n += stride) {
+    for (Eigen::Index n = 0; n < d->rows(); n += stride) {
       const bool rests = d->velocity.row(n).norm() < kResting * d->speed_limit;
       if (rests || cut_to_limit(*d, n)) continue;
-      for (int k = 0; k < policy.samples; ++k) {
-        const Eigen::Index felt = std::max<Eigen::Index>(0, n - delay - k * spacing);
-        rows.input.col(count).segment<3>(k * kFelt) = d->force.row(felt);
-        rows.input.col(count).segment<2>(k * kFelt + 3) = d->moment.row(felt);
+      for (int i = 0; i < policy.inputs(); ++i) {
+        const ObservationChannel& channel = kPolicyInputs[policy.channel(i)];
+        const bool past = channel.policy == PolicyInput::past;
+        rows.input(i, count) =
+            channel.value(d->observed(past ? n - delay - i / kPastChannels * spacing : n));
       }
-      rows.input(policy.inputs() - 1, count) = d->depth[n];
       rows.velocity.col(count) = d->velocity.row(n);
       ++count;
     }
@@ -68,11 +66,13 @@ MeanAndSd spread(const Eigen::RowVectorXd& values) {
 }
 
 void set_scales(Policy& policy, const RawRows& rows) {
-  for (int i = 0; i < kInputs; ++i) {
-    const auto channel = static_cast<std::size_t>(i);
-    const MeanAndSd s = spread(rows.input.row(i < kFelt ? i : policy.inputs() - 1));
+  // From the inputs of now: the first of the past, and those after it.
+  for (int i = 0; i < policy.inputs(); ++i) {
+    if (i >= kPastChannels && i < kPastChannels * policy.samples) continue;
+    const std::size_t channel = policy.channel(i);
+    const MeanAndSd s = spread(rows.input.row(i));
     policy.mean[channel] = s.mean;
-    policy.scale[channel] = s.sd > kLeastScale[channel] ? s.sd : 1;
+    policy.scale[channel] = s.sd > kPolicyInputs[channel].negligible ? s.sd : 1;
   }
   for (int i = 0; i < kVelocity; ++i) {
     const MeanAndSd s = spread(rows.velocity.row(i));
@@ -83,8 +83,8 @@ void set_scales(Policy& policy, const RawRows& rows) {
 
 Eigen::MatrixXf scaled_inputs(const Policy& policy, const Eigen::MatrixXd& inputs) {
   Eigen::MatrixXf z(inputs.rows(), inputs.cols());
-  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
-    const auto channel = static_cast<std::size_t>(i + 1 < inputs.rows() ? i % kFelt : kFelt);
+  for (int i = 0; i < policy.inputs(); ++i) {
+    const std::size_t channel = policy.channel(i);
     z.row(i) =
         ((inputs.row(i).array() - policy.mean[channel]) / policy.scale[channel]).cast<float>();
   }

@@ -48,10 +48,11 @@ TEST(PolicyFile, IsLoadedLikeAnyController) {
     law.gains[5].value = 2e-3;
     return law;
   }());
-  Felt felt{HandWrench::Ones(), 0.5, 0};
+  Observation observation{HandWrench::Ones(), 0.5, 0};
   PolicyController direct(file.policy);
-  EXPECT_EQ(load_controller(folder / "c.json")(3)->command(felt), direct.command(felt));
-  EXPECT_CLOSE(load_controller(folder / "law.json")(3)->command(felt)[0], 2e-3, 1e-12);
+  EXPECT_EQ(load_controller(folder / "c.json")(3)->command(observation),
+            direct.command(observation));
+  EXPECT_CLOSE(load_controller(folder / "law.json")(3)->command(observation)[0], 2e-3, 1e-12);
   write_text(folder / "none.json", R"({"method": "hope"})");
   EXPECT_THROW(load_controller(folder / "none.json"), BadInput);
 }

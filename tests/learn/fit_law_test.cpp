@@ -14,7 +14,7 @@ DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes
                            std::uint64_t seed = 1, int delay = 0) {
   return testing::demonstrations(
       [&](const Eigen::Vector3d& force, double depth, double time) {
-        return insertion_velocity(gains.data(), force, depth, time);
+        return insertion_velocity(gains.data(), testing::felt(force, depth, time));
       },
       6e-3, episodes, delay, noise, seed);
 }
@@ -93,7 +93,8 @@ TEST(FitLaw, RefusesTooLittleWithTheReason) {
     EXPECT_NE(std::string(error.what()).find("too few demonstrations: 2"), std::string::npos);
   }
   DemonstrationSet quiet = synthetic(kLaw, 4, 0);
-  for (auto& d : quiet.demonstrations) d.force.setZero();
+  for (auto& d : quiet.demonstrations)
+    for (Observation& o : d.observations) o.wrench.setZero();
   try {
     fit_law(quiet, 1);
     FAIL();
