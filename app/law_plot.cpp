@@ -104,7 +104,7 @@ Axes over_time(const Samples& episode, const Law& law) {
 
 }  // namespace
 
-Plot law_plot(const DemonstrationSet& set, const ControllerFile& controller) {
+Plot law_plot(const DemonstrationSet& set, const LawFile& controller) {
   std::vector<Samples> episodes;
   for (const Demonstration& d : set.demonstrations)
     episodes.push_back(samples(d, controller.reaction_time));

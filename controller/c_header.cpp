@@ -229,7 +229,8 @@ std::string policy_inputs_in_c() {
 
 }  // namespace
 
-std::string c_header(const Law& law, const std::string& origin) {
+std::string c_header(const LawFile& file, const std::string& origin) {
+  const Law law = file.law();
   const std::span<const Gain> gains = gain_table(law.kind());
   std::string body;
   for (std::size_t i = 0; i < gains.size(); ++i)
@@ -247,7 +248,8 @@ static inline void ferrule_start(ferrule_state* s) { s->unused = 0; }
   return framed(origin, "", body);
 }
 
-std::string c_header(const Policy& policy, const std::string& origin) {
+std::string c_header(const PolicyFile& file, const std::string& origin) {
+  const Policy& policy = file.policy;
   const MembersInC members = members_in_c(policy);
   return framed(
       origin, fmt::format(" of {:g} s", policy.period),
@@ -283,6 +285,10 @@ std::string c_header(const Policy& policy, const std::string& origin) {
 }}
 )",
               policy.speed_limit));
+}
+
+std::string c_header(const ControllerFile& controller, const std::string& origin) {
+  return std::visit([&](const auto& c) { return c_header(c, origin); }, controller);
 }
 
 }  // namespace ferrule

@@ -11,13 +11,13 @@
 
 #include <string>
 
-#include "controller/law.hpp"
-#include "controller/policy.hpp"
+#include "controller/controller_file.hpp"
 
 namespace ferrule {
 
 // `origin` stands in the header's first comment.
-std::string c_header(const Law& law, const std::string& origin);
-std::string c_header(const Policy& policy, const std::string& origin);
+std::string c_header(const LawFile& law, const std::string& origin);
+std::string c_header(const PolicyFile& policy, const std::string& origin);
+std::string c_header(const ControllerFile& controller, const std::string& origin);
 
 }  // namespace ferrule

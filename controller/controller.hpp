@@ -35,7 +35,7 @@ MakeController controller_maker(const C& controller) {
   return [controller](std::uint64_t) { return std::make_unique<C>(controller); };
 }
 
-// The naive baseline: straight in at constant speed, whatever is felt.
+// The naive baseline: straight in at constant speed, whatever is observed.
 class ConstantVelocity : public Controller {
  public:
   explicit ConstantVelocity(double speed) : speed_(speed) {}  // along -x [m/s], > 0

@@ -88,7 +88,7 @@ TEST(FitPolicy, TheSameSeedGivesTheSameBytes) {
   settings.members = 2;
   const DemonstrationSet set = demonstrations(4, 0);
   const auto write = [&](const char* name) {
-    write_policy(folder / (std::string(name) + ".json"), fit_policy(set, settings, {}).file);
+    write_controller(folder / (std::string(name) + ".json"), fit_policy(set, settings, {}).file);
     return read_text(folder / (std::string(name) + ".safetensors"));
   };
   const std::string first = write("a"), again = write("b");
