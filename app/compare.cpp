@@ -31,9 +31,15 @@ struct Arguments {
 
 constexpr const char* kTeacher = "simulated operator";
 
-// A contestant and its trials, alone and under the supervisor.
+// A learner with the settings that are compared.
+struct Chosen {
+  const Learner* learner;
+  const Learner::Variant* variant;
+};
+
+// A candidate and its trials, alone and under the supervisor.
 struct Entry {
-  Contestant contestant;
+  Candidate candidate;
   double ns;  // per action
   std::vector<TrialResult> results;
   CampaignSummary alone, supervised;
@@ -58,25 +64,24 @@ std::vector<TrialResult> campaign(const Arguments& a, const Scene& scene,
   return results;
 }
 
-std::vector<Learner> chosen_learners(const Arguments& a) {
-  const std::vector<Learner> all = learners(a.fit_seed);
-  if (a.learners.empty()) return all;
-  std::vector<Learner> chosen;
-  for (const Learner& learner : all)
-    if (std::find(a.learners.begin(), a.learners.end(), learner.key) != a.learners.end())
-      chosen.push_back(learner);
+std::vector<Chosen> chosen_learners(const Arguments& a) {
+  std::vector<Chosen> chosen;
+  for (const Learner& learner : learners())
+    for (const Learner::Variant& variant : learner.variants)
+      if (a.learners.empty() ||
+          std::find(a.learners.begin(), a.learners.end(), variant.key) != a.learners.end())
+        chosen.push_back({&learner, &variant});
   return chosen;
 }
 
 std::vector<std::string> learner_keys() {
   std::vector<std::string> keys;
-  for (const Learner& learner : learners(0)) keys.push_back(learner.key);
+  for (const Chosen& c : chosen_learners({})) keys.push_back(c.variant->key);
   return keys;
 }
 
-Contestant fitted(const Learner& learner, const DemonstrationSet& set) {
-  Contestant c = learner.fit(set);
-  c.name = learner.name;
+Candidate fitted(const Arguments& a, const Chosen& chosen, const DemonstrationSet& set) {
+  Candidate c = learned(*chosen.learner, *chosen.variant, set, a.fit_seed);
   fmt::print(stderr, "{}: fitted to {} demonstrations in {:.1f} s\n", c.name,
              set.demonstrations.size(), c.fit_seconds);
   return c;
@@ -88,9 +93,9 @@ CampaignSummary supervised_campaign(const Arguments& a, const Scene& scene,
   return summarise(campaign(a, scene, supervised(make, limits), what + ", supervised"));
 }
 
-Entry tried(const Arguments& a, const Scene& scene, const Contestant& c, const Demonstration& felt,
-            const std::vector<Vector2d>& starts) {
-  Entry e{c, ns_per_action(c, felt), campaign(a, scene, c.make, c.name), {}, {}, {}};
+Entry tried(const Arguments& a, const Scene& scene, const Candidate& c,
+            const Demonstration& demonstration, const std::vector<Vector2d>& starts) {
+  Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name), {}, {}, {}};
   e.alone = summarise(e.results);
   e.supervised = supervised_campaign(a, scene, c.make, c.name);
   e.rings = by_misalignment(e.results, starts);
@@ -114,11 +119,11 @@ std::string outcome_columns(const CampaignSummary& s) {
 }
 constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
 
-void print_tables(const std::vector<Entry>& entries) {
+void print_alone(const std::vector<Entry>& entries) {
   fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8}{}{:>10}\n", "", "param.", "fit [s]", "held out", "ns",
              kOutcomeColumns, "loss [dB]");
   for (const Entry& e : entries) {
-    const Contestant& c = e.contestant;
+    const Candidate& c = e.candidate;
     const bool learned = c.parameters > 0;
     fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8.0f}{}{:>10}\n", c.name,
                learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
@@ -127,7 +132,11 @@ void print_tables(const std::vector<Entry>& entries) {
   }
   fmt::print(
       "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
-      "time and loss: medians of the inserted, peak force: median of all\n\n"
+      "time and loss: medians of the inserted, peak force: median of all\n\n");
+}
+
+void print_supervised(const std::vector<Entry>& entries) {
+  fmt::print(
       "the same under the supervisor, and how often it intervened\n{:<26}{}{:>8}{:>8}{:>8}{:>9}\n",
       "", kOutcomeColumns, "held", "jam", "retreat", "gave up");
   for (const Entry& e : entries) {
@@ -135,10 +144,13 @@ void print_tables(const std::vector<Entry>& entries) {
     const auto count = [&](Intervention kind) {
       return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
     };
-    fmt::print("{:<26}{}{:>8}{:>8}{:>8}{:>9}\n", e.contestant.name, outcome_columns(e.supervised),
+    fmt::print("{:<26}{}{:>8}{:>8}{:>8}{:>9}\n", e.candidate.name, outcome_columns(e.supervised),
                count(Intervention::held), count(Intervention::jam), count(Intervention::retreat),
                e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
   }
+}
+
+void print_against_teacher(const std::vector<Entry>& entries) {
   fmt::print("\n{:<26}{:>27}{:>10}{:>24}{:>24}\n", fmt::format("minus {}", kTeacher),
              "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");
   for (const Entry& e : entries) {
@@ -148,7 +160,7 @@ void print_tables(const std::vector<Entry>& entries) {
       return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
                          cell(unit * p.interval.high, 2));
     };
-    fmt::print("{:<26}{:>27}{:>10.2g}{:>24}{:>24}\n", e.contestant.name,
+    fmt::print("{:<26}{:>27}{:>10.2g}{:>24}{:>24}\n", e.candidate.name,
                fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
                            100 * d.interval.high),
                d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
@@ -158,7 +170,7 @@ void print_tables(const std::vector<Entry>& entries) {
 }
 
 Json to_json(const Entry& e) {
-  const Contestant& c = e.contestant;
+  const Candidate& c = e.candidate;
   Json row = {
       {"controller", c.name},   {"parameters", c.parameters},
       {"fit_s", c.fit_seconds}, {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
@@ -181,11 +193,11 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
           const std::vector<Learning>& learning, const std::vector<Vector2d>& starts) {
   std::vector<std::pair<std::string, std::vector<Ring>>> rings;
   for (const Entry& e : entries) {
-    rings.emplace_back(e.contestant.name, e.rings);
+    rings.emplace_back(e.candidate.name, e.rings);
     std::string name = "map_";
-    for (const char c : e.contestant.name)
+    for (const char c : e.candidate.name)
       if (c != ',') name += c == ' ' ? '_' : c;
-    write_svg(folder + "/" + name + ".svg", failure_map(e.contestant.name, e.results, starts));
+    write_svg(folder + "/" + name + ".svg", failure_map(e.candidate.name, e.results, starts));
   }
   write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
   if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
@@ -206,28 +218,31 @@ std::vector<Scene> other_scenes(const Arguments& a, const Scene& scene) {
 }
 
 // Appends what each learner made of the demonstrations; returns those that could.
-std::vector<Learner> add_learned(const Arguments& a, const DemonstrationSet& set,
-                                 std::vector<Contestant>& contestants) {
-  std::vector<Learner> ways;
-  for (const Learner& learner : chosen_learners(a)) {
+std::vector<Chosen> add_learned(const Arguments& a, const DemonstrationSet& set,
+                                std::vector<Candidate>& candidates) {
+  std::vector<Chosen> could;
+  for (const Chosen& chosen : chosen_learners(a)) {
+    const std::string& name = chosen.variant->name;
     try {
-      contestants.push_back(fitted(learner, set));
-      ways.push_back(learner);
+      candidates.push_back(fitted(a, chosen, set));
+      could.push_back(chosen);
     } catch (const BadInput& error) {
-      if (!a.learners.empty()) throw BadInput(a.folder + ": " + learner.name + ": " + error.what());
-      fmt::print(stderr, "note: {} is left out: {}\n", learner.name, error.what());
+      if (!a.learners.empty()) throw BadInput(a.folder + ": " + name + ": " + error.what());
+      fmt::print(stderr, "note: {} is left out: {}\n", name, error.what());
     }
   }
-  return ways;
+  return could;
 }
 
 std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
-                              const std::vector<Contestant>& contestants, const Demonstration& felt,
+                              const std::vector<Candidate>& candidates,
+                              const Demonstration& demonstration,
                               const std::vector<Vector2d>& starts) {
   std::vector<Entry> entries;
-  for (const Contestant& c : contestants) entries.push_back(tried(a, scene, c, felt, starts));
-  const Entry& teacher = *std::find_if(
-      entries.begin(), entries.end(), [](const Entry& e) { return e.contestant.name == kTeacher; });
+  for (const Candidate& c : candidates)
+    entries.push_back(tried(a, scene, c, demonstration, starts));
+  const Entry& teacher = *std::find_if(entries.begin(), entries.end(),
+                                       [](const Entry& e) { return e.candidate.name == kTeacher; });
   for (Entry& e : entries)
     if (&e != &teacher && e.alone.feasible > 0)
       e.against_teacher = compare(e.results, teacher.results);
@@ -235,7 +250,8 @@ std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
 }
 
 std::vector<Learning> from_fewer(const Arguments& a, const Scene& scene,
-                                 const DemonstrationSet& set, const std::vector<Learner>& ways) {
+                                 const DemonstrationSet& set,
+                                 const std::vector<Chosen>& learned_by) {
   std::vector<Learning> learning;
   for (const std::size_t count : a.demonstrations) {
     if (count > set.demonstrations.size()) {
@@ -243,12 +259,12 @@ std::vector<Learning> from_fewer(const Arguments& a, const Scene& scene,
                  set.demonstrations.size());
       continue;
     }
-    for (const Learner& learner : ways) {
+    for (const Chosen& chosen : learned_by) {
       try {
-        const Contestant c = fitted(learner, first_of(set, count));
+        const Candidate c = fitted(a, chosen, first_of(set, count));
         learning.push_back({c.name, count, summarise(campaign(a, scene, c.make, c.name))});
       } catch (const BadInput& error) {
-        fmt::print(stderr, "note: {} is left out: {}\n", learner.name, error.what());
+        fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant->name, error.what());
       }
     }
   }
@@ -265,11 +281,11 @@ void print_learning(const std::vector<Learning>& learning) {
 // What depends on the scene, as the operator does, is made for the other one.
 std::vector<Transfer> tried_there(const Arguments& a, const Scene& other,
                                   const DemonstrationSet& set,
-                                  const std::vector<Contestant>& contestants) {
+                                  const std::vector<Candidate>& candidates) {
   std::vector<Transfer> transfer;
-  const std::vector<Contestant> there = unlearned(other, set, a.skill, a.seed);
-  for (std::size_t i = 0; i < contestants.size(); ++i) {
-    const Contestant& c = i < there.size() ? there[i] : contestants[i];
+  const std::vector<Candidate> there = baselines(other, set, a.skill, a.seed);
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    const Candidate& c = i < there.size() ? there[i] : candidates[i];
     const std::string what = other.name + ", " + c.name;
     transfer.push_back({other.name, c.name, summarise(campaign(a, other, c.make, what)),
                         supervised_campaign(a, other, c.make, what)});
@@ -316,25 +332,27 @@ int compare_verb(const Arguments& a) {
   const std::vector<Scene> others = other_scenes(a, scene);
   if (!a.plot.empty()) make_plot_folder(a.plot);
 
-  std::vector<Contestant> contestants = unlearned(scene, set, a.skill, a.seed);
-  const std::vector<Learner> ways = add_learned(a, set, contestants);
+  std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
+  const std::vector<Chosen> learned_by = add_learned(a, set, candidates);
   std::vector<Vector2d> starts;
   for (std::size_t k = 0; k < a.trials; ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
   const std::vector<Entry> entries =
-      tried_here(a, scene, contestants, set.demonstrations.front(), starts);
+      tried_here(a, scene, candidates, set.demonstrations.front(), starts);
   if (!a.json) {
     fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
                set.demonstrations.size(), a.trials);
-    print_tables(entries);
+    print_alone(entries);
+    print_supervised(entries);
+    print_against_teacher(entries);
   }
 
-  const std::vector<Learning> learning = from_fewer(a, scene, set, ways);
+  const std::vector<Learning> learning = from_fewer(a, scene, set, learned_by);
   if (!a.json) print_learning(learning);
 
   std::vector<Transfer> transfer;
   for (const Scene& other : others) {
-    const std::vector<Transfer> there = tried_there(a, other, set, contestants);
+    const std::vector<Transfer> there = tried_there(a, other, set, candidates);
     if (!a.json) print_transfer(there);
     transfer.insert(transfer.end(), there.begin(), there.end());
   }

@@ -9,9 +9,6 @@
 
 #include "app/connected.hpp"
 #include "app/verb.hpp"
-#include "haptic/hid/force_stick.hpp"
-#include "haptic/hid/space_mouse.hpp"
-#include "insertion/hand_device.hpp"
 
 namespace ferrule {
 namespace {
@@ -26,7 +23,7 @@ struct Arguments {
 };
 
 const char* state_name(const FoundDevice& device) {
-  return !device.kind              ? "never used"
+  return !device.driver            ? "never used"
          : !device.missing.empty() ? "unusable"
          : device.permitted        ? "usable"
                                    : "forbidden";
@@ -39,141 +36,132 @@ int list_verb(const Arguments& a) {
     list.push_back(device_json(d));
     if (a.json) continue;
     fmt::print("{}  {}  {:<11}  {:<10}  {}\n", d.info.path, list.back()["id"].get<std::string>(),
-               d.kind ? name(*d.kind) : "-", state_name(d), d.info.name);
+               d.driver ? d.driver->name : "-", state_name(d), d.info.name);
     if (d.forbidden())
       fmt::print(
           "  found, but not permitted; this udev rule lets whoever sits at the machine open it:\n"
           "    {}\n  once, and then plug it in again:\n    {}\n",
           udev_rule(d.info), udev_command(d.info));
     if (!d.missing.empty()) fmt::print("  cannot be used: {}\n", d.missing);
-    if (!d.kind)
-      fmt::print("  a mouse, keyboard or receiver of a maker of SpaceMice: left alone\n");
+    if (d.never) fmt::print("  {}: left alone\n", d.never);
   }
   if (a.json)
     print_json({{"devices", list}});
   else if (found.empty())
-    fmt::print("no device is connected; --device fake:spacemouse or fake:pid tries without one\n");
+    fmt::print("no device is connected; --device {} tries without one\n", fake_names(" or "));
   return kDone;
 }
 
-// A device under test: its driver, and what to show of it.
-struct Tested {
-  std::string name;
-  std::unique_ptr<HidTransport> transport;
-  FakeFirmware* fake = nullptr;  // the transport, if it is one
-  std::unique_ptr<Device> driver;
-  const AxisReader* axes = nullptr;
-  const ForceStick* stick = nullptr;
-  const SpaceMouse* mouse = nullptr;
-};
-
-Tested open_tested(const std::string& wanted) {
-  Tested t;
-  DeviceKind kind;
-  if (const auto model = fake_model(wanted)) {
-    auto firmware = std::make_unique<FakeFirmware>(*model);
-    t.fake = firmware.get();
-    t.transport = std::move(firmware);
-    kind = fake_kind(*model);
-  } else if (wanted.starts_with("fake:")) {
-    throw BadInput("--test " + wanted + ": must be fake:spacemouse or fake:pid");
-  } else {
-    const FoundDevice found = choose_device(wanted);
-    t.transport = open_hid(found.info);
-    kind = *found.kind;
-  }
-  t.name =
-      fmt::format("{} {} ({})", t.transport->info().path, name(kind), t.transport->info().name);
-  if (kind == DeviceKind::space_mouse) {
-    auto mouse = std::make_unique<SpaceMouse>(*t.transport, 1.0, 1.0, HandPose::Zero());
-    t.axes = &mouse->axes();
-    t.mouse = mouse.get();
-    t.driver = std::move(mouse);
-  } else {
-    auto stick = std::make_unique<ForceStick>(*t.transport, 1.0, 1.0, HandPose::Zero());
-    t.axes = &stick->axes();
-    t.stick = stick.get();
-    t.driver = std::move(stick);
-  }
-  return t;
-}
-
 // The hand on a fake device: axes swing, a button now and then.
-void move_fake(FakeFirmware& firmware, double t) {
+void move_fake(FakeTransport& model, double t) {
   std::array<int, 6> counts{};
   for (std::size_t axis = 0; axis < counts.size(); ++axis)
     counts[axis] = static_cast<int>(std::lround(
         350 * std::sin(2 * std::numbers::pi * t / (2.0 + 0.3 * static_cast<double>(axis)))));
-  firmware.deflect(counts);
-  firmware.press(std::fmod(t, 1) > 0.8 ? 1 : 0);
-  firmware.advance(t);
+  model.deflect(counts);
+  model.press(std::fmod(t, 1) > 0.8 ? 1 : 0);
+  model.advance(t);
+}
+
+// A push along X and Y in turn, in parts of what the device can do.
+HandWrench test_push(double t) {
+  HandWrench wrench = HandWrench::Zero();
+  wrench[std::fmod(t, 2) < 1 ? 0 : 1] = kPush * std::sin(2 * std::numbers::pi * t);
+  return wrench;
+}
+
+// A device under test, and what it has sent.
+struct Test {
+  OpenDevice device;
+  std::string name;
+  std::unique_ptr<HidDevice> driver;
+  RawCounts low, high;
+  std::uint32_t pressed = 0;
+  bool lost = false;
+  double time = 0, shown = 0;  // [s]
+  std::int64_t reports_shown = 0;
+};
+
+Test begun(const std::string& wanted) {
+  Test t;
+  t.device = open_device("--test", wanted);
+  const HidInfo& info = t.device.transport->info();
+  t.name = fmt::format("{} {} ({})", info.path, t.device.driver->name, info.name);
+  t.driver = t.device.driver->make(*t.device.transport, {{1, 1, 1}, 1, HandPose::Zero()});
+  t.low = t.high = t.driver->axes().counts();
+  return t;
+}
+
+void introduce(const Test& t) {
+  fmt::print("{}; Ctrl-C ends this\n", t.name);
+  if (t.device.fake) fmt::print("this device is simulated: nobody's hand is on it\n");
+  if (t.device.driver->force)
+    fmt::print("hold it: it pushes with {:.0f} % of its force, along X and Y in turn\n",
+               100 * kPush);
+}
+
+// One tick.
+HandSample pushed_and_read(Test& t) {
+  if (t.device.fake) move_fake(*t.device.fake, t.time);
+  const HandSample sample = t.driver->read(t.time);
+  t.lost = sample.lost;
+  t.low = t.low.cwiseMin(sample.counts);
+  t.high = t.high.cwiseMax(sample.counts);
+  t.pressed |= t.driver->axes().buttons();
+  t.driver->render(test_push(t.time));
+  return sample;
+}
+
+// False: nobody reads it.
+bool show(Test& t, const HandSample& sample, bool terminal) {
+  const AxisReader& axes = t.driver->axes();
+  fmt::print("{}{:6.1f} s", terminal ? "\r\033[K" : "", t.time);
+  for (std::size_t axis = 0; axis < kRawAxes; ++axis)
+    if (axes.places()[axis].there)
+      fmt::print("  {} {:6}", kAxisNames[axis], sample.counts[static_cast<Eigen::Index>(axis)]);
+  fmt::print("  buttons {:08b}  {:4.0f} reports/s", axes.buttons() & 0xFFu,
+             static_cast<double>(axes.reports() - t.reports_shown) / (t.time - t.shown));
+  if (t.device.driver->force)
+    fmt::print("  force X {:+.2f} Y {:+.2f}", t.driver->force()[0], t.driver->force()[1]);
+  fmt::print("{}", terminal ? "" : "\n");
+  t.shown = t.time;
+  t.reports_shown = axes.reports();
+  return std::fflush(stdout) == 0;
+}
+
+Json moved_axes(const Test& t) {
+  Json axes = Json::object();
+  for (std::size_t axis = 0; axis < kRawAxes; ++axis)
+    if (const auto k = static_cast<Eigen::Index>(axis); t.low[k] != t.high[k])
+      axes[kAxisNames[axis]] = {{"min", t.low[k]}, {"max", t.high[k]}};
+  return axes;
 }
 
 int test_verb(const Arguments& a) {
   using Clock = std::chrono::steady_clock;
-  Tested device = open_tested(a.device);
-  if (!a.json) {
-    fmt::print("{}; Ctrl-C ends this\n", device.name);
-    if (device.fake) fmt::print("this device is simulated: nobody's hand is on it\n");
-    if (device.stick)
-      fmt::print("hold it: it pushes with {:.0f} % of its force, along X and Y in turn\n",
-                 100 * kPush);
-  }
+  Test t = begun(a.device);
+  if (!a.json) introduce(t);
   watch_for_interrupt();
   const bool terminal = ::isatty(STDOUT_FILENO);
+  const double between = terminal ? 0.1 : 1.0;  // shown [s]
   const auto begin = Clock::now();
-  RawCounts low = device.axes->counts(), high = low;
-  std::uint32_t pressed = 0;
-  bool lost = false;
-  double t = 0, shown = 0;
-  std::int64_t reports_shown = 0;
-  for (std::int64_t tick = 0; !interrupted() && !lost; ++tick) {
-    t = std::chrono::duration<double>(Clock::now() - begin).count();
-    if (a.seconds > 0 && t >= a.seconds) break;
-    if (device.fake) move_fake(*device.fake, t);
-    const HandSample sample = device.driver->read(t);
-    lost = sample.lost;
-    low = low.cwiseMin(sample.counts);
-    high = high.cwiseMax(sample.counts);
-    pressed |= device.axes->buttons();
-    const double push = kPush * std::sin(2 * std::numbers::pi * t);
-    HandWrench wrench = HandWrench::Zero();
-    wrench[std::fmod(t, 2) < 1 ? 0 : 1] = push;
-    device.driver->render(wrench);
-    const double between = terminal ? 0.1 : 1.0;  // [s]
-    if (!a.json && t - shown >= between) {
-      fmt::print("{}{:6.1f} s", terminal ? "\r\033[K" : "", t);
-      for (std::size_t axis = 0; axis < kRawAxes; ++axis)
-        if (device.axes->places()[axis].there)
-          fmt::print("  {} {:6}", kAxisNames[axis], sample.counts[static_cast<Eigen::Index>(axis)]);
-      fmt::print("  buttons {:08b}  {:4.0f} reports/s", device.axes->buttons() & 0xFFu,
-                 static_cast<double>(device.axes->reports() - reports_shown) / (t - shown));
-      if (device.stick)
-        fmt::print("  force X {:+.2f} Y {:+.2f}", device.stick->force()[0],
-                   device.stick->force()[1]);
-      fmt::print("{}", terminal ? "" : "\n");
-      if (std::fflush(stdout) != 0) break;  // nobody reads it
-      shown = t;
-      reports_shown = device.axes->reports();
-    }
+  for (std::int64_t tick = 0; !interrupted() && !t.lost; ++tick) {
+    t.time = std::chrono::duration<double>(Clock::now() - begin).count();
+    if (a.seconds > 0 && t.time >= a.seconds) break;
+    const HandSample sample = pushed_and_read(t);
+    if (!a.json && t.time - t.shown >= between && !show(t, sample, terminal)) break;
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(tick + 1));
   }
-  device.driver.reset();  // without force before anything is said
-  Json axes = Json::object();
-  for (std::size_t axis = 0; axis < kRawAxes; ++axis)
-    if (low[static_cast<Eigen::Index>(axis)] != high[static_cast<Eigen::Index>(axis)])
-      axes[kAxisNames[axis]] = {{"min", low[static_cast<Eigen::Index>(axis)]},
-                                {"max", high[static_cast<Eigen::Index>(axis)]}};
-  if (a.json) {
-    print_json({{"device", device.name},
-                {"time_s", t},
-                {"axes_moved", axes},
-                {"buttons", pressed},
-                {"lost", lost}});
-  } else {
+  t.driver.reset();  // without force before anything is said
+  if (a.json)
+    print_json({{"device", t.name},
+                {"time_s", t.time},
+                {"axes_moved", moved_axes(t)},
+                {"buttons", t.pressed},
+                {"lost", t.lost}});
+  else
     fmt::print("{}", terminal ? "\n" : "");
-  }
-  if (lost) throw DeviceTrouble(device.transport->info().path + ": the device was lost");
+  if (t.lost) throw DeviceTrouble(t.device.transport->info().path + ": the device was lost");
   return kDone;
 }
 
@@ -184,7 +172,7 @@ Json device_json(const FoundDevice& device) {
   Json json = {{"path", info.path},
                {"id", fmt::format("{:04x}:{:04x}", info.vendor, info.product)},
                {"name", info.name},
-               {"kind", device.kind ? Json(name(*device.kind)) : Json(nullptr)},
+               {"kind", device.driver ? Json(device.driver->name) : Json(nullptr)},
                {"state", state_name(device)}};
   if (!device.missing.empty()) json["reason"] = device.missing;
   if (device.forbidden()) {
@@ -201,7 +189,7 @@ void add_devices(CLI::App& app, Run& run) {
                                 "Show axes, buttons, rate and forces of the first usable device, "
                                 "or of this one")
                    ->expected(0, 1)
-                   ->type_name("auto|PATH|fake:spacemouse|fake:pid");
+                   ->type_name("auto|PATH|" + fake_names("|"));
   verb->add_option("--seconds", a->seconds, "End the test by itself")
       ->needs(test)
       ->check(number_between(0.01, 1e6));

@@ -4,7 +4,7 @@
 #include "app/campaign_table.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
-#include "controller/load_controller.hpp"
+#include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 

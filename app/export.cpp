@@ -3,7 +3,6 @@
 
 #include "app/verb.hpp"
 #include "controller/c_header.hpp"
-#include "controller/load_controller.hpp"
 #include "learn/torch_policy.hpp"
 
 namespace ferrule {
@@ -17,17 +16,16 @@ struct Arguments {
 int export_verb(const Arguments& a) {
   if (a.torchscript.empty() && a.header.empty())
     throw BadInput("export: give --torchscript FILE.pt, or --header FILE.h, or both");
-  std::string script, header;
-  const std::variant<ControllerFile, PolicyFile> either = read_law_or_policy(a.controller);
-  if (const auto* network = std::get_if<PolicyFile>(&either)) {
-    if (!a.torchscript.empty()) script = torchscript_bytes(network->policy);
-    header = c_header(network->policy, a.controller);
-  } else {
-    if (!a.torchscript.empty())
+  const ControllerFile controller = read_controller(a.controller);
+  std::string script;
+  if (!a.torchscript.empty()) {
+    const auto* policy = std::get_if<PolicyFile>(&controller);
+    if (!policy)
       throw BadInput(a.controller +
                      ": is no network: --torchscript needs a controller of method torch");
-    header = c_header(std::get<ControllerFile>(either).law(), a.controller);
+    script = torchscript_bytes(policy->policy);
   }
+  const std::string header = c_header(controller, a.controller);
   Json written = Json::array();
   const auto write = [&](const std::string& file, const std::string& text) {
     if (file.empty()) return;

@@ -4,43 +4,51 @@
 
 #include <filesystem>
 
-#include "app/fit_torch.hpp"
 #include "app/law_plot.hpp"
+#include "app/training_plot.hpp"
 #include "app/verb.hpp"
-#include "controller/policy_file.hpp"
-#include "learn/fit_law.hpp"
+#include "learn/candidates.hpp"
 
 namespace ferrule {
 namespace {
 
 struct Arguments {
-  std::string folder, method = "ceres", law = name(LawKind::insertion), out, plot;
+  std::string folder, method = "ceres", out, plot;
+  std::map<std::string, std::string> options;  // of all learners, by flag
   std::uint64_t seed = 1;
-  FitTorch torch;
   bool json = false;
 };
 
-constexpr const char* kAuto = "auto";
-
-std::vector<std::string> law_choices() {
-  std::vector<std::string> choices = {kAuto};
-  for (const LawKind kind : kLaws) choices.push_back(name(kind));
-  return choices;
+std::vector<std::string> methods() {
+  std::vector<std::string> all;
+  for (const Learner& learner : learners()) all.push_back(learner.method);
+  for (const Learner& learner : learners()) all.push_back(learner.name);
+  return all;
 }
 
-// Empty: to be chosen.
-std::optional<LawKind> law_kind(const std::string& law) {
-  for (const LawKind kind : kLaws)
-    if (law == name(kind)) return kind;
-  return std::nullopt;
+const Learner& chosen_learner(const std::string& method) {
+  return *std::find_if(learners().begin(), learners().end(),
+                       [&](const Learner& l) { return method == l.method || method == l.name; });
 }
 
-void print_cross_validation(const ControllerFile& c) {
-  fmt::print("{:<14} {:>5} {:>22} {:>16}\n", "law", "gains", "error, unseen [mm/s]",
-             "standard error");
-  for (const CrossValidated& law : c.cross_validation)
-    fmt::print("{:<14} {:>5} {:>22.5g} {:>16.2g}{}\n", name(law.kind), gain_table(law.kind).size(),
-               1e3 * law.error, 1e3 * law.standard_error, law.kind == c.kind ? "  chosen" : "");
+// Options of other learners than the chosen one are refused.
+void refuse_others(const CLI::App& verb, const Learner& chosen) {
+  for (const Learner& learner : learners())
+    for (const LearnerOption& option : learner.options)
+      if (&learner != &chosen && verb.count(option.flag) > 0)
+        throw CLI::ValidationError(option.flag, std::string("needs --method ") + learner.method);
+}
+
+void add_options(CLI::App& verb, const Learner& learner,
+                 std::map<std::string, std::string>& values) {
+  for (const LearnerOption& option : learner.options) {
+    std::string& value = values[option.flag] = option.value;
+    auto* added = verb.add_option(option.flag, value, option.help)->capture_default_str();
+    if (option.choices.empty())
+      added->type_name("UINT")->check(CLI::Range(option.least, option.most));
+    else
+      added->check(CLI::IsMember(option.choices));
+  }
 }
 
 // What could not be written after the fit is refused before it.
@@ -53,50 +61,43 @@ void expect_place_for(const std::string& file) {
     throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
 }
 
-int fit_verb(const Arguments& a) {
-  expect_place_for(a.out);
-  if (!a.plot.empty()) expect_place_for(a.plot);
-  if (a.method == "torch") expect_place_for(weights_file(a.out));
-  const DemonstrationSet set = load_demonstrations(a.folder);
-  if (a.method == "torch") return fit_torch(set, a.folder, a.out, a.plot, a.seed, a.torch, a.json);
-  FitReport report;
+Learned fitted(const Learner& learner, const DemonstrationSet& set, const Arguments& a) {
+  const LearnerSettings settings{a.seed, a.options};
+  std::optional<Progress> progress;
+  if (const std::size_t steps = learner.steps(settings)) progress.emplace("training", steps);
   try {
-    report = fit_law(set, a.seed, law_kind(a.law));
+    return learner.learn(set, settings, [&](std::size_t done, const std::string& note) {
+      if (progress) (*progress)(done, note);
+    });
   } catch (const BadInput& error) {
     throw BadInput(a.folder + ": " + error.what());
   }
+}
+
+void draw(const std::string& file, const DemonstrationSet& set, const Learned& result) {
+  if (!result.curves.empty())
+    write_svg(file, training_plot(result.curves));
+  else if (const auto* law = std::get_if<LawFile>(&result.controller))
+    write_svg(file, law_plot(set, *law));
+  fmt::print(stderr, "wrote {}\n", file);
+}
+
+int fit_verb(const Arguments& a) {
+  const Learner& learner = chosen_learner(a.method);
+  expect_place_for(a.out);
+  if (!a.plot.empty()) expect_place_for(a.plot);
+  for (const std::string& file : learner.files(a.out)) expect_place_for(file);
+  const DemonstrationSet set = load_demonstrations(a.folder);
+  const Learned result = fitted(learner, set, a);
   if (set.scenes.size() > 1)
     fmt::print(stderr, "note: the episodes are of {} different scenes: {}\n", set.scenes.size(),
                fmt::join(set.scenes, ", "));
-  write_controller(a.out, report.controller);
-  const ControllerFile& c = report.controller;
-  if (!a.plot.empty()) {
-    write_svg(a.plot, law_plot(set, c));
-    fmt::print(stderr, "wrote {}\n", a.plot);
-  }
-  if (a.json) {
+  write_controller(a.out, result.controller);
+  if (!a.plot.empty()) draw(a.plot, set, result);
+  if (a.json)
     print_json(parse_json(read_text(a.out), a.out));
-    return kDone;
-  }
-  if (!c.cross_validation.empty()) print_cross_validation(c);
-  fmt::print("law: {}\n", name(c.kind));
-  fmt::print("{:<14} {:>14} {:>14} {:>14}  {}\n", "gain", "value", "95 % low", "95 % high", "unit");
-  const auto table = gain_table(c.kind);
-  for (std::size_t i = 0; i < table.size(); ++i) {
-    const FittedGain& g = c.gains[i];
-    const auto shown = [](double x) {
-      return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
-    };
-    fmt::print("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", table[i].name, g.value, shown(g.low),
-               shown(g.high), table[i].unit);
-  }
-  fmt::print("reaction time {:.2f} s (identified, not imitated)\n", c.reaction_time);
-  fmt::print("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
-             c.trained_on.episodes.size(), c.trained_on.held_out.size(), set.unsuccessful,
-             c.trained_on.rows);
-  fmt::print("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand); {:.1f} % explained\n",
-             1e3 * c.residual, 1e3 * c.held_out_residual, 100 * report.explained);
-  fmt::print("{}\nwrote {}\n", report.summary, a.out);
+  else
+    fmt::print("{}wrote {}\n", result.report, a.out);
   return kDone;
 }
 
@@ -106,22 +107,17 @@ void add_fit(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("fit", "Fit a controller to demonstrations");
   auto a = std::make_shared<Arguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
-  verb->add_option("--method", a->method, "How")
+  verb->add_option("--method", a->method, "How: a law with Ceres, or a policy with libtorch")
       ->capture_default_str()
-      ->check(CLI::IsMember({"ceres", "torch"}));
-  verb->add_option("--law", a->law, "Which; auto: chosen by cross-validation over episodes")
-      ->capture_default_str()
-      ->check(CLI::IsMember(law_choices()));
+      ->check(CLI::IsMember(methods()));
+  for (const Learner& learner : learners()) add_options(*verb, learner, a->options);
   verb->add_option("--plot", a->plot, "The law over the data; with torch: the training curve")
       ->type_name("FILE.svg");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
-  add_fit_torch(*verb, a->torch);
   verb->add_flag("--json", a->json, "The controller file on stdout as well");
   verb->callback([a, verb, &run] {
-    if (a->method != "torch") refuse_fit_torch(*verb);
-    if (a->method == "torch" && verb->count("--law") > 0)
-      throw CLI::ValidationError("--law", "needs --method ceres");
+    refuse_others(*verb, chosen_learner(a->method));
     run = [a] { return fit_verb(*a); };
   });
 }

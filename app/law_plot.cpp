@@ -25,7 +25,7 @@ void add(Series& series, double x, double y) {
 }
 
 Eigen::Vector3d answer(const Law& law, const Sample& s) {
-  return law_velocity(law.kind(), law.gains().data(), s.force, s.depth, s.time);
+  return law_velocity(law.kind(), law.gains().data(), s);
 }
 
 // Largest of `value` over all samples.
@@ -48,18 +48,18 @@ Axes lateral(const std::vector<Samples>& episodes, const Law& law, int axis) {
   for (const Samples& episode : episodes)
     for (const Sample& s : episode)
       if (n++ % stride == 0)
-        add(s.depth > 0 ? inside : outside, s.force[axis], 1e3 * s.velocity[axis]);
-  const auto size = [axis](const Sample& s) { return std::abs(s.force[axis]); };
+        add(s.depth > 0 ? inside : outside, s.wrench[axis], 1e3 * s.velocity[axis]);
+  const auto size = [axis](const Sample& s) { return std::abs(s.wrench[axis]); };
   const double force = largest(episodes, size);
   const double depth = largest(episodes, [](const Sample& s) { return s.depth; });
   const double time = largest(episodes, [](const Sample& s) { return s.time; });
   Series law_outside{"law, outside", {}, {}, Series::line};
   Series law_inside{fmt::format("law, {:.3g} mm deep", 1e3 * depth), {}, {}, Series::line};
   for (int k = -kLine; k <= kLine; ++k) {
-    Eigen::Vector3d f = Eigen::Vector3d::Zero();
+    HandWrench f = HandWrench::Zero();
     f[axis] = force * k / kLine;
     for (const auto& [series, d] : {std::pair{&law_outside, 0.0}, {&law_inside, depth}})
-      add(*series, f[axis], 1e3 * answer(law, {f, Eigen::Vector3d::Zero(), d, time})[axis]);
+      add(*series, f[axis], 1e3 * answer(law, {{f, d, time}, Eigen::Vector3d::Zero()})[axis]);
   }
   return {fmt::format("felt F_{} [N], hand", "xyz"[axis]),
           fmt::format("v_{} [mm/s]", "xyz"[axis]),
@@ -104,7 +104,7 @@ Axes over_time(const Samples& episode, const Law& law) {
 
 }  // namespace
 
-Plot law_plot(const DemonstrationSet& set, const ControllerFile& controller) {
+Plot law_plot(const DemonstrationSet& set, const LawFile& controller) {
   std::vector<Samples> episodes;
   for (const Demonstration& d : set.demonstrations)
     episodes.push_back(samples(d, controller.reaction_time));

@@ -2,13 +2,13 @@
 #pragma once
 
 #include "app/plot.hpp"
-#include "controller/controller_file.hpp"
+#include "controller/law_file.hpp"
 #include "learn/demonstrations.hpp"
 
 namespace ferrule {
 
 // In the hand's world: lateral velocities against force, velocity along x against depth, and over
 // time in one demonstration. Data as points, the law as lines.
-Plot law_plot(const DemonstrationSet& set, const ControllerFile& controller);
+Plot law_plot(const DemonstrationSet& set, const LawFile& controller);
 
 }  // namespace ferrule

@@ -7,10 +7,9 @@
 
 #include "app/recording.hpp"
 #include "app/verb.hpp"
-#include "controller/load_controller.hpp"
+#include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
-#include "haptic/hid/force_stick.hpp"
 #include "insertion/hand_device.hpp"
 #include "insertion/rendering.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -30,16 +29,17 @@ struct Arguments {
 };
 
 // How a device with force renders the scene. Throws BadInput where it cannot.
-HandSettings hand_settings(const Arguments& a, const HandDevice& device, const Scene& scene) {
+HandSettings hand_settings(const Arguments& a, const OpenDevice& device, const Scene& scene) {
   HandSettings settings;
   settings.gain = a.gain;
-  if (!device.has_force()) {
+  const ForceDriver* const force = device.driver->force;
+  if (!force) {
     if (a.coupled) throw BadInput("--coupled: needs a device with force");
     if (!a.profile.empty()) throw BadInput("--profile: needs a device with force");
     return settings;
   }
   settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
-  const double step = force_stick_step(device.info(), device_range(scene, a.gain).reach);
+  const double step = force->step(device.transport->info(), device_range(scene, a.gain).reach);
   settings.profile.resolution = std::max(settings.profile.resolution, step);
   const std::string gain = a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain);
   const Coupling coupling = stable_coupling(settings.profile);
@@ -107,105 +107,141 @@ void tell_refused(const LoopTiming& timing) {
   refused("the loop's memory is not locked", timing.locking_error);
 }
 
-int record_verb(const Arguments& a) {
-  const Scene toleranced = a.scene.load();
-  std::optional<HandDevice> device;
-  HandSettings settings;
-  if (a.with_device) {
-    device = open_device(a.device);
-    settings = hand_settings(a, *device, toleranced);
-    if (device->transport && device->has_force() && a.profile.empty())
-      fmt::print(stderr, "note: no --profile: the device is taken to be a {}\n",
-                 settings.profile.name);
-  }
-  const bool simulated = !device && a.operator_ == "simulated";
-  if ((device || simulated) && a.supervise)
-    throw BadInput("--supervise: needs a controller as --operator");
-  MakeController make;
-  if (!device && !simulated) make = load_controller(a.operator_);
-  const int first = next_episode_number(a.out);
-  if (first > 1 && !a.append)
-    throw BadInput(a.out +
-                   ": already holds episodes; choose another folder, or add to them with "
-                   "--append");
-  int next = first;
-  const std::string name = device ? device->name
-                           : simulated
-                               ? fmt::format("simulated, skill {}", a.skill)
-                               : "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
-  const Scaling scaling = scene_scaling(toleranced);
-  if (a.supervise) make = supervised(make, supervisor_limits(toleranced, scaling));
+// Who holds the fibre: a device, a simulated operator or a controller.
+struct Holding {
+  std::string name;
+  std::optional<OpenDevice> device;
+  HandSettings settings;  // of the device
+  Scaling scaling;
+  MakeController make;  // empty without a controller
+};
 
-  watch_for_interrupt();
-  std::optional<Keys> keys;
-  if (device) keys.emplace();
+Holding holding(const Arguments& a, const Scene& scene) {
+  Holding h;
+  h.scaling = scene_scaling(scene);
+  const bool simulated = !a.with_device && a.operator_ == "simulated";
+  if (a.with_device) {
+    h.device = open_device("--device", a.device);
+    h.settings = hand_settings(a, *h.device, scene);
+    if (!h.device->fake && h.device->driver->force && a.profile.empty())
+      fmt::print(stderr, "note: no --profile: the device is taken to be a {}\n",
+                 h.settings.profile.name);
+    h.name = operator_name(*h.device);
+  }
+  if ((h.device || simulated) && a.supervise)
+    throw BadInput("--supervise: needs a controller as --operator");
+  if (simulated) h.name = fmt::format("simulated, skill {}", a.skill);
+  if (h.device || simulated) return h;
+  h.make = load_controller(a.operator_);
+  if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene, h.scaling));
+  h.name = "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
+  return h;
+}
+
+// What was recorded so far.
+struct Recordings {
   Json list = Json::array();
   std::size_t inserted = 0, infeasible = 0;
-  bool lost = false;
-  std::exception_ptr trouble;
+  bool lost = false;           // the device
+  std::exception_ptr trouble;  // with the device, after the first episode
+};
+
+// One episode. Empty: the operator ended the recording instead. Throws DeviceTrouble, FileTrouble.
+std::optional<Recorded> record_episode(const Arguments& a, const Holding& holding,
+                                       const FeasibleTrial& drawn, int number,
+                                       std::optional<Keys>& keys) {
+  const Scene& scene = *drawn.scene;
+  const State start = draw_start(scene, a.seed, drawn.trial);
+  const EpisodePlace place{holding.name, a.out, number, a.seed, drawn.trial};
+  if (holding.device)
+    return record_by_hand(*holding.device, holding.settings, scene, start, place, *keys);
+  if (!holding.make) {
+    const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
+    return record_one(scene, start, *hand, place);
+  }
+  const Scaling& scaling = holding.scaling;
+  const std::unique_ptr<Controller> controller = holding.make(drawn.trial);
+  ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
+                      scaling.motion * scene.limits.speed,
+                      1.1 * scaling.motion * scene.success.depth);
+  return record_one(scene, start, hand, place);
+}
+
+FeasibleTrial drawn_for(const Arguments& a, const Scene& toleranced, int number) {
+  try {
+    return feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+  } catch (const BadInput&) {
+    unclaim(a.out, number);
+    throw;
+  }
+}
+
+void take_down(const Arguments& a, const Recorded& r, Recordings& all) {
+  all.lost = r.end.lost;
+  all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
+  if (r.timing && all.list.empty()) tell_refused(*r.timing);
+  all.list.push_back(episode_json(r));
+  if (!a.json) tell(r);
+  std::fflush(stdout);
+}
+
+Recordings record_all(const Arguments& a, const Scene& toleranced, const Holding& holding,
+                      int first) {
+  Recordings all;
+  std::optional<Keys> keys;
+  if (holding.device) keys.emplace();
   std::optional<Progress> progress;  // where no keys are asked for
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
-  for (int i = 0; i < a.episodes && !interrupted() && !lost;) {
+  int next = first;
+  for (int i = 0; i < a.episodes && !interrupted() && !all.lost;) {
     const int number = claim_episode(a.out, next);
-    FeasibleTrial drawn;
-    try {
-      drawn = feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-    } catch (const BadInput&) {
-      unclaim(a.out, number);
-      throw;
-    }
-    const Scene& scene = *drawn.scene;
-    infeasible += drawn.infeasible;
-    const State start = draw_start(scene, a.seed, drawn.trial);
-    const EpisodePlace place{name, a.out, number, a.seed, drawn.trial};
+    const FeasibleTrial drawn = drawn_for(a, toleranced, number);
+    all.infeasible += drawn.infeasible;
     std::optional<Recorded> r;
-    if (device) {
-      try {
-        r = record_by_hand(*device, settings, scene, start, place, *keys);
-      } catch (const DeviceTrouble&) {
-        if (list.empty()) throw;
-        trouble = std::current_exception();  // what there is already is told first
-      }
-      if (!r) break;
-    } else if (simulated) {
-      const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
-      r = record_one(scene, start, *hand, place);
-    } else {
-      const std::unique_ptr<Controller> controller = make(drawn.trial);
-      ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
-                          scaling.motion * scene.limits.speed,
-                          1.1 * scaling.motion * scene.success.depth);
-      r = record_one(scene, start, hand, place);
+    try {
+      r = record_episode(a, holding, drawn, number, keys);
+    } catch (const DeviceTrouble&) {
+      if (all.list.empty()) throw;
+      all.trouble = std::current_exception();  // what there is already is printed first
     }
-    lost = r->end.lost;
-    inserted += !r->file.empty() && r->end.outcome == Outcome::inserted;
-    if (r->timing && list.empty()) tell_refused(*r->timing);
-    list.push_back(episode_json(*r));
-    if (!a.json) tell(*r);
-    std::fflush(stdout);
+    if (!r) break;
+    take_down(a, *r, all);
     if (r->last) break;
     if (r->discarded) continue;  // the operator takes it again
     next = number + 1;
     ++i;
     if (progress) (*progress)(static_cast<std::size_t>(i));
   }
+  return all;
+}
+
+int record_verb(const Arguments& a) {
+  const Scene toleranced = a.scene.load();
+  const Holding who = holding(a, toleranced);
+  const int first = next_episode_number(a.out);
+  if (first > 1 && !a.append)
+    throw BadInput(a.out +
+                   ": already holds episodes; choose another folder, or add to them with "
+                   "--append");
+  watch_for_interrupt();
+  const Recordings all = record_all(a, toleranced, who, first);
   if (a.json)
     print_json({{"scene", toleranced.name},
-                {"operator", name},
-                {"episodes", list},
-                {"infeasible_pairs", infeasible}});
+                {"operator", who.name},
+                {"episodes", all.list},
+                {"infeasible_pairs", all.infeasible}});
   else
-    fmt::print("{} of {} episodes inserted\n", inserted, list.size());
-  if (infeasible > 0 && !a.json)
-    fmt::print("{} drawn pairs of parts interfered and were put aside\n", infeasible);
-  if (trouble) std::rethrow_exception(trouble);
-  if (lost)
-    throw DeviceTrouble(device->transport->info().path +
+    fmt::print("{} of {} episodes inserted\n", all.inserted, all.list.size());
+  if (all.infeasible > 0 && !a.json)
+    fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
+  if (all.trouble) std::rethrow_exception(all.trouble);
+  if (all.lost)
+    throw DeviceTrouble(who.device->transport->info().path +
                         ": the device was lost; the running episode was ended and kept");
   if (!interrupted()) return kDone;
   fmt::print(stderr,
              "stopped by Ctrl-C: the running episode was ended and kept; {} of {} are there\n",
-             list.size(), a.episodes);
+             all.list.size(), a.episodes);
   return kInterrupted;
 }
 
@@ -253,7 +289,7 @@ void add_record(CLI::App& app, Run& run) {
               "Hold the fibre yourself, with the first usable device or that of a path; or "
               "try it with a simulated hand on a fake one")
           ->excludes(person)
-          ->type_name("auto|PATH|fake:spacemouse|fake:pid");
+          ->type_name("auto|PATH|" + fake_names("|"));
   verb->add_option("--profile", a->profile,
                    "What a device with force can do: a profile, or the name of one that ships "
                    "(haptic/README.md); a pen where it is not said")

@@ -6,7 +6,6 @@
 #include <filesystem>
 
 #include "app/verb.hpp"
-#include "haptic/hid/force_stick.hpp"
 #include "insertion/hand_device.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
@@ -27,8 +26,8 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, const Episode
 }
 
 // Takes away what the device has reported so far. Throws DeviceTrouble where it is gone.
-void put_aside(const HandDevice& device) {
-  if (!device.transport) return;
+void put_aside(const OpenDevice& device) {
+  if (device.fake) return;
   std::array<std::uint8_t, 64> report;
   int length;
   do length = device.transport->read(report, 0);
@@ -38,7 +37,7 @@ void put_aside(const HandDevice& device) {
 
 // What there is to do before an episode: at a terminal, to wait for the key that starts it. Empty:
 // the operator ended the recording instead. Throws DeviceTrouble.
-std::unique_ptr<Device> begin_by_hand(const HandDevice& device, const HandSettings& settings,
+std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettings& settings,
                                       const Scene& scene, const State& start,
                                       const EpisodePlace& place, Keys& keys) {
   if (keys.there()) {
@@ -48,13 +47,24 @@ std::unique_ptr<Device> begin_by_hand(const HandDevice& device, const HandSettin
     fmt::print(stderr, "it runs: space ends it, d discards it\n");
   }
   const double full_force = settings.profile.max_force;
-  if (device.fake) return fake_hand(*device.fake, scene, start, settings.gain, full_force);
+  const Driver& driver = *device.driver;
+  if (device.fake) return fake_hand(driver, driver.fake(), scene, start, settings.gain, full_force);
   try {
-    return hand_device(device.kind, *device.transport, scene, start, settings.gain, full_force);
+    return driver.make(*device.transport, driver_settings(scene, start, settings.gain, full_force));
   } catch (const DeviceTrouble&) {
     put_aside(device);  // says so where it is gone
     throw;
   }
+}
+
+// Asks the operator for a rating, or whether to discard it.
+void rate(Recorded& recorded, Keys& keys) {
+  fmt::print(stderr, "{}: 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it\n",
+             name(recorded.end.outcome));
+  const char key = keys.wait_for(" dq12345");
+  recorded.discarded = key == 'd';
+  recorded.last = recorded.last || key == 'q';
+  if (key >= '1' && key <= '5') recorded.rating = key - '0';
 }
 
 }  // namespace
@@ -90,17 +100,13 @@ Recorded record_one(const Scene& scene, const State& start, Device& device,
   return {recorder.finish(end.outcome), end, info.period};
 }
 
-HandDevice open_device(const std::string& wanted) {
-  if (const auto model = fake_model(wanted))
-    return {"simulated hand, " + wanted, fake_kind(*model), nullptr, model};
-  if (wanted.starts_with("fake:"))
-    throw BadInput("--device " + wanted + ": must be fake:spacemouse or fake:pid");
-  FoundDevice found = choose_device(wanted);
-  return {fmt::format("{} {:04x}:{:04x}", name(*found.kind), found.info.vendor, found.info.product),
-          *found.kind, open_hid(found.info), std::nullopt};
+std::string operator_name(const OpenDevice& device) {
+  const HidInfo& info = device.transport->info();
+  if (device.fake) return std::string("simulated hand, ") + device.driver->fake_name;
+  return fmt::format("{} {:04x}:{:04x}", device.driver->name, info.vendor, info.product);
 }
 
-std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSettings& settings,
+std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
                                        const Scene& scene, const State& start,
                                        const EpisodePlace& place, Keys& keys) {
   std::unique_ptr<Device> hand;
@@ -116,12 +122,12 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
   }
   EpisodeInfo info = episode_info(scene, *hand, place);
   std::optional<ForceFeedback> feedback;
-  if (device.has_force()) {
+  if (const ForceDriver* const force = device.driver->force) {
     info.period = settings.profile.period;
     if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
     feedback.emplace(settings.profile, settings.coupling,
-                     scene_scaling(scene).motion_to_hand(start.command), ForceStick::kReportPeriod,
-                     force_stick_motors(device.info()));
+                     scene_scaling(scene).motion_to_hand(start.command), force->report_period,
+                     force->motors(device.transport->info()));
   }
   Recorder recorder(place.folder, place.number, info);
   bool discard = false, last = false;
@@ -144,18 +150,10 @@ std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSetti
     fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");
   Recorded recorded{{}, end, info.period, timing};
   recorder.flush();
-  if (keys.there() && !discard && !interrupted()) {
-    fmt::print(stderr,
-               "{}: 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it\n",
-               name(end.outcome));
-    const char key = keys.wait_for(" dq12345");
-    discard = key == 'd';
-    last = last || key == 'q';
-    if (key >= '1' && key <= '5') recorded.rating = key - '0';
-  }
   recorded.discarded = discard;
   recorded.last = last;
-  if (discard || recorder.rows() == 0) {
+  if (keys.there() && !discard && !interrupted()) rate(recorded, keys);
+  if (recorded.discarded || recorder.rows() == 0) {
     recorder.discard();
     return recorded;
   }

@@ -7,7 +7,6 @@
 #include "capture/haptic_loop.hpp"
 #include "capture/recorder.hpp"
 #include "haptic/hid/device_list.hpp"
-#include "haptic/hid/fake_firmware.hpp"
 
 namespace ferrule {
 
@@ -44,18 +43,8 @@ void unclaim(const std::string& folder, int number);
 Recorded record_one(const Scene& scene, const State& start, Device& device,
                     const EpisodePlace& place);
 
-// What --device names: a real device, open, or the model of one.
-struct HandDevice {
-  std::string name;
-  DeviceKind kind{};
-  std::unique_ptr<HidTransport> transport;  // null where it is
-  std::optional<FakeModel> fake;
-
-  HidInfo info() const { return fake ? FakeFirmware::describe(*fake) : transport->info(); }
-  bool has_force() const noexcept { return kind == DeviceKind::force_stick; }
-};
-// Throws BadInput, DeviceTrouble.
-HandDevice open_device(const std::string& wanted);
+// The operator of a recording with a device.
+std::string operator_name(const OpenDevice& device);
 
 struct HandSettings {
   double gain = 1;                   // insertion/hand_device.hpp
@@ -65,7 +54,7 @@ struct HandSettings {
 
 // With a person's hand, in time. At a terminal keys start, end, discard and rate the episode.
 // Empty: the operator ended the recording instead of beginning. Throws DeviceTrouble, FileTrouble.
-std::optional<Recorded> record_by_hand(const HandDevice& device, const HandSettings& settings,
+std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
                                        const Scene& scene, const State& start,
                                        const EpisodePlace& place, Keys& keys);
 

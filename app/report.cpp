@@ -91,7 +91,7 @@ Plot start_map(const Report& r, const std::vector<TrialResult>& results, const c
   return {title, {axes}, 700, 520, true};
 }
 
-std::string gains_table(const ControllerFile& c) {
+std::string gains_table(const LawFile& c) {
   std::string html =
       "<table><tr><th>gain</th><th></th><th>value</th><th>95 % interval</th><th>unit</th></tr>\n";
   for (std::size_t i = 0; i < kGains; ++i) {
@@ -178,7 +178,7 @@ void write_report(const std::string& file, const Report& r) {
   const Scene& scene = *r.scene;
   const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
   const Comparison comparison = compare(r.learned, r.baseline);
-  const ControllerFile& c = r.fit.controller;
+  const LawFile& c = r.fit.controller;
 
   std::string html = kHead;
   html += fmt::format(

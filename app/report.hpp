@@ -17,7 +17,7 @@ struct Report {
   };
   std::vector<OfSkill> recorded;
   std::string shown;  // file of the demonstration that is drawn
-  FitReport fit;
+  LawFit fit;
   std::vector<TrialResult> learned, baseline;
   double record_seconds = 0, fit_seconds = 0, evaluate_seconds = 0;
 };

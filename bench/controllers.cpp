@@ -51,9 +51,10 @@ Eigen::Vector3d in_double(const Policy& p, const Eigen::VectorXd& input) {
 }
 
 ControllerRow measured(const std::string& name, const std::string& shape, Controller& controller,
-                       const std::vector<Felt>& felt) {
-  const double ns = nanoseconds_per_call(
-      [&](long i) { keep(controller.command(felt[static_cast<std::size_t>(i) % felt.size()])); });
+                       const std::vector<Observation>& states) {
+  const double ns = nanoseconds_per_call([&](long i) {
+    keep(controller.command(states[static_cast<std::size_t>(i) % states.size()]));
+  });
   return {name, shape, ns, 0};
 }
 
@@ -61,32 +62,32 @@ ControllerRow measured(const std::string& name, const std::string& shape, Contro
 
 std::vector<ControllerRow> bench_controllers() {
   RandomStream random(2, 0, Draw::plan);
-  std::vector<Felt> felt(kStates, Felt{HandWrench::Zero(), 0, 0});
-  for (Felt& f : felt) {
-    for (int i = 0; i < kFelt; ++i) f.wrench[i] = random.normal();
-    f.depth = random.uniform();
-    f.time = random.uniform();
+  std::vector<Observation> states(kStates, Observation{HandWrench::Zero(), 0, 0});
+  for (Observation& o : states) {
+    for (int i = 0; i < kWrenchChannels; ++i) o.wrench[i] = random.normal();
+    o.depth = random.uniform();
+    o.time = random.uniform();
   }
   std::vector<ControllerRow> rows;
   InsertionLaw law({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
-  rows.push_back(measured("insertion law", "12 gains, double", law, felt));
+  rows.push_back(measured("insertion law", "12 gains, double", law, states));
   for (const auto& [members, units] :
        {std::pair(1u, 32), std::pair(1u, 64), std::pair(1u, 128), std::pair(5u, 64)}) {
     const Policy p = drawn(members, units);
     PolicyController timed(p), exact(p);
     ControllerRow row =
-        measured("policy", fmt::format("{} of {}x{}, float", members, units, units), timed, felt);
+        measured("policy", fmt::format("{} of {}x{}, float", members, units, units), timed, states);
     double error = 0, largest = 0;
     Eigen::VectorXd input(p.inputs());
     const Eigen::Index back = p.spacing;
-    for (std::size_t n = 0; n < felt.size(); ++n) {
-      const Eigen::Vector3d v = exact.command(felt[n]).head<3>();
-      for (int k = 0; k < p.samples; ++k) {
-        const auto at = static_cast<Eigen::Index>(n) - k * back;
-        input.segment<kFelt>(k * kFelt) =
-            at < 0 ? HandWrench(HandWrench::Zero()) : felt[static_cast<std::size_t>(at)].wrench;
+    for (std::size_t n = 0; n < states.size(); ++n) {
+      const Eigen::Vector3d v = exact.command(states[n]).head<3>();
+      for (int i = 0; i < p.inputs(); ++i) {
+        const ObservationChannel& channel = kPolicyInputs[p.channel(i)];
+        const bool past = channel.policy == PolicyInput::past;
+        const auto at = static_cast<Eigen::Index>(n) - (past ? i / kPastChannels * back : 0);
+        input[i] = at < 0 ? 0 : channel.value(states[static_cast<std::size_t>(at)]);
       }
-      input[p.inputs() - 1] = felt[n].depth;
       const Eigen::Vector3d reference = in_double(p, input);
       error = std::max(error, (v - reference).norm());
       largest = std::max(largest, reference.norm());

@@ -9,8 +9,8 @@
 //              g(f) = sign(f) h / (1 + s h),  h = max(0, |f| - f_0)
 //              phased where f_0 = 0 and s = 0
 //
-// axis by axis, in the hand's world: f is the observed force less that at rest [N], d the depth of
-// the hand past the entrance [m], >= 0. No answer to a force below the dead band f_0 [N]; the
+// axis by axis, in the hand's world: f is the observed force relative to that at rest [N], d the depth
+// of the hand past the entrance [m], >= 0. No answer to a force below the dead band f_0 [N]; the
 // answer to a large one tends to that to 1/s [N]. The lead-in cone is outside by this depth.
 #pragma once
 
@@ -19,6 +19,7 @@
 #include <cmath>
 
 #include "controller/gain.hpp"
+#include "controller/observation.hpp"
 
 namespace ferrule {
 
@@ -53,16 +54,16 @@ T saturated_force(double force, const T& dead_band, const T& saturation) {
 // Velocity [m/s] from the first `gains` (6, 13 or 15) of the table. T is double, or a dual number
 // when fitting.
 template <class T>
-Eigen::Matrix<T, 3, 1> admittance_velocity(const T* gain, int gains, const Eigen::Vector3d& force,
-                                           double depth) {
+Eigen::Matrix<T, 3, 1> admittance_velocity(const T* gain, int gains,
+                                           const Observation& observation) {
   using std::exp;
   Eigen::Matrix<T, 3, 1> velocity;
   for (int i = 0; i < 3; ++i) {
-    const T f =
-        gains < kSaturatedGains ? T(force[i]) : saturated_force(force[i], gain[13], gain[14]);
+    const double force = observation.wrench[i];
+    const T f = gains < kSaturatedGains ? T(force) : saturated_force(force, gain[13], gain[14]);
     velocity[i] = gain[i] + gain[3 + i] * f;
     if (gains < kPhasedGains) continue;
-    const T outside = exp(-depth / gain[6]);
+    const T outside = exp(-observation.depth / gain[6]);
     velocity[i] = outside * velocity[i] + (1.0 - outside) * (gain[7 + i] + gain[10 + i] * f);
   }
   return velocity;

@@ -2,25 +2,74 @@
 
 #include <fmt/format.h>
 
+#include <functional>
+#include <string_view>
+
 namespace ferrule {
 namespace {
 
+constexpr int kTwist = HandTwist::RowsAtCompileTime;
+
+// The observed channels that are arguments of their own.
+constexpr std::span<const ObservationChannel> scalars() {
+  return std::span(kObservation).subspan(kWrenchChannels);
+}
+
+// The lines about the arguments, in the header's first comment.
+std::string arguments_told() {
+  std::string text =
+      "     wrench    felt, relative to that at rest before the start: Fx Fy Fz [N], My Mz [N m]\n";
+  for (const ObservationChannel& c : scalars())
+    text += fmt::format("     {:<9} {}\n", c.name, c.meaning);
+  return text +
+         "     velocity  of the hand until the next call: x y z [m/s], tilts about y and z "
+         "[rad/s]\n";
+}
+
+// The head of ferrule_command, in lines of at most 100 characters.
+std::string command_head() {
+  std::vector<std::string> arguments = {fmt::format("const double wrench[{}]", kWrenchChannels)};
+  for (const ObservationChannel& c : scalars())
+    arguments.push_back(fmt::format("double {}", c.name));
+  arguments.push_back(fmt::format("double velocity[{}]) {{", kTwist));
+  std::string line = "static inline void ferrule_command(ferrule_state* s", text;
+  const std::string indent(line.find('(') + 1, ' ');
+  for (const std::string& argument : arguments) {
+    line += ",";
+    if (line.size() + 1 + argument.size() + 1 > 100) {
+      text += line + "\n";
+      line = indent + argument;
+    } else {
+      line += " " + argument;
+    }
+  }
+  return text + line + "\n";
+}
+
+// Statements that keep compilers from warning of the arguments that are not `used`.
+std::string unused_arguments(const std::function<bool(const ObservationChannel&)>& used) {
+  std::string text;
+  for (const ObservationChannel& c : scalars())
+    if (!used(c)) text += fmt::format("  (void){};\n", c.name);
+  return text;
+}
+
+// The tilts that no controller commands, after the translation.
+std::string no_tilts() {
+  std::string text;
+  for (int i = kVelocity; i < kTwist; ++i) text += fmt::format("  velocity[{}] = 0;\n", i);
+  return text;
+}
+
 // What comes before and after the numbers and the functions of one kind of controller.
 std::string framed(const std::string& origin, const std::string& period, const std::string& body) {
-  std::string told;  // nothing that could end the comment
-  for (const char c : origin) told += c >= ' ' && c < 127 && c != '/' && c != '\\' ? c : '_';
-  return "/* A controller of ferrule, from " + told +
+  std::string from;  // nothing that could end the comment
+  for (const char c : origin) from += c >= ' ' && c < 127 && c != '/' && c != '\\' ? c : '_';
+  return "/* A controller of ferrule, from " + from +
          "\n"
          "\n"
          "   Call ferrule_start before the start, then ferrule_command once per period" +
-         period +
-         ":\n"
-         "     wrench    felt, relative to that at rest before the start: Fx Fy Fz [N], My Mz [N "
-         "m]\n"
-         "     depth     of the hand past the bore's entrance [m], >= 0\n"
-         "     time      since the start [s]\n"
-         "     velocity  of the hand until the next call: x y z [m/s], tilts about y and z "
-         "[rad/s]\n"
+         period + ":\n" + arguments_told() +
          "   All in the hand's world: forces and motions of the tip, scaled up. */\n"
          "#ifndef FERRULE_CONTROLLER_H\n"
          "#define FERRULE_CONTROLLER_H\n"
@@ -53,9 +102,135 @@ std::string table(const char* type, const std::string& name, const Number* value
                      list(values, count));
 }
 
+// The velocities of a law, g being its gains.
+std::string law_body(LawKind kind) {
+  const auto is = [](const char* name) {
+    return [name](const ObservationChannel& c) { return std::string_view(c.name) == name; };
+  };
+  if (kind == LawKind::insertion)
+    return R"(  const double since = time < g[1] ? time / g[1] : 1;
+  const double ramp = since * since * (2 - since) * (2 - since);
+  const double approach = 1 - exp((depth - g[2]) / g[3]);
+  const double slowed =
+      1 + g[4] * (wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2]);
+  (void)s;
+)" + unused_arguments([&](const auto& c) { return is("depth")(c) || is("time")(c); }) +
+           R"(  velocity[0] = -g[0] * ramp * approach / slowed + g[5] * wrench[0];
+  velocity[1] = g[6] * wrench[1] + g[8] + g[10] * depth;
+  velocity[2] = g[7] * wrench[2] + g[9] + g[11] * depth;
+)";
+  std::string body = "  int i;\n  (void)s;\n" +
+                     unused_arguments([](const auto&) { return false; }) +
+                     "  for (i = 0; i < 3; ++i) {\n";
+  body += kind == LawKind::saturated ? R"(    const double beyond = fabs(wrench[i]) - g[13];
+    const double size = beyond > 0 ? beyond / (1 + g[14] * beyond) : 0;
+    const double f = wrench[i] < 0 ? -size : size;
+)"
+                                     : "    const double f = wrench[i];\n";
+  body += kind == LawKind::linear ? "    velocity[i] = g[i] + g[3 + i] * f;\n"
+                                  : R"(    const double outside = exp(-depth / g[6]);
+    velocity[i] = outside * (g[i] + g[3 + i] * f) + (1 - outside) * (g[7 + i] + g[10 + i] * f);
+)";
+  return body + "  }\n";
+}
+
+// The arrays of a policy's members, the calls that evaluate them, and their widest layer.
+struct MembersInC {
+  std::string arrays, calls;
+  Eigen::Index widest;
+};
+
+MembersInC members_in_c(const Policy& policy) {
+  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  MembersInC c{{}, {}, policy.inputs()};
+  for (std::size_t m = 0; m < policy.members.size(); ++m) {
+    const Network& network = policy.members[m];
+    std::string in = "z";
+    for (std::size_t i = 0; i < network.size(); ++i) {
+      const RowMajor weight = network[i].weight;
+      const bool last = i + 1 == network.size();
+      const Eigen::Index rows = last ? kVelocity : weight.rows();
+      c.widest = std::max(c.widest, rows);
+      c.arrays += table("float", fmt::format("ferrule_weight_{}_{}", m, i), weight.data(),
+                        static_cast<std::size_t>(rows * weight.cols())) +
+                  table("float", fmt::format("ferrule_bias_{}_{}", m, i), network[i].bias.data(),
+                        static_cast<std::size_t>(rows));
+      const std::string out = i % 2 ? "b" : "a";
+      c.calls += fmt::format(
+          "  ferrule_layer(ferrule_weight_{0}_{1}, ferrule_bias_{0}_{1}, {2}, {3}, {4}, {5}, "
+          "{6});\n",
+          m, i, weight.cols(), rows, in, out, last ? 0 : 1);
+      in = out;
+    }
+    c.calls += fmt::format("  for (i = 0; i < 3; ++i) sum[i] += {}[i];\n", in);
+  }
+  return c;
+}
+
+// The scaled value of a scalar, channel `i` of kPolicyInputs.
+std::string scaled_in_c(std::size_t i) {
+  return fmt::format("(float)(({0} - ferrule_mean[{1}]) / ferrule_scale[{1}])",
+                     kPolicyInputs[i].name, i);
+}
+
+// The state of a policy, its start, and one layer of its networks.
+std::string policy_functions() {
+  std::string names = "wrenches";
+  for (std::size_t i = kWrenchChannels; i < kPastChannels; ++i)
+    names += std::string(", ") + kPolicyInputs[i].name;
+  return fmt::format(R"(
+typedef struct {{
+  float past[FERRULE_RING][{0}]; /* scaled {1} */
+  int now;                     /* the newest */
+}} ferrule_state;
+
+static inline void ferrule_start(ferrule_state* s) {{
+  int n, i;
+  for (n = 0; n < FERRULE_RING; ++n)
+    for (i = 0; i < {0}; ++i) s->past[n][i] = (float)(-ferrule_mean[i] / ferrule_scale[i]);
+  s->now = 0;
+}}
+)",
+                     kPastChannels, names) +
+         R"(
+static inline void ferrule_layer(const float* weight, const float* bias, int inputs, int outputs,
+                                 const float* in, float* out, int hidden) {
+  int r, c;
+  for (r = 0; r < outputs; ++r) {
+    float sum = bias[r];
+    for (c = 0; c < inputs; ++c) sum += weight[r * inputs + c] * in[c];
+    out[r] = hidden ? tanhf(sum) : sum;
+  }
+}
+
+)";
+}
+
+// The inputs z of a policy from the arguments and the past.
+std::string policy_inputs_in_c() {
+  static_assert(kPastChannels >= kWrenchChannels);  // the wrench's come first
+  std::string text = fmt::format(R"(  s->now = (s->now + 1) % FERRULE_RING;
+  for (i = 0; i < {}; ++i)
+    s->past[s->now][i] = (float)((wrench[i] - ferrule_mean[i]) / ferrule_scale[i]);
+)",
+                                 kWrenchChannels);
+  for (std::size_t i = kWrenchChannels; i < kPastChannels; ++i)
+    text += fmt::format("  s->past[s->now][{}] = {};\n", i, scaled_in_c(i));
+  text += fmt::format(R"(  for (k = 0; k < FERRULE_SAMPLES; ++k) {{
+    const int column = s->now - k * FERRULE_SPACING;
+    for (i = 0; i < {0}; ++i) z[{0} * k + i] = s->past[column >= 0 ? column : column + FERRULE_RING][i];
+  }}
+)",
+                      kPastChannels);
+  for (std::size_t i = kPastChannels; i < kPolicyChannels; ++i)
+    text += fmt::format("  z[FERRULE_INPUTS - {}] = {};\n", kPolicyChannels - i, scaled_in_c(i));
+  return text;
+}
+
 }  // namespace
 
-std::string c_header(const Law& law, const std::string& origin) {
+std::string c_header(const LawFile& file, const std::string& origin) {
+  const Law law = file.law();
   const std::span<const Gain> gains = gain_table(law.kind());
   std::string body;
   for (std::size_t i = 0; i < gains.size(); ++i)
@@ -68,70 +243,21 @@ typedef struct {
 
 static inline void ferrule_start(ferrule_state* s) { s->unused = 0; }
 
-static inline void ferrule_command(ferrule_state* s, const double wrench[5], double depth,
-                                   double time, double velocity[5]) {
-  const double* g = ferrule_gain;
-)";
-  if (law.kind() == LawKind::insertion) {
-    body += R"(  const double since = time < g[1] ? time / g[1] : 1;
-  const double ramp = since * since * (2 - since) * (2 - since);
-  const double approach = 1 - exp((depth - g[2]) / g[3]);
-  const double slowed =
-      1 + g[4] * (wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2]);
-  (void)s;
-  velocity[0] = -g[0] * ramp * approach / slowed + g[5] * wrench[0];
-  velocity[1] = g[6] * wrench[1] + g[8] + g[10] * depth;
-  velocity[2] = g[7] * wrench[2] + g[9] + g[11] * depth;
-)";
-  } else {
-    body += "  int i;\n  (void)s;\n  (void)depth;\n  (void)time;\n  for (i = 0; i < 3; ++i) {\n";
-    body += law.kind() == LawKind::saturated ? R"(    const double beyond = fabs(wrench[i]) - g[13];
-    const double size = beyond > 0 ? beyond / (1 + g[14] * beyond) : 0;
-    const double f = wrench[i] < 0 ? -size : size;
-)"
-                                             : "    const double f = wrench[i];\n";
-    body += law.kind() == LawKind::linear ? "    velocity[i] = g[i] + g[3 + i] * f;\n"
-                                          : R"(    const double outside = exp(-depth / g[6]);
-    velocity[i] = outside * (g[i] + g[3 + i] * f) + (1 - outside) * (g[7 + i] + g[10 + i] * f);
-)";
-    body += "  }\n";
-  }
-  return framed(origin, "", body + "  velocity[3] = 0;\n  velocity[4] = 0;\n}\n");
+)" + command_head() +
+          "  const double* g = ferrule_gain;\n" + law_body(law.kind()) + no_tilts() + "}\n";
+  return framed(origin, "", body);
 }
 
-std::string c_header(const Policy& policy, const std::string& origin) {
-  std::string body =
-      table("double", "ferrule_mean", policy.mean.data(), kInputs) +
-      table("double", "ferrule_scale", policy.scale.data(), kInputs) +
-      table("double", "ferrule_velocity_mean", policy.velocity_mean.data(), kVelocity) +
-      table("double", "ferrule_velocity_scale", policy.velocity_scale.data(), kVelocity);
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  std::string members;
-  Eigen::Index widest = policy.inputs();
-  for (std::size_t m = 0; m < policy.members.size(); ++m) {
-    const Network& network = policy.members[m];
-    std::string in = "z";
-    for (std::size_t i = 0; i < network.size(); ++i) {
-      const RowMajor weight = network[i].weight;
-      const bool last = i + 1 == network.size();
-      const Eigen::Index rows = last ? kVelocity : weight.rows();
-      widest = std::max(widest, rows);
-      body += table("float", fmt::format("ferrule_weight_{}_{}", m, i), weight.data(),
-                    static_cast<std::size_t>(rows * weight.cols())) +
-              table("float", fmt::format("ferrule_bias_{}_{}", m, i), network[i].bias.data(),
-                    static_cast<std::size_t>(rows));
-      const std::string out = i % 2 ? "b" : "a";
-      members += fmt::format(
-          "  ferrule_layer(ferrule_weight_{0}_{1}, ferrule_bias_{0}_{1}, {2}, {3}, {4}, {5}, "
-          "{6});\n",
-          m, i, weight.cols(), rows, in, out, last ? 0 : 1);
-      in = out;
-    }
-    members += fmt::format("  for (i = 0; i < 3; ++i) sum[i] += {}[i];\n", in);
-  }
+std::string c_header(const PolicyFile& file, const std::string& origin) {
+  const Policy& policy = file.policy;
+  const MembersInC members = members_in_c(policy);
   return framed(
       origin, fmt::format(" of {:g} s", policy.period),
-      body +
+      table("double", "ferrule_mean", policy.mean.data(), kPolicyChannels) +
+          table("double", "ferrule_scale", policy.scale.data(), kPolicyChannels) +
+          table("double", "ferrule_velocity_mean", policy.velocity_mean.data(), kVelocity) +
+          table("double", "ferrule_velocity_scale", policy.velocity_scale.data(), kVelocity) +
+          members.arrays +
           fmt::format("\nenum {{\n"
                       "  FERRULE_SAMPLES = {},\n"
                       "  FERRULE_SPACING = {}, /* in periods */\n"
@@ -140,56 +266,29 @@ std::string c_header(const Policy& policy, const std::string& origin) {
                       "  FERRULE_WIDEST = {}\n"
                       "}};\n",
                       policy.samples, policy.spacing, (policy.samples - 1) * policy.spacing + 1,
-                      policy.inputs(), widest) +
-          R"(
-typedef struct {
-  float past[FERRULE_RING][5]; /* scaled wrenches */
-  int now;                     /* the newest */
-} ferrule_state;
-
-static inline void ferrule_start(ferrule_state* s) {
-  int n, i;
-  for (n = 0; n < FERRULE_RING; ++n)
-    for (i = 0; i < 5; ++i) s->past[n][i] = (float)(-ferrule_mean[i] / ferrule_scale[i]);
-  s->now = 0;
-}
-
-static inline void ferrule_layer(const float* weight, const float* bias, int inputs, int outputs,
-                                 const float* in, float* out, int hidden) {
-  int r, c;
-  for (r = 0; r < outputs; ++r) {
-    float sum = bias[r];
-    for (c = 0; c < inputs; ++c) sum += weight[r * inputs + c] * in[c];
-    out[r] = hidden ? tanhf(sum) : sum;
-  }
-}
-
-static inline void ferrule_command(ferrule_state* s, const double wrench[5], double depth,
-                                   double time, double velocity[5]) {
-  float z[FERRULE_INPUTS], a[FERRULE_WIDEST], b[FERRULE_WIDEST];
+                      policy.inputs(), members.widest) +
+          policy_functions() + command_head() +
+          R"(  float z[FERRULE_INPUTS], a[FERRULE_WIDEST], b[FERRULE_WIDEST];
   double sum[3] = {0, 0, 0}, speed;
   int i, k;
-  (void)time;
-  s->now = (s->now + 1) % FERRULE_RING;
-  for (i = 0; i < 5; ++i)
-    s->past[s->now][i] = (float)((wrench[i] - ferrule_mean[i]) / ferrule_scale[i]);
-  for (k = 0; k < FERRULE_SAMPLES; ++k) {
-    const int column = s->now - k * FERRULE_SPACING;
-    for (i = 0; i < 5; ++i) z[5 * k + i] = s->past[column >= 0 ? column : column + FERRULE_RING][i];
-  }
-  z[FERRULE_INPUTS - 1] = (float)((depth - ferrule_mean[5]) / ferrule_scale[5]);
-)" + members +
-          fmt::format(
-              R"(  for (i = 0; i < 3; ++i)
+)" + unused_arguments([](const auto& c) { return c.policy != PolicyInput::none; }) +
+          policy_inputs_in_c() + members.calls +
+          fmt::format(R"(  for (i = 0; i < 3; ++i)
     velocity[i] = ferrule_velocity_mean[i] + ferrule_velocity_scale[i] * (sum[i] / {});
-  velocity[3] = 0;
-  velocity[4] = 0;
-  speed = sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]);
-  if (speed > {:#.17g})
-    for (i = 0; i < 3; ++i) velocity[i] *= {:#.17g} / speed;
+)",
+                      policy.members.size()) +
+          no_tilts() +
+          fmt::format(
+              R"(  speed = sqrt(velocity[0] * velocity[0] + velocity[1] * velocity[1] + velocity[2] * velocity[2]);
+  if (speed > {0:#.17g})
+    for (i = 0; i < 3; ++i) velocity[i] *= {0:#.17g} / speed;
 }}
 )",
-              policy.members.size(), policy.speed_limit, policy.speed_limit));
+              policy.speed_limit));
+}
+
+std::string c_header(const ControllerFile& controller, const std::string& origin) {
+  return std::visit([&](const auto& c) { return c_header(c, origin); }, controller);
 }
 
 }  // namespace ferrule

@@ -5,18 +5,19 @@
 //   void ferrule_command(ferrule_state* s, const double wrench[5], double depth, double time,
 //                        double velocity[5]);       once per period
 //
-// with the arguments of Controller::command, in the hand's world and SI units.
+// with the arguments of Controller::command, in the hand's world and SI units: the wrench, then the
+// scalars of kObservation (controller/observation.hpp).
 #pragma once
 
 #include <string>
 
-#include "controller/law.hpp"
-#include "controller/policy.hpp"
+#include "controller/controller_file.hpp"
 
 namespace ferrule {
 
-// The header's first comment names `origin`.
-std::string c_header(const Law& law, const std::string& origin);
-std::string c_header(const Policy& policy, const std::string& origin);
+// `origin` stands in the header's first comment.
+std::string c_header(const LawFile& law, const std::string& origin);
+std::string c_header(const PolicyFile& policy, const std::string& origin);
+std::string c_header(const ControllerFile& controller, const std::string& origin);
 
 }  // namespace ferrule

@@ -1,4 +1,4 @@
-// A controller: from what the hand would feel to how the hand would move.
+// A controller: from an observation of the insertion to how the hand would move.
 //
 // It lives in the hand's world (haptic/scaling.hpp), the world it was learned in; a trial scales
 // the fibre's force up to it and its velocity down to the tip with the scene's one Scaling.
@@ -8,25 +8,18 @@
 #include <functional>
 #include <memory>
 
+#include "controller/observation.hpp"
 #include "controller/supervision.hpp"
-#include "haptic/scaling.hpp"
 
 namespace ferrule {
 
-// What a controller knows at one tick.
-struct Felt {
-  HandWrench wrench;  // at the holder, relative to what was felt at rest at the start [N, N m]
-  double depth;       // of the hand past the bore's entrance, as its encoder has it [m], >= 0
-  double time;        // since the start [s], >= 0
-};
-
-// Serves one trial: it may remember what it felt before.
+// Serves one trial: it may remember what it observed before.
 class Controller {
  public:
   virtual ~Controller() = default;
   // Called once per period, from the start on: velocity of the hand until the next tick [m/s,
   // rad/s]. Must be finite; a trial checks.
-  virtual HandTwist command(const Felt& felt) noexcept = 0;
+  virtual HandTwist command(const Observation& observation) noexcept = 0;
   // How far the models inside are apart about the last command [m/s]; 0 for a single one.
   virtual double disagreement() const noexcept { return 0; }
   // What a supervisor did so far; null for a controller that has none.
@@ -42,11 +35,11 @@ MakeController controller_maker(const C& controller) {
   return [controller](std::uint64_t) { return std::make_unique<C>(controller); };
 }
 
-// The naive baseline: straight in at constant speed, whatever is felt.
+// The naive baseline: straight in at constant speed, whatever is observed.
 class ConstantVelocity : public Controller {
  public:
   explicit ConstantVelocity(double speed) : speed_(speed) {}  // along -x [m/s], > 0
-  HandTwist command(const Felt&) noexcept override {
+  HandTwist command(const Observation&) noexcept override {
     HandTwist v = HandTwist::Zero();
     v[0] = -speed_;
     return v;

@@ -1,121 +1,37 @@
 #include "controller/controller_file.hpp"
 
+#include <iterator>
+
 namespace ferrule {
 namespace {
 
-constexpr const char* kFormat = "ferrule controller";
-constexpr std::int64_t kFormatVersion = 2;  // in 1 the insertion law sped up otherwise
-
-double optional_number(JsonFields& fields, const std::string& key) {
-  return fields.has(key) ? fields.number(key, rule::any())
-                         : std::numeric_limits<double>::quiet_NaN();
+// Each kind of controller by its name in files.
+struct Kind {
+  const char* method;
+  ControllerFile (*parse)(const Json& json, const std::string& file);
+};
+template <auto parse>
+ControllerFile parsed(const Json& json, const std::string& file) {
+  return parse(json, file);
 }
-
-std::vector<std::string> law_names() {
-  std::vector<std::string> names;
-  for (const LawKind kind : kLaws) names.push_back(name(kind));
-  return names;
-}
-
-Rule range_of(const Gain& gain) {
-  return gain.range == Gain::positive       ? rule::positive()
-         : gain.range == Gain::not_negative ? rule::not_negative()
-                                            : rule::any();
-}
-
-FittedGain read_gain(JsonFields fields, const Gain& gain) {
-  FittedGain g;
-  g.value = fields.number("value", range_of(gain));
-  fields.choice("unit", {gain.unit});
-  g.low = optional_number(fields, "low");
-  g.high = optional_number(fields, "high");
-  fields.finish();
-  return g;
-}
-
-Json to_json(const std::vector<CrossValidated>& laws) {
-  Json json = Json::object();
-  for (const CrossValidated& law : laws)
-    json[name(law.kind)] = {{"gains", gain_table(law.kind).size()},
-                            {"error_m_s", number_or_null(law.error)},
-                            {"standard_error_m_s", number_or_null(law.standard_error)}};
-  return json;
-}
-
-std::vector<CrossValidated> read_cross_validation(JsonFields fields) {
-  std::vector<CrossValidated> laws;
-  for (const LawKind kind : kLaws)
-    if (fields.present(name(kind))) {
-      JsonFields law = fields.object(name(kind));
-      const auto gains = static_cast<std::int64_t>(gain_table(kind).size());
-      law.integer("gains", gains, gains);
-      laws.push_back(
-          {kind, optional_number(law, "error_m_s"), optional_number(law, "standard_error_m_s")});
-      law.finish();
-    }
-  fields.finish();
-  return laws;
-}
+constexpr Kind kKinds[] = {{"ceres", parsed<parse_law>}, {"torch", parsed<parse_policy>}};
+static_assert(std::size(kKinds) == std::variant_size_v<ControllerFile>);
 
 }  // namespace
 
-Law ControllerFile::law() const {
-  std::vector<double> values;
-  for (const FittedGain& gain : gains) values.push_back(gain.value);
-  return {kind, values};
-}
-
-void write_controller(const std::string& file, const ControllerFile& c) {
-  const auto table = gain_table(c.kind);
-  Json gains = Json::object();
-  for (std::size_t i = 0; i < table.size(); ++i)
-    gains[table[i].name] = {{"value", c.gains[i].value},
-                            {"unit", table[i].unit},
-                            {"low", number_or_null(c.gains[i].low)},
-                            {"high", number_or_null(c.gains[i].high)}};
-  Json json = {{"format", kFormat},
-               {"format_version", kFormatVersion},
-               {"method", "ceres"},
-               {"world", "hand"},
-               {"law", name(c.kind)},
-               {"gains", gains},
-               {"reaction_time_s", c.reaction_time},
-               {"trained_on", to_json(c.trained_on)},
-               {"metrics",
-                {{"residual_m_s", c.residual},
-                 {"held_out_residual_m_s", number_or_null(c.held_out_residual)}}}};
-  if (!c.cross_validation.empty())
-    json["metrics"]["cross_validation"] = to_json(c.cross_validation);
-  write_text(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+void write_controller(const std::string& file, const ControllerFile& controller) {
+  std::visit([&](const auto& c) { write_controller(file, c); }, controller);
 }
 
 ControllerFile read_controller(const std::string& file) {
-  return parse_controller(parse_json(read_text(file), file), file);
+  const Json json = parse_json(read_text(file), file);
+  std::vector<std::string> methods;
+  for (const Kind& kind : kKinds) methods.push_back(kind.method);
+  return kKinds[JsonFields(json, file).choice("method", methods)].parse(json, file);
 }
 
-ControllerFile parse_controller(const Json& json, const std::string& file) {
-  JsonFields fields(json, file);
-  ControllerFile c;
-  fields.choice("format", {kFormat});
-  fields.integer("format_version", kFormatVersion, kFormatVersion);
-  fields.choice("method", {"ceres"});
-  fields.choice("world", {"hand"});
-  c.kind = kLaws[fields.choice("law", law_names())];
-  JsonFields gains = fields.object("gains");
-  c.gains.clear();
-  for (const Gain& gain : gain_table(c.kind))
-    c.gains.push_back(read_gain(gains.object(gain.name), gain));
-  gains.finish();
-  c.reaction_time = fields.number("reaction_time_s", rule::not_negative());
-  c.trained_on = read_trained_on(fields, file);
-  JsonFields metrics = fields.object("metrics");
-  c.residual = metrics.number("residual_m_s", rule::not_negative());
-  c.held_out_residual = optional_number(metrics, "held_out_residual_m_s");
-  if (metrics.has("cross_validation"))
-    c.cross_validation = read_cross_validation(metrics.object("cross_validation"));
-  metrics.finish();
-  fields.finish();
-  return c;
+MakeController load_controller(const std::string& file) {
+  return std::visit([](const auto& c) { return c.maker(); }, read_controller(file));
 }
 
 }  // namespace ferrule

@@ -1,46 +1,24 @@
-// controller.json: a learned controller with all that is needed to run it and to know where it came
-// from. Data: data/README.md describes the keys.
+// controller.json: a learned controller of any kind, with all that is needed to run it and to know
+// where it came from. controller/README.md describes the keys, data/controller.schema.json states
+// them.
 #pragma once
 
-#include <limits>
 #include <string>
-#include <vector>
+#include <variant>
 
-#include "controller/law.hpp"
-#include "controller/trained_on.hpp"
+#include "controller/law_file.hpp"
+#include "controller/policy_file.hpp"
 
 namespace ferrule {
 
-struct FittedGain {
-  double value = 0;
-  // 95 % interval; NaN where the data leave it open (the gain is at its bound).
-  double low = std::numeric_limits<double>::quiet_NaN();
-  double high = std::numeric_limits<double>::quiet_NaN();
-};
+using ControllerFile = std::variant<LawFile, PolicyFile>;
 
-// Error of one law in predicting the velocities of episodes that it was not fitted to.
-struct CrossValidated {
-  LawKind kind;
-  double error, standard_error;  // mean over the episodes, and its standard error [m/s]
-};
-
-struct ControllerFile {
-  LawKind kind = LawKind::insertion;
-  std::vector<FittedGain> gains = std::vector<FittedGain>(kGains);  // as gain_table(kind)
-  double reaction_time = 0;  // delay of the demonstrator, identified and not imitated [s]
-  // Provenance.
-  TrainedOn trained_on;
-  double residual = 0, held_out_residual = 0;    // root mean square of the velocity error [m/s]
-  std::vector<CrossValidated> cross_validation;  // of the laws that were compared, if any
-
-  Law law() const;
-};
-
-// Throws FileTrouble.
+// Throws FileTrouble, BadInput.
 void write_controller(const std::string& file, const ControllerFile& controller);
 // Throws FileTrouble, BadInput.
 ControllerFile read_controller(const std::string& file);
-// From the text of `file`. Throws BadInput.
-ControllerFile parse_controller(const Json& json, const std::string& file);
+
+// What makes the controller of `file` for each trial. Throws FileTrouble, BadInput.
+MakeController load_controller(const std::string& file);
 
 }  // namespace ferrule

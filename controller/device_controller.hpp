@@ -16,8 +16,8 @@ class DeviceController : public Controller {
   DeviceController(std::unique_ptr<Device> device, double period)
       : device_(std::move(device)), period_(period), pose_(device_->read(0).pose) {}
 
-  HandTwist command(const Felt& felt) noexcept override {
-    device_->render(felt.wrench);
+  HandTwist command(const Observation& observation) noexcept override {
+    device_->render(observation.wrench);
     const HandSample next = device_->read(static_cast<double>(++ticks_) * period_);
     const HandTwist velocity =
         next.finished ? HandTwist(HandTwist::Zero()) : HandTwist((next.pose - pose_) / period_);

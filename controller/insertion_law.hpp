@@ -5,7 +5,7 @@
 //   v_y = A_y f_y + b_y + c_y d
 //   v_z = A_z f_z + b_z + c_z d
 //
-// in the hand's world, with f the observed force less that at rest [N], d the depth of the hand
+// in the hand's world, with f the observed force relative to that at rest [N], d the depth of the hand
 // past the entrance [m] and t the time since the start [s]. It speeds up after the start as a
 // minimum-jerk motion does (to its full speed at t_r), slows down towards the end depth d_e and
 // under force, and yields to force; b and c let it lean to one side, more so deeper inside
@@ -40,10 +40,11 @@ inline constexpr std::array<Gain, kGains> kGainTable = {{
 
 // Velocity [m/s] from gains in the order of the table. T is double, or a dual number when fitting.
 template <class T>
-Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& force, double depth,
-                                          double time) {
+Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Observation& observation) {
   using std::exp;
-  T since = time / gain[1];
+  const Eigen::Vector3d force = observation.wrench.head<3>();
+  const double depth = observation.depth;
+  T since = observation.time / gain[1];
   if (since > 1.0) since = T(1.0);
   const T ramp = since * since * (2.0 - since) * (2.0 - since);
   const T approach = 1.0 - exp((depth - gain[2]) / gain[3]);
@@ -56,10 +57,9 @@ Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Eigen::Vector3d& 
 class InsertionLaw : public Controller {
  public:
   explicit InsertionLaw(const std::array<double, kGains>& gains) : gains_(gains) {}
-  HandTwist command(const Felt& felt) noexcept override {
+  HandTwist command(const Observation& observation) noexcept override {
     HandTwist v = HandTwist::Zero();
-    v.head<3>() = insertion_velocity(gains_.data(), Eigen::Vector3d(felt.wrench.head<3>()),
-                                     felt.depth, felt.time);
+    v.head<3>() = insertion_velocity(gains_.data(), observation);
     return v;
   }
   const std::array<double, kGains>& gains() const noexcept { return gains_; }

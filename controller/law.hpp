@@ -36,13 +36,11 @@ constexpr std::span<const Gain> gain_table(LawKind kind) noexcept {
   return kGainTable;
 }
 
-// Velocity [m/s] from gains in the order of the table, at an observed force less that at rest [N],
-// a depth of the hand [m] and a time since the start [s]. T is double, or a dual number.
+// Velocity [m/s] from gains in the order of the table. T is double, or a dual number.
 template <class T>
-Eigen::Matrix<T, 3, 1> law_velocity(LawKind kind, const T* gains, const Eigen::Vector3d& force,
-                                    double depth, double time) {
-  if (kind == LawKind::insertion) return insertion_velocity(gains, force, depth, time);
-  return admittance_velocity(gains, static_cast<int>(gain_table(kind).size()), force, depth);
+Eigen::Matrix<T, 3, 1> law_velocity(LawKind kind, const T* gains, const Observation& observation) {
+  if (kind == LawKind::insertion) return insertion_velocity(gains, observation);
+  return admittance_velocity(gains, static_cast<int>(gain_table(kind).size()), observation);
 }
 
 class Law : public Controller {
@@ -51,10 +49,9 @@ class Law : public Controller {
   Law(LawKind kind, std::vector<double> gains) : kind_(kind), gains_(std::move(gains)) {
     assert(gains_.size() == gain_table(kind).size());
   }
-  HandTwist command(const Felt& felt) noexcept override {
+  HandTwist command(const Observation& observation) noexcept override {
     HandTwist v = HandTwist::Zero();
-    v.head<3>() = law_velocity(kind_, gains_.data(), Eigen::Vector3d(felt.wrench.head<3>()),
-                               felt.depth, felt.time);
+    v.head<3>() = law_velocity(kind_, gains_.data(), observation);
     return v;
   }
   LawKind kind() const noexcept { return kind_; }

@@ -7,11 +7,11 @@ namespace ferrule {
 
 PolicyController::PolicyController(const Policy& policy)
     : policy_(policy),
-      past_(kFelt, (policy.samples - 1) * policy.spacing + 1),
+      past_(kPastChannels, (policy.samples - 1) * policy.spacing + 1),
       input_(policy.inputs()),
       outputs_(policy.members.size(), Output::Zero()) {
   // Before the start the hand was at rest: it felt nothing.
-  for (int i = 0; i < kFelt; ++i) {
+  for (int i = 0; i < kPastChannels; ++i) {
     const auto c = static_cast<std::size_t>(i);
     past_.row(i).setConstant(static_cast<float>(-policy.mean[c] / policy.scale[c]));
   }
@@ -20,18 +20,20 @@ PolicyController::PolicyController(const Policy& policy)
     hidden_.emplace_back(Eigen::VectorXf::Zero(network[i].bias.size()));
 }
 
-HandTwist PolicyController::command(const Felt& felt) noexcept {
-  const auto scaled = [&](double x, std::size_t channel) {
+HandTwist PolicyController::command(const Observation& observation) noexcept {
+  const auto scaled = [&](std::size_t channel) {
+    const double x = kPolicyInputs[channel].value(observation);
     return static_cast<float>((x - policy_.mean[channel]) / policy_.scale[channel]);
   };
   now_ = now_ + 1 < past_.cols() ? now_ + 1 : 0;
-  for (int i = 0; i < kFelt; ++i)
-    past_(i, now_) = scaled(felt.wrench[i], static_cast<std::size_t>(i));
+  for (int i = 0; i < kPastChannels; ++i) past_(i, now_) = scaled(static_cast<std::size_t>(i));
   for (int k = 0; k < policy_.samples; ++k) {
     const Eigen::Index column = now_ - k * policy_.spacing;
-    input_.segment<kFelt>(k * kFelt) = past_.col(column >= 0 ? column : column + past_.cols());
+    input_.segment<kPastChannels>(k * kPastChannels) =
+        past_.col(column >= 0 ? column : column + past_.cols());
   }
-  input_[input_.size() - 1] = scaled(felt.depth, kFelt);
+  for (int i = kPastChannels * policy_.samples; i < policy_.inputs(); ++i)
+    input_[i] = scaled(policy_.channel(i));
 
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();
   for (std::size_t m = 0; m < policy_.members.size(); ++m) {

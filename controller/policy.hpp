@@ -1,9 +1,10 @@
-// A learned policy: small multilayer perceptrons from observations to a Gaussian over the hand's
+// A learned policy: small multilayer perceptrons from an observation to a Gaussian over the hand's
 // velocity, in the hand's world. It runs without the library that trained it.
 //
 //   input    x = (w(t), w(t - s), ..., w(t - (H - 1) s), d(t)),
-//            w observed wrench [N, N m], d depth of the hand past the entrance [m]; no time, and
-//            not its own velocity: it answers what it observes, not what it did
+//            w the observed channels whose past is taken in too: the wrench [N, N m]; d the others:
+//            the depth of the hand past the entrance [m] (controller/observation.hpp); not its own
+//            velocity: it answers what it feels, not what it did
 //   scaled   z = (x - mean) / scale, channel by channel
 //   member   h_0 = z, h_i = tanh(W_i h_i-1 + b_i), (m, l) = W_n h_n-1 + b_n
 //   velocity v = v_mean + v_scale m [m/s], standard deviation v_scale exp(l), l within
@@ -21,20 +22,12 @@
 
 namespace ferrule {
 
-struct Channel {
+struct AnswerChannel {
   const char* name;
   const char* unit;
 };
-inline constexpr int kFelt = 5;      // channels of a sample of the past
-inline constexpr int kInputs = 6;    // the same, and the depth
 inline constexpr int kVelocity = 3;  // channels of the answer
-inline constexpr std::array<Channel, kInputs> kInputTable = {{{"force_x", "N"},
-                                                              {"force_y", "N"},
-                                                              {"force_z", "N"},
-                                                              {"moment_y", "N m"},
-                                                              {"moment_z", "N m"},
-                                                              {"depth", "m"}}};
-inline constexpr std::array<Channel, kVelocity> kOutputTable = {
+inline constexpr std::array<AnswerChannel, kVelocity> kPolicyAnswer = {
     {{"velocity_x", "m/s"}, {"velocity_y", "m/s"}, {"velocity_z", "m/s"}}};
 inline constexpr double kLowestLogSd = -4, kHighestLogSd = 2;
 
@@ -45,16 +38,21 @@ struct Layer {
 using Network = std::vector<Layer>;  // at least one hidden layer; the last one is linear
 
 struct Policy {
-  double period = 1e-3;                         // between commands [s], > 0
-  int samples = 1;                              // H, >= 1
-  int spacing = 1;                              // s in periods, >= 1
-  double speed_limit = 0;                       // of the command, in the hand's world [m/s], > 0
-  std::array<double, kInputs> mean{}, scale{};  // of the inputs; scale > 0
+  double period = 1e-3;    // between commands [s], > 0
+  int samples = 1;         // H, >= 1
+  int spacing = 1;         // s in periods, >= 1
+  double speed_limit = 0;  // of the command, in the hand's world [m/s], > 0
+  std::array<double, kPolicyChannels> mean{}, scale{};       // of kPolicyInputs; scale > 0
   Eigen::Vector3d velocity_mean = Eigen::Vector3d::Zero();   // [m/s]
   Eigen::Vector3d velocity_scale = Eigen::Vector3d::Zero();  // [m/s], >= 0
   std::vector<Network> members;                              // at least one, all of one shape
 
-  int inputs() const noexcept { return kFelt * samples + 1; }
+  int inputs() const noexcept { return kPastChannels * samples + kPresentChannels; }
+  // Which of kPolicyInputs input i is.
+  std::size_t channel(int i) const noexcept {
+    const int present = i - kPastChannels * samples;
+    return static_cast<std::size_t>(present < 0 ? i % kPastChannels : kPastChannels + present);
+  }
 };
 
 // What a policy says of one state, without the speed limit [m/s].
@@ -69,7 +67,7 @@ class PolicyController : public Controller {
   explicit PolicyController(const Policy& policy);
 
   // To be called once per policy.period. Does not allocate.
-  HandTwist command(const Felt& felt) noexcept override;
+  HandTwist command(const Observation& observation) noexcept override;
 
   // Of the last command.
   PolicyAnswer answer() const noexcept;
@@ -79,8 +77,8 @@ class PolicyController : public Controller {
   using Output = Eigen::Matrix<float, 2 * kVelocity, 1>;
 
   Policy policy_;
-  Eigen::Matrix<float, kFelt, Eigen::Dynamic> past_;  // ring of scaled wrenches
-  Eigen::Index now_ = 0;                              // its newest column
+  Eigen::Matrix<float, kPastChannels, Eigen::Dynamic> past_;  // ring of scaled values
+  Eigen::Index now_ = 0;                                      // its newest column
   Eigen::VectorXf input_;
   std::vector<Eigen::VectorXf> hidden_;  // one per layer
   std::vector<Output> outputs_;          // of the members

@@ -73,6 +73,7 @@ std::vector<Network> from_tensors(Tensors tensors, std::size_t members,
   return all;
 }
 
+template <class Channel>
 Json scaled_channel(const Channel& channel, double mean, double scale) {
   return {{"name", channel.name}, {"unit", channel.unit}, {"mean", mean}, {"scale", scale}};
 }
@@ -96,6 +97,69 @@ std::size_t count(JsonFields& fields, const std::string& key) {
   return static_cast<std::size_t>(fields.integer(key, 0, INT64_MAX));
 }
 
+// What a policy takes in and answers, and when.
+void read_signature(JsonFields& fields, Policy& policy, const std::string& file) {
+  policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
+  JsonFields history = fields.object("history");
+  policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
+  policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));
+  history.finish();
+  for_each(fields, "inputs", file, kPolicyChannels, kPolicyChannels,
+           [&](JsonFields& entry, std::size_t i) {
+             entry.choice("name", {kPolicyInputs[i].name});
+             entry.choice("unit", {kPolicyInputs[i].unit});
+             policy.mean[i] = entry.number("mean", rule::any());
+             policy.scale[i] = entry.number("scale", rule::positive());
+           });
+  for_each(fields, "outputs", file, kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
+    entry.choice("name", {kPolicyAnswer[i].name});
+    entry.choice("unit", {kPolicyAnswer[i].unit});
+    policy.velocity_mean[static_cast<Eigen::Index>(i)] = entry.number("mean", rule::any());
+    policy.velocity_scale[static_cast<Eigen::Index>(i)] =
+        entry.number("scale", rule::not_negative());
+  });
+  JsonFields limits = fields.object("limits");
+  policy.speed_limit = limits.number("speed_m_s", rule::positive());
+  for (const auto& [key, value] :
+       {std::pair("lowest_log_sd", kLowestLogSd), std::pair("highest_log_sd", kHighestLogSd)})
+    limits.number(key, rule::between(value, value, fmt::format("must be {}", value)));
+  limits.finish();
+}
+
+void read_metrics(JsonFields metrics, PolicyFile& p, const std::string& file) {
+  for_each(metrics, "members", file, 0, kMostMembers, [&](JsonFields& entry, std::size_t) {
+    p.members.push_back({static_cast<int>(entry.integer("epochs", 0, INT32_MAX)),
+                         static_cast<int>(entry.integer("best_epoch", 0, INT32_MAX)),
+                         entry.number("training_loss", rule::any()),
+                         entry.number("held_out_loss", rule::any())});
+  });
+  p.residual = metrics.number("residual_m_s", rule::not_negative());
+  p.held_out_residual = metrics.number("held_out_residual_m_s", rule::not_negative());
+  for_each(metrics, "dagger", file, 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
+    p.dagger.push_back({count(entry, "trials"), count(entry, "inserted"), count(entry, "rows"),
+                        entry.number("held_out_loss", rule::any())});
+  });
+  metrics.finish();
+}
+
+// Inputs, units of each hidden layer, outputs.
+std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
+  std::vector<std::size_t> widths = {static_cast<std::size_t>(policy.inputs())};
+  const std::string expected =
+      fmt::format("must be a list of 1 to {} whole numbers from 1 to {}", kMostLayers, kMostUnits);
+  const Json& hidden = fields.raw("hidden");
+  if (!hidden.is_array() || hidden.empty() || hidden.size() > kMostLayers)
+    fields.refuse("hidden", expected);
+  for (const Json& each : hidden) {
+    if (!each.is_number_unsigned() || each.get<std::uint64_t>() < 1 ||
+        each.get<std::uint64_t>() > kMostUnits)
+      fields.refuse("hidden", expected);
+    widths.push_back(each);
+  }
+  widths.push_back(2 * kVelocity);
+  return widths;
+}
+
 std::string read_weights(const std::string& file) {
   std::error_code error;
   if (fs::is_regular_file(file, error) && fs::file_size(file, error) > kMostBytes)
@@ -112,7 +176,14 @@ std::string weights_file(const std::string& file) {
   return weights.string();
 }
 
-void write_policy(const std::string& file, const PolicyFile& p) {
+std::size_t PolicyFile::parameters() const {
+  Eigen::Index count = 0;
+  for (const Network& network : policy.members)
+    for (const Layer& layer : network) count += layer.weight.size() + layer.bias.size();
+  return static_cast<std::size_t>(count);
+}
+
+void write_controller(const std::string& file, const PolicyFile& p) {
   const Policy& policy = p.policy;
   const fs::path weights = weights_file(file);
   if (fs::is_directory(file)) throw FileTrouble(file + ": is a directory");
@@ -123,10 +194,10 @@ void write_policy(const std::string& file, const PolicyFile& p) {
   Json training = Json::array(), rounds = Json::array();
   for (std::size_t i = 0; i + 1 < policy.members.front().size(); ++i)
     hidden.push_back(policy.members.front()[i].bias.size());
-  for (std::size_t i = 0; i < kInputs; ++i)
-    inputs.push_back(scaled_channel(kInputTable[i], policy.mean[i], policy.scale[i]));
+  for (std::size_t i = 0; i < kPolicyChannels; ++i)
+    inputs.push_back(scaled_channel(kPolicyInputs[i], policy.mean[i], policy.scale[i]));
   for (int i = 0; i < kVelocity; ++i)
-    outputs.push_back(scaled_channel(kOutputTable[static_cast<std::size_t>(i)],
+    outputs.push_back(scaled_channel(kPolicyAnswer[static_cast<std::size_t>(i)],
                                      policy.velocity_mean[i], policy.velocity_scale[i]));
   for (const MemberTraining& m : p.members)
     training.push_back({{"epochs", m.epochs},
@@ -176,72 +247,21 @@ PolicyFile read_policy(const std::string& file) {
 PolicyFile parse_policy(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   PolicyFile p;
-  Policy& policy = p.policy;
   fields.choice("format", {kFormat});
   fields.integer("format_version", 1, 1);
   fields.choice("method", {"torch"});
   fields.choice("world", {"hand"});
   fields.choice("activation", {"tanh"});
-  policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
-  JsonFields history = fields.object("history");
-  policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
-  policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));
-  history.finish();
-  for_each(fields, "inputs", file, kInputs, kInputs, [&](JsonFields& entry, std::size_t i) {
-    entry.choice("name", {kInputTable[i].name});
-    entry.choice("unit", {kInputTable[i].unit});
-    policy.mean[i] = entry.number("mean", rule::any());
-    policy.scale[i] = entry.number("scale", rule::positive());
-  });
-  for_each(fields, "outputs", file, kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
-    entry.choice("name", {kOutputTable[i].name});
-    entry.choice("unit", {kOutputTable[i].unit});
-    policy.velocity_mean[static_cast<Eigen::Index>(i)] = entry.number("mean", rule::any());
-    policy.velocity_scale[static_cast<Eigen::Index>(i)] =
-        entry.number("scale", rule::not_negative());
-  });
-  JsonFields limits = fields.object("limits");
-  policy.speed_limit = limits.number("speed_m_s", rule::positive());
-  for (const auto& [key, value] :
-       {std::pair("lowest_log_sd", kLowestLogSd), std::pair("highest_log_sd", kHighestLogSd)})
-    limits.number(key, rule::between(value, value, fmt::format("must be {}", value)));
-  limits.finish();
-
+  read_signature(fields, p.policy, file);
   p.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   JsonFields training = fields.object("training");
   p.input_noise = training.number("input_noise", rule::not_negative());
   p.weight_decay = training.number("weight_decay", rule::not_negative());
   training.finish();
   p.trained_on = read_trained_on(fields, file);
-  JsonFields metrics = fields.object("metrics");
-  for_each(metrics, "members", file, 0, kMostMembers, [&](JsonFields& entry, std::size_t) {
-    p.members.push_back({static_cast<int>(entry.integer("epochs", 0, INT32_MAX)),
-                         static_cast<int>(entry.integer("best_epoch", 0, INT32_MAX)),
-                         entry.number("training_loss", rule::any()),
-                         entry.number("held_out_loss", rule::any())});
-  });
-  p.residual = metrics.number("residual_m_s", rule::not_negative());
-  p.held_out_residual = metrics.number("held_out_residual_m_s", rule::not_negative());
-  for_each(metrics, "dagger", file, 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
-    p.dagger.push_back({count(entry, "trials"), count(entry, "inserted"), count(entry, "rows"),
-                        entry.number("held_out_loss", rule::any())});
-  });
-  metrics.finish();
-
+  read_metrics(fields.object("metrics"), p, file);
   const auto members = static_cast<std::size_t>(fields.integer("ensemble", 1, kMostMembers));
-  std::vector<std::size_t> widths = {static_cast<std::size_t>(policy.inputs())};
-  const std::string expected =
-      fmt::format("must be a list of 1 to {} whole numbers from 1 to {}", kMostLayers, kMostUnits);
-  const Json& hidden = fields.raw("hidden");
-  if (!hidden.is_array() || hidden.empty() || hidden.size() > kMostLayers)
-    fields.refuse("hidden", expected);
-  for (const Json& each : hidden) {
-    if (!each.is_number_unsigned() || each.get<std::uint64_t>() < 1 ||
-        each.get<std::uint64_t>() > kMostUnits)
-      fields.refuse("hidden", expected);
-    widths.push_back(each);
-  }
-  widths.push_back(2 * kVelocity);
+  const std::vector<std::size_t> widths = read_widths(fields, p.policy);
   const std::string name = fields.text("weights"), hash = fields.text("weights_sha1");
   if (name.empty() || name == "." || name == ".." || name.find('/') != name.npos ||
       name.find('\0') != name.npos)
@@ -250,7 +270,7 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
 
   const std::string weights = (fs::path(file).parent_path() / name).string();
   const std::string bytes = read_weights(weights);
-  policy.members = from_tensors(parse_safetensors(bytes, weights), members, widths, weights);
+  p.policy.members = from_tensors(parse_safetensors(bytes, weights), members, widths, weights);
   if (sha1(bytes) != hash)
     throw BadInput(weights + ": is not the file that " + file + " was written with (weights_sha1)");
   return p;

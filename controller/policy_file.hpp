@@ -38,13 +38,16 @@ struct PolicyFile {
   std::vector<MemberTraining> members;
   double residual = 0, held_out_residual = 0;  // root mean square of the velocity error [m/s]
   std::vector<DaggerRound> dagger;
+
+  MakeController maker() const { return controller_maker(PolicyController(policy)); }
+  std::size_t parameters() const;  // weights and biases, of all members
 };
 
 // Where the weights of a controller `file` are: beside it, its stem with .safetensors. Throws
 // BadInput where that is `file` itself.
 std::string weights_file(const std::string& file);
 // Writes the weights, then `file`, which names them and their hash. Throws BadInput, FileTrouble.
-void write_policy(const std::string& file, const PolicyFile& policy);
+void write_controller(const std::string& file, const PolicyFile& policy);
 // Throws FileTrouble, BadInput.
 PolicyFile read_policy(const std::string& file);
 // From the text of `file`, with the weights beside it. Throws FileTrouble, BadInput.

@@ -36,6 +36,23 @@ std::vector<std::uint64_t> whole_numbers(JsonFields& fields, const std::string& 
   return numbers;
 }
 
+// Throws BadInput unless the ranges follow each other from 0 to `size` without overlaps and gaps.
+void expect_whole(std::vector<Range> ranges, std::uint64_t size, const std::string& file) {
+  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
+    return std::pair(a.from, a.to) < std::pair(b.from, b.to);
+  });
+  std::uint64_t end = 0;
+  for (const Range& range : ranges) {
+    if (range.from != end)
+      throw BadInput(file + ": " + range.name +
+                     ".data_offsets: must begin where the array before " + "ends, at " +
+                     std::to_string(end));
+    end = range.to;
+  }
+  if (end != size)
+    throw BadInput(file + ": has " + std::to_string(size - end) + " bytes behind its last array");
+}
+
 }  // namespace
 
 std::string safetensors_bytes(const Tensors& tensors,
@@ -103,19 +120,7 @@ Tensors parse_safetensors(const std::string& bytes, const std::string& file) {
     ranges.push_back({offsets[0], offsets[1], name});
     tensors[name] = std::move(tensor);
   }
-  std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) {
-    return std::pair(a.from, a.to) < std::pair(b.from, b.to);
-  });
-  std::uint64_t end = 0;
-  for (const Range& range : ranges) {
-    if (range.from != end)
-      throw BadInput(file + ": " + range.name +
-                     ".data_offsets: must begin where the array before " + "ends, at " +
-                     std::to_string(end));
-    end = range.to;
-  }
-  if (end != size)
-    throw BadInput(file + ": has " + std::to_string(size - end) + " bytes behind its last array");
+  expect_whole(std::move(ranges), size, file);
   return tensors;
 }
 

@@ -12,7 +12,7 @@ enum class Intervention {
   acceleration,  // its change was slowed to the acceleration limit
   force,         // it was slowed because little was left to the force limit
   force_stop,    // it was stopped at once because the next period could have exceeded that
-  not_finite,    // a command or an observation was not a finite number
+  not_finite,    // what it commanded or observed was not a finite number
   disagreement,  // it was slowed because its models disagreed
   held,          // the force held it for too long
   jam,           // the force rose against a motion that did not advance

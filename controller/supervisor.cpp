@@ -59,21 +59,21 @@ Supervisor::Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits
       fastest_(std::min(limits.speed,
                         speed_within((1 - limits.margin) * limits.force / limits.stiffness))) {}
 
-HandTwist Supervisor::command(const Felt& felt) noexcept {
+HandTwist Supervisor::command(const Observation& observation) noexcept {
   pose_ += limits_.period * velocity_;
-  HandTwist wanted = inner_->command(felt);
-  const bool finite = wanted.allFinite() && felt.wrench.allFinite();
+  HandTwist wanted = inner_->command(observation);
+  const bool finite = wanted.allFinite() && observation.wrench.allFinite();
   note(Intervention::not_finite, !finite);
   if (!finite && phase_ != Phase::stop) stop(Intervention::not_finite);
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
-  if (felt.wrench.allFinite()) force = felt.wrench.head<3>();
+  if (observation.wrench.allFinite()) force = observation.wrench.head<3>();
 
   if (phase_ == Phase::follow) {
     wanted = wanted.cwiseMax(-kHugest).cwiseMin(kHugest);
     wanted.tail<2>() *= limits_.lever;
-    wanted = follow(felt, wanted);
+    wanted = follow(observation, wanted);
   }
-  if (phase_ == Phase::retreat || phase_ == Phase::shift) wanted = go_back(felt);
+  if (phase_ == Phase::retreat || phase_ == Phase::shift) wanted = go_back(observation);
   if (phase_ == Phase::stop) wanted.setZero();
 
   velocity_ = keep_limits(wanted, force);
@@ -84,7 +84,7 @@ HandTwist Supervisor::command(const Felt& felt) noexcept {
 }
 
 // The controller's velocity as far as it makes sense; may begin a retreat.
-HandTwist Supervisor::follow(const Felt& felt, HandTwist wanted) noexcept {
+HandTwist Supervisor::follow(const Observation& observation, HandTwist wanted) noexcept {
   remember_way();
   const double speed = slower_ * limits_.speed;
   note(Intervention::speed, wanted.norm() > speed);
@@ -96,41 +96,42 @@ HandTwist Supervisor::follow(const Felt& felt, HandTwist wanted) noexcept {
   if (disagree) wanted *= std::isfinite(apart) ? limits_.disagreement / apart : 0;
   const auto lasts = [&](bool now, double& since) {
     if (!now) since = -1;
-    if (now && since < 0) since = felt.time;
-    return now && felt.time - since >= limits_.patience;
+    if (now && since < 0) since = observation.time;
+    return now && observation.time - since >= limits_.patience;
   };
-  const Eigen::Vector3d force = felt.wrench.head<3>();
+  const Eigen::Vector3d force = observation.wrench.head<3>();
   const double braked = braked_speed(force.norm());
   const bool held = braked < kSlow * fastest_ && straining_part(wanted, force).norm() > braked;
-  if (jammed(felt))
-    give_way(Intervention::jam, felt);
+  if (jammed(observation))
+    give_way(Intervention::jam, observation);
   else if (lasts(held, held_since_))
-    give_way(Intervention::held, felt);
+    give_way(Intervention::held, observation);
   else if (lasts(disagree, disagreed_since_))
-    give_way(Intervention::disagreement, felt);
+    give_way(Intervention::disagreement, observation);
   return wanted;
 }
 
 // Looks once per window. A window in which it hardly moved says nothing.
-bool Supervisor::jammed(const Felt& felt) noexcept {
+bool Supervisor::jammed(const Observation& observation) noexcept {
   window_advance_ -= limits_.period * velocity_[0];
-  if (felt.time - window_time_ < limits_.jam_window) return false;
-  const double force = felt.wrench[0], grown = force - window_force_, commanded = window_advance_;
-  const bool encoder_tells = felt.depth > 0 && window_depth_ > 0;
-  const double moved = encoder_tells ? felt.depth - window_depth_ : commanded;
-  begin_window(felt);
+  if (observation.time - window_time_ < limits_.jam_window) return false;
+  const double force = observation.wrench[0], grown = force - window_force_,
+               commanded = window_advance_;
+  const bool encoder_tells = observation.depth > 0 && window_depth_ > 0;
+  const double moved = encoder_tells ? observation.depth - window_depth_ : commanded;
+  begin_window(observation);
   return commanded > kSlow * fastest_ * limits_.jam_window && force > limits_.jam_force &&
          grown > 0 && moved - grown / limits_.stiffness < 0.5 * commanded;
 }
 
-void Supervisor::begin_window(const Felt& felt) noexcept {
-  window_time_ = felt.time;
-  window_depth_ = felt.depth;
-  window_force_ = felt.wrench[0];
+void Supervisor::begin_window(const Observation& observation) noexcept {
+  window_time_ = observation.time;
+  window_depth_ = observation.depth;
+  window_force_ = observation.wrench[0];
   window_advance_ = 0;
 }
 
-void Supervisor::give_way(Intervention why, const Felt& felt) noexcept {
+void Supervisor::give_way(Intervention why, const Observation& observation) noexcept {
   if (why != Intervention::disagreement) ++supervision_[why];
   if (tries_ == limits_.tries) {
     stop(why);
@@ -143,7 +144,7 @@ void Supervisor::give_way(Intervention why, const Felt& felt) noexcept {
   if (why == Intervention::disagreement) {
     slower_ *= 0.5;
   } else {
-    const Eigen::Vector2d push = felt.wrench.segment<2>(1);
+    const Eigen::Vector2d push = observation.wrench.segment<2>(1);
     Eigen::Vector2d move = limits_.offset * push.normalized();
     if (push.norm() < kAside * limits_.force) {
       // Sunflower spiral around where it began to search.
@@ -158,7 +159,8 @@ void Supervisor::give_way(Intervention why, const Felt& felt) noexcept {
   }
   phase_ = Phase::retreat;
   to_go_ = kPerRetreat;
-  phase_end_ = felt.time + limits_.patience + 3 * (limits_.retreat + aside_.norm()) / fastest_;
+  phase_end_ =
+      observation.time + limits_.patience + 3 * (limits_.retreat + aside_.norm()) / fastest_;
 }
 
 void Supervisor::stop(Intervention why) noexcept {
@@ -175,7 +177,7 @@ void Supervisor::remember_way() noexcept {
 }
 
 // Velocity along the way back, then sideways; to following when there or when time is up.
-HandTwist Supervisor::go_back(const Felt& felt) noexcept {
+HandTwist Supervisor::go_back(const Observation& observation) noexcept {
   const double spacing = limits_.retreat / kPerRetreat;
   if (phase_ == Phase::retreat) {
     while (to_go_ > 0 && way_length_ > 0) {
@@ -195,9 +197,9 @@ HandTwist Supervisor::go_back(const Felt& felt) noexcept {
   const HandPose goal = retreating ? way_[(way_end_ + kWay - 1) % kWay] : goal_;
   const HandPose path = goal - pose_;
   const double left = path.norm();
-  if (felt.time >= phase_end_ || (!retreating && left < 1e-3 * spacing)) {
+  if (observation.time >= phase_end_ || (!retreating && left < 1e-3 * spacing)) {
     phase_ = Phase::follow;
-    begin_window(felt);
+    begin_window(observation);
   }
   const double speed = speed_within(left + (retreating ? (to_go_ - 1) * spacing : 0));
   return path * (std::min({fastest_, speed, left / limits_.period}) / std::max(left, 1e-300));
@@ -205,8 +207,8 @@ HandTwist Supervisor::go_back(const Felt& felt) noexcept {
 
 // The velocity closest to `wanted` that keeps the limits after the last one.
 HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d& force) noexcept {
-  const double change = limits_.acceleration * limits_.period, felt = force.norm();
-  const double braked = braked_speed(felt);
+  const double change = limits_.acceleration * limits_.period, strength = force.norm();
+  const double braked = braked_speed(strength);
   const bool following = phase_ == Phase::follow;
 
   HandTwist goal = cut(wanted, fastest_);
@@ -223,8 +225,8 @@ HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d
   note(Intervention::acceleration, following && (goal - velocity_).norm() > change * (1 + 1e-9));
 
   const HandTwist rest = straining_part(v, force);
-  const bool stops =
-      felt + limits_.stiffness * rest.norm() * limits_.period > limits_.force && rest.norm() > 0;
+  const bool stops = strength + limits_.stiffness * rest.norm() * limits_.period > limits_.force &&
+                     rest.norm() > 0;
   note(Intervention::force_stop, stops);
   return stops ? HandTwist(v - rest) : v;
 }

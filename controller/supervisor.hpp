@@ -66,7 +66,7 @@ class Supervisor : public Controller {
  public:
   Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits);
 
-  HandTwist command(const Felt& felt) noexcept override;
+  HandTwist command(const Observation& observation) noexcept override;
   double disagreement() const noexcept override { return inner_->disagreement(); }
   const Supervision* supervision() const noexcept override { return &supervision_; }
 
@@ -75,13 +75,13 @@ class Supervisor : public Controller {
   static constexpr std::size_t kWay = 256;  // points of the way that it remembers
   static constexpr int kPerRetreat = 32;    // points of a retreat
 
-  HandTwist follow(const Felt& felt, HandTwist wanted) noexcept;
-  bool jammed(const Felt& felt) noexcept;
-  void begin_window(const Felt& felt) noexcept;
-  void give_way(Intervention why, const Felt& felt) noexcept;
+  HandTwist follow(const Observation& observation, HandTwist wanted) noexcept;
+  bool jammed(const Observation& observation) noexcept;
+  void begin_window(const Observation& observation) noexcept;
+  void give_way(Intervention why, const Observation& observation) noexcept;
   void stop(Intervention why) noexcept;
   void remember_way() noexcept;
-  HandTwist go_back(const Felt& felt) noexcept;
+  HandTwist go_back(const Observation& observation) noexcept;
   HandTwist keep_limits(const HandTwist& wanted, const Eigen::Vector3d& force) noexcept;
   double speed_within(double distance) const noexcept;
   double braked_speed(double force) const noexcept;

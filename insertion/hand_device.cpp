@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptic/hid/force_stick.hpp"
-#include "haptic/hid/space_mouse.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/minimum_jerk.hpp"
 
@@ -24,9 +22,10 @@ double travelled(double q) {
 
 class FakeHand : public Device {
  public:
-  FakeHand(FakeModel model, const Scene& scene, const State& start, double gain, double full_force)
-      : firmware_(model),
-        device_(hand_device(fake_kind(model), firmware_, scene, start, gain, full_force)),
+  FakeHand(const Driver& driver, std::unique_ptr<FakeTransport> model, const Scene& scene,
+           const State& start, double gain, double full_force)
+      : model_(std::move(model)),
+        device_(driver.make(*model_, driver_settings(scene, start, gain, full_force))),
         start_(scene_scaling(scene).motion_to_hand(start.command)),
         aligned_(start_),
         pose_(start_) {
@@ -47,9 +46,9 @@ class FakeHand : public Device {
   }
 
   HandSample read(double t) override {
-    firmware_.deflect(counts(t));
-    firmware_.press(t > kRest + aligning_ + pushing_ + kAfter ? 1 : 0);
-    firmware_.advance(t);
+    model_->deflect(counts(t));
+    model_->press(t > kRest + aligning_ + pushing_ + kAfter ? 1 : 0);
+    model_->advance(t);
     const HandSample sample = device_->read(t);
     pose_ = sample.pose;
     return sample;
@@ -87,7 +86,7 @@ class FakeHand : public Device {
     return counts;
   }
 
-  FakeFirmware firmware_;
+  std::unique_ptr<FakeTransport> model_;
   std::unique_ptr<Device> device_;
   HandPose start_, aligned_, inserted_, pose_;
   double aligning_ = 0, pushing_ = 0;  // [s]
@@ -100,29 +99,15 @@ DeviceRange device_range(const Scene& scene, double gain) noexcept {
           gain * 0.5 * scene.scaling.hand_range};
 }
 
-std::unique_ptr<Device> hand_device(DeviceKind kind, HidTransport& transport, const Scene& scene,
-                                    const State& start, double gain, double full_force) {
-  const HandPose pose = scene_scaling(scene).motion_to_hand(start.command);
-  const DeviceRange range = device_range(scene, gain);
-  if (kind == DeviceKind::space_mouse)
-    return std::make_unique<SpaceMouse>(transport, range.speed, range.tilt_rate, pose);
-  return std::make_unique<ForceStick>(transport, range.reach, full_force, pose);
+DriverSettings driver_settings(const Scene& scene, const State& start, double gain,
+                               double full_force) noexcept {
+  return {device_range(scene, gain), full_force, scene_scaling(scene).motion_to_hand(start.command)};
 }
 
-std::optional<FakeModel> fake_model(const std::string& name) noexcept {
-  if (name == "fake:spacemouse") return FakeModel::space_mouse_split;
-  if (name == "fake:pid") return FakeModel::pid_22;
-  return std::nullopt;
-}
-
-DeviceKind fake_kind(FakeModel model) noexcept {
-  const bool stick = model == FakeModel::pid_18 || model == FakeModel::pid_22;
-  return stick ? DeviceKind::force_stick : DeviceKind::space_mouse;
-}
-
-std::unique_ptr<Device> fake_hand(FakeModel model, const Scene& scene, const State& start,
-                                  double gain, double full_force) {
-  return std::make_unique<FakeHand>(model, scene, start, gain, full_force);
+std::unique_ptr<Device> fake_hand(const Driver& driver, std::unique_ptr<FakeTransport> model,
+                                  const Scene& scene, const State& start, double gain,
+                                  double full_force) {
+  return std::make_unique<FakeHand>(driver, std::move(model), scene, start, gain, full_force);
 }
 
 }  // namespace ferrule

@@ -1,6 +1,7 @@
 #include "learn/candidates.hpp"
 
 #include <algorithm>
+#include <chrono>
 
 #include "bench/measure.hpp"
 #include "controller/device_controller.hpp"
@@ -13,16 +14,15 @@
 namespace ferrule {
 namespace {
 
-// A recorded hand motion again, whatever is felt.
+// A recorded hand motion again, whatever is observed.
 class RecordedMotion : public Controller {
  public:
   explicit RecordedMotion(std::shared_ptr<const Demonstration> recorded)
       : recorded_(std::move(recorded)) {}
 
-  HandTwist command(const Felt&) noexcept override {
+  HandTwist command(const Observation&) noexcept override {
     HandTwist v = HandTwist::Zero();
-    if (next_ < recorded_->velocity.rows())
-      v.head<3>() = recorded_->velocity.row(next_++).transpose();
+    if (next_ < recorded_->rows()) v.head<3>() = recorded_->velocity.row(next_++).transpose();
     return v;
   }
 
@@ -44,83 +44,50 @@ InsertionLaw tuned_by_hand(double speed) {
   return InsertionLaw(gains);
 }
 
-double seconds_of(const std::function<void()>& work) {
-  const auto begin = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+std::shared_ptr<const Demonstration> fastest(const DemonstrationSet& set) {
+  const auto duration = [](const Demonstration& d) {
+    return d.period * static_cast<double>(d.rows());
+  };
+  return std::make_shared<const Demonstration>(
+      *std::min_element(set.demonstrations.begin(), set.demonstrations.end(),
+                        [&](const auto& a, const auto& b) { return duration(a) < duration(b); }));
 }
 
 }  // namespace
 
-std::vector<Contestant> unlearned(const Scene& scene, const DemonstrationSet& set, double skill,
-                                  std::uint64_t seed) {
-  const Scaling scaling = scene_scaling(scene);
-  const double speed = scaling.motion * scene.limits.speed;
-  const auto duration = [](const Demonstration& d) {
-    return d.period * static_cast<double>(d.velocity.rows());
-  };
-  const auto fastest = std::make_shared<const Demonstration>(
-      *std::min_element(set.demonstrations.begin(), set.demonstrations.end(),
-                        [&](const auto& a, const auto& b) { return duration(a) < duration(b); }));
-  std::vector<Contestant> all;
-  all.push_back({"constant velocity", controller_maker(ConstantVelocity(speed)), 0, 0, {}});
-  all.push_back({"tuned by hand", controller_maker(tuned_by_hand(speed)), 0, 0, {}});
-  all.push_back({"best demonstration again",
-                 [fastest](std::uint64_t) { return std::make_unique<RecordedMotion>(fastest); },
-                 0,
-                 0,
-                 {}});
-  all.push_back({"simulated operator",
-                 [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
-                   constexpr double kPeriod = 1e-3;
-                   const State start = draw_start(scene, seed, trial);
-                   return std::make_unique<DeviceController>(
-                       simulated_operator(scene, start, skill, kPeriod, seed, trial), kPeriod);
-                 },
-                 0,
-                 0,
-                 {}});
+const std::vector<Learner>& learners() {
+  static const std::vector<Learner> all = {law_learner(), policy_learner()};
   return all;
 }
 
-std::vector<Learner> learners(std::uint64_t fit_seed) {
-  std::vector<Learner> all;
-  for (const LawKind kind : kLaws)
-    all.push_back(
-        {name(kind), std::string("ceres, ") + name(kind), [=](const DemonstrationSet& set) {
-           Contestant c;
-           FitReport report;
-           c.fit_seconds = seconds_of([&] { report = fit_law(set, fit_seed, kind); });
-           c.make = controller_maker(report.controller.law());
-           c.parameters = gain_table(kind).size();
-           c.held_out = report.controller.held_out_residual;
-           return c;
-         }});
-  const auto torch = [&](const char* key, const char* name, std::size_t members,
-                         std::size_t rounds) {
-    all.push_back({key, name, [=](const DemonstrationSet& set) {
-                     PolicySettings settings;
-                     settings.members = members;
-                     settings.dagger_rounds = rounds;
-                     settings.seed = fit_seed;
-                     Contestant c;
-                     PolicyFit fit;
-                     c.fit_seconds = seconds_of([&] {
-                       fit = fit_policy(set, settings, [](std::size_t, const Epoch&) {});
-                     });
-                     c.make = controller_maker(PolicyController(fit.file.policy));
-                     for (const Network& network : fit.file.policy.members)
-                       for (const Layer& layer : network)
-                         c.parameters +=
-                             static_cast<std::size_t>(layer.weight.size() + layer.bias.size());
-                     c.held_out = fit.file.held_out_residual;
-                     return c;
-                   }});
-  };
-  torch("torch", "torch", 1, 0);
-  torch("ensemble", "torch, ensemble of 5", 5, 0);
-  torch("dagger", "torch, DAgger 3 rounds", 1, 3);
-  return all;
+std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set, double skill,
+                                 std::uint64_t seed) {
+  const double speed = scene_scaling(scene).motion * scene.limits.speed;
+  return {{"constant velocity", controller_maker(ConstantVelocity(speed))},
+          {"tuned by hand", controller_maker(tuned_by_hand(speed))},
+          {"best demonstration again", controller_maker(RecordedMotion(fastest(set)))},
+          {"simulated operator",
+           [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
+             constexpr double kPeriod = 1e-3;
+             const State start = draw_start(scene, seed, trial);
+             return std::make_unique<DeviceController>(
+                 simulated_operator(scene, start, skill, kPeriod, seed, trial), kPeriod);
+           }}};
+}
+
+Candidate learned(const Learner& learner, const Learner::Variant& variant,
+                  const DemonstrationSet& set, std::uint64_t seed) {
+  LearnerSettings settings{seed, variant.options};
+  for (const LearnerOption& option : learner.options)
+    settings.options.emplace(option.flag, option.value);  // where the variant has none
+  const auto begin = std::chrono::steady_clock::now();
+  const Learned result = learner.learn(set, settings, {});
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  return std::visit(
+      [&](const auto& c) -> Candidate {
+        return {variant.name, c.maker(), c.parameters(), took.count(), c.held_out_residual};
+      },
+      result.controller);
 }
 
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count) {
@@ -131,17 +98,12 @@ DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count) {
   return part;
 }
 
-double ns_per_action(const Contestant& contestant, const Demonstration& felt) {
-  const std::unique_ptr<Controller> controller = contestant.make(1);
-  const auto rows = felt.force.rows();
-  Felt now{HandWrench::Zero(), 0, 0};
+double ns_per_action(const Candidate& candidate, const Demonstration& demonstration) {
+  const std::unique_ptr<Controller> controller = candidate.make(1);
   Eigen::Index n = 0;
   return nanoseconds_per_call([&](long) {
-    n = n + 1 < rows ? n + 1 : 0;
-    now.wrench.head<3>() = felt.force.row(n).transpose();
-    now.depth = felt.depth[n];
-    now.time = felt.time[n];
-    keep(controller->command(now));
+    n = n + 1 < demonstration.rows() ? n + 1 : 0;
+    keep(controller->command(demonstration.observed(n)));
   });
 }
 

@@ -15,11 +15,10 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   d.period = episode.info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
   const auto wrench = sensed_wrench(episode, scene).relative;
-  d.force = wrench.leftCols<3>();
-  d.moment = wrench.rightCols<2>();
   d.velocity = rows.middleCols<3>(kCommand.begin);
-  d.depth = (-rows.col(kHandPose.begin)).cwiseMax(0.0);
-  d.time = rows.col(kTime.begin);
+  for (Eigen::Index n = 0; n < rows.rows(); ++n)
+    d.observations.push_back({wrench.row(n).transpose(),
+                              std::max(0.0, -rows(n, kHandPose.begin)), rows(n, kTime.begin)});
   return d;
 }
 

@@ -1,10 +1,11 @@
-// Demonstrations as pairs of what was observed and what was done, in the hand's world.
+// Demonstrations as pairs of observation and velocity, in the hand's world.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "capture/episode.hpp"
+#include "controller/observation.hpp"
 #include "controller/trained_on.hpp"
 
 namespace ferrule {
@@ -13,13 +14,16 @@ namespace ferrule {
 struct Demonstration {
   std::string file, sha1;  // and the hash of its bytes
   Outcome outcome;
-  double period;                                      // between rows [s]
-  double speed_limit;                                 // of controllers, in the hand's world [m/s]
-  Eigen::Matrix<double, Eigen::Dynamic, 3> force;     // as sensed, relative to that at rest [N]
-  Eigen::Matrix<double, Eigen::Dynamic, 2> moment;    // the same [N m]
-  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers it [m/s]
-  Eigen::VectorXd depth;                              // of the hand past the entrance [m]
-  Eigen::VectorXd time;                               // [s]
+  double period;       // between rows [s]
+  double speed_limit;  // of controllers, in the hand's world [m/s]
+  std::vector<Observation> observations;
+  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers them [m/s]
+
+  Eigen::Index rows() const noexcept { return velocity.rows(); }
+  // That of row n, and before the first row that one.
+  const Observation& observed(Eigen::Index n) const noexcept {
+    return observations[n < 0 ? 0 : static_cast<std::size_t>(n)];
+  }
 };
 
 struct DemonstrationSet {

@@ -10,6 +10,7 @@ namespace ferrule {
 namespace {
 
 constexpr std::size_t kFewestEpisodes = 3;
+constexpr const char* kLawOption = "--law";
 
 std::vector<Samples> samples_of(const std::vector<const Demonstration*>& demonstrations,
                                 double reaction) {
@@ -53,9 +54,56 @@ double variance(const std::vector<Samples>& episodes) {
   return sum;
 }
 
+// Empty: to be chosen.
+std::optional<LawKind> law_kind(const std::string& law) {
+  for (const LawKind kind : kLaws)
+    if (law == name(kind)) return kind;
+  return std::nullopt;
+}
+
+std::string cross_validation_text(const LawFile& c) {
+  if (c.cross_validation.empty()) return {};
+  std::string text = fmt::format("{:<14} {:>5} {:>22} {:>16}\n", "law", "gains",
+                                 "error, unseen [mm/s]", "standard error");
+  for (const CrossValidated& law : c.cross_validation)
+    text += fmt::format("{:<14} {:>5} {:>22.5g} {:>16.2g}{}\n", name(law.kind),
+                        gain_table(law.kind).size(), 1e3 * law.error, 1e3 * law.standard_error,
+                        law.kind == c.kind ? "  chosen" : "");
+  return text;
+}
+
+std::string gains_text(const LawFile& c) {
+  std::string text = fmt::format("{:<14} {:>14} {:>14} {:>14}  {}\n", "gain", "value", "95 % low",
+                                 "95 % high", "unit");
+  const auto table = gain_table(c.kind);
+  const auto shown = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
+  };
+  for (std::size_t i = 0; i < table.size(); ++i)
+    text += fmt::format("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", table[i].name, c.gains[i].value,
+                        shown(c.gains[i].low), shown(c.gains[i].high), table[i].unit);
+  return text;
+}
+
+Learned learn_law(const DemonstrationSet& set, const LearnerSettings& settings,
+                  const LearnerProgress&) {
+  const LawFit fit = fit_law(set, settings.seed, law_kind(settings.options.at(kLawOption)));
+  const LawFile& c = fit.controller;
+  std::string text = cross_validation_text(c);
+  text += fmt::format("law: {}\n", name(c.kind)) + gains_text(c);
+  text += fmt::format("reaction time {:.2f} s (identified, not imitated)\n", c.reaction_time);
+  text += fmt::format("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
+                      c.trained_on.episodes.size(), c.trained_on.held_out.size(), set.unsuccessful,
+                      c.trained_on.rows);
+  text += fmt::format(
+      "velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand); {:.1f} % explained\n{}\n",
+      1e3 * c.residual, 1e3 * c.held_out_residual, 100 * fit.explained, fit.summary);
+  return {c, text};
+}
+
 }  // namespace
 
-FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<LawKind> kind) {
+LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<LawKind> kind) {
   if (set.demonstrations.size() < kFewestEpisodes)
     throw BadInput(
         fmt::format("too few demonstrations: {} successful ({} unsuccessful left out); {} are "
@@ -63,8 +111,8 @@ FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional
                     set.demonstrations.size(), set.unsuccessful, kFewestEpisodes));
   const Split parts = split(set.demonstrations, seed);
 
-  FitReport report;
-  ControllerFile& c = report.controller;
+  LawFit report;
+  LawFile& c = report.controller;
   c.reaction_time = reaction_time(parts.training);
   const std::vector<Samples> train = samples_of(parts.training, c.reaction_time);
   const std::vector<Samples> test = samples_of(parts.testing, c.reaction_time);
@@ -88,6 +136,25 @@ FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional
   report.iterations = solution.iterations;
   report.explained = 1 - c.residual * c.residual / variance(train);
   return report;
+}
+
+Learner law_learner() {
+  Learner learner{.name = "law",
+                  .method = "ceres",
+                  .options = {{kLawOption,
+                               "Which; auto: chosen by cross-validation over episodes",
+                               name(LawKind::insertion),
+                               {"auto"}}},
+                  .variants = {},
+                  .files = [](const std::string& file) { return std::vector{file}; },
+                  .steps = [](const LearnerSettings&) { return std::size_t{0}; },
+                  .learn = learn_law};
+  for (const LawKind kind : kLaws) {
+    learner.options[0].choices.push_back(name(kind));
+    learner.variants.push_back(
+        {name(kind), std::string("ceres, ") + name(kind), {{kLawOption, name(kind)}}});
+  }
+  return learner;
 }
 
 }  // namespace ferrule

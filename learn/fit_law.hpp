@@ -6,16 +6,12 @@
 // not given it is chosen by cross-validation over the training episodes (learn/choose_law.hpp).
 #pragma once
 
-#include <optional>
-#include <string>
-
-#include "controller/controller_file.hpp"
-#include "learn/demonstrations.hpp"
+#include "learn/learner.hpp"
 
 namespace ferrule {
 
-struct FitReport {
-  ControllerFile controller;
+struct LawFit {
+  LawFile controller;
   std::string summary;  // Ceres' own, one line
   int iterations = 0;
   double explained = 0;  // share of the velocities' variance that the law explains, training
@@ -24,7 +20,10 @@ struct FitReport {
 // `seed` draws the split; `kind` empty: chosen. Throws BadInput where the demonstrations are too
 // few (fewer than 3 successful ones, or fewer than 300 rows in 10 ms steps) or tell nothing about
 // the answer to force.
-FitReport fit_law(const DemonstrationSet& set, std::uint64_t seed,
-                  std::optional<LawKind> kind = LawKind::insertion);
+LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed,
+               std::optional<LawKind> kind = LawKind::insertion);
+
+// fit_law in the table of learners.
+Learner law_learner();
 
 }  // namespace ferrule

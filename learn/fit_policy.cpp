@@ -14,6 +14,7 @@ namespace {
 using Demonstrations = std::vector<const Demonstration*>;
 
 constexpr std::size_t kFewestEpisodes = 3;
+constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger";  // options
 constexpr Eigen::Index kFewestRows = 300;
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
@@ -22,9 +23,7 @@ constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording c
 // or to think. A policy that learned to rest would do so for ever.
 constexpr double kResting = 0.1;
 
-// Scales below which a channel counts as constant: force [N], moment [N m], depth [m].
-constexpr std::array<double, kInputs> kLeastScale = {1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-6};
-constexpr double kLeastVelocity = 1e-9;  // the same [m/s]
+constexpr double kLeastVelocity = 1e-9;  // standard deviation of one that does not vary [m/s]
 
 // Unscaled.
 struct RawRows {
@@ -33,7 +32,7 @@ struct RawRows {
 
 RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy) {
   std::size_t most = 0;
-  for (const Demonstration* d : set) most += static_cast<std::size_t>(d->time.size());
+  for (const Demonstration* d : set) most += d->observations.size();
   RawRows rows{Eigen::MatrixXd(policy.inputs(), most), Eigen::MatrixXd(kVelocity, most)};
   Eigen::Index count = 0;
   for (const Demonstration* d : set) {
@@ -41,15 +40,15 @@ RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy
     const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d->period));
     const auto spacing =
         static_cast<Eigen::Index>(std::lround(policy.spacing * policy.period / d->period));
-    for (Eigen::Index n = 0; n < d->time.size(); n += stride) {
+    for (Eigen::Index n = 0; n < d->rows(); n += stride) {
       const bool rests = d->velocity.row(n).norm() < kResting * d->speed_limit;
       if (rests || cut_to_limit(*d, n)) continue;
-      for (int k = 0; k < policy.samples; ++k) {
-        const Eigen::Index felt = std::max<Eigen::Index>(0, n - delay - k * spacing);
-        rows.input.col(count).segment<3>(k * kFelt) = d->force.row(felt);
-        rows.input.col(count).segment<2>(k * kFelt + 3) = d->moment.row(felt);
+      for (int i = 0; i < policy.inputs(); ++i) {
+        const ObservationChannel& channel = kPolicyInputs[policy.channel(i)];
+        const bool past = channel.policy == PolicyInput::past;
+        rows.input(i, count) =
+            channel.value(d->observed(past ? n - delay - i / kPastChannels * spacing : n));
       }
-      rows.input(policy.inputs() - 1, count) = d->depth[n];
       rows.velocity.col(count) = d->velocity.row(n);
       ++count;
     }
@@ -68,11 +67,13 @@ MeanAndSd spread(const Eigen::RowVectorXd& values) {
 }
 
 void set_scales(Policy& policy, const RawRows& rows) {
-  for (int i = 0; i < kInputs; ++i) {
-    const auto channel = static_cast<std::size_t>(i);
-    const MeanAndSd s = spread(rows.input.row(i < kFelt ? i : policy.inputs() - 1));
+  // From the inputs of now: the first of the past, and those after it.
+  for (int i = 0; i < policy.inputs(); ++i) {
+    if (i >= kPastChannels && i < kPastChannels * policy.samples) continue;
+    const std::size_t channel = policy.channel(i);
+    const MeanAndSd s = spread(rows.input.row(i));
     policy.mean[channel] = s.mean;
-    policy.scale[channel] = s.sd > kLeastScale[channel] ? s.sd : 1;
+    policy.scale[channel] = s.sd > kPolicyInputs[channel].negligible ? s.sd : 1;
   }
   for (int i = 0; i < kVelocity; ++i) {
     const MeanAndSd s = spread(rows.velocity.row(i));
@@ -83,8 +84,8 @@ void set_scales(Policy& policy, const RawRows& rows) {
 
 Eigen::MatrixXf scaled_inputs(const Policy& policy, const Eigen::MatrixXd& inputs) {
   Eigen::MatrixXf z(inputs.rows(), inputs.cols());
-  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
-    const auto channel = static_cast<std::size_t>(i + 1 < inputs.rows() ? i % kFelt : kFelt);
+  for (int i = 0; i < policy.inputs(); ++i) {
+    const std::size_t channel = policy.channel(i);
     z.row(i) =
         ((inputs.row(i).array() - policy.mean[channel]) / policy.scale[channel]).cast<float>();
   }
@@ -105,6 +106,96 @@ TrainingRows scaled(const Policy& policy, const RawRows& rows) {
 double root_mean_square(const Policy& policy, const RawRows& rows) {
   const Eigen::MatrixXd error = policy_velocities(policy, rows.input) - rows.velocity;
   return std::sqrt(error.squaredNorm() / static_cast<double>(error.cols()));
+}
+
+// What is known before the first training.
+PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
+                const Demonstrations& training, const Demonstrations& held_out) {
+  PolicyFit fit;
+  PolicyFile& f = fit.file;
+  f.policy.samples = settings.samples;
+  f.policy.spacing = std::max(1, static_cast<int>(std::lround(settings.spacing / f.policy.period)));
+  f.policy.speed_limit = set.speed_scale;
+  f.reaction_time = reaction_time(training);
+  f.input_noise = settings.training.input_noise;
+  f.weight_decay = settings.training.weight_decay;
+  f.trained_on = {set.scenes, trained_episodes(training), trained_episodes(held_out), 0,
+                  settings.seed};
+  return fit;
+}
+
+// Trains all members anew on the rows, which the policy's scales are of.
+void train_members(PolicyFit& fit, const RawRows& train, const RawRows& test,
+                   const PolicySettings& settings, std::size_t round,
+                   const PolicyProgress& progress) {
+  PolicyFile& f = fit.file;
+  const auto epochs = static_cast<std::size_t>(settings.training.epochs);
+  const TrainingRows train_scaled = scaled(f.policy, train), test_scaled = scaled(f.policy, test);
+  f.policy.members.clear();
+  f.members.clear();
+  fit.curves.clear();
+  for (std::size_t m = 0; m < settings.members; ++m) {
+    const std::size_t before = (round * settings.members + m) * epochs;
+    const TrainedNetwork trained =
+        train_network(train_scaled, test_scaled, settings.training, settings.seed + m,
+                      [&](std::size_t epoch, const Epoch& e) {
+                        if (progress) progress(before + epoch, e);
+                      });
+    if (trained.network.empty())
+      throw BadInput("the training diverged: its loss was never a finite number");
+    f.policy.members.push_back(trained.network);
+    f.members.push_back({static_cast<int>(trained.curve.size()), static_cast<int>(trained.best + 1),
+                         trained.curve[trained.best].training_loss,
+                         trained.curve[trained.best].held_out_loss});
+    fit.curves.push_back(trained.curve);
+  }
+}
+
+// A round of DAgger: appends to `met` the states that the policy met, with the operator's answers.
+DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f, std::uint64_t seed,
+                          std::size_t round, std::vector<Demonstration>& met) {
+  DaggerRound now;
+  for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
+    const Scene scene =
+        parse_scene(set.documents[k % set.documents.size()], "a scene of the episodes");
+    met.push_back(relabelled_trial(scene, f.policy, f.reaction_time, seed,
+                                   kFirstTrial + round * kTrialsPerRound + k));
+    ++now.trials;
+    now.inserted += met.back().outcome == Outcome::inserted;
+  }
+  return now;
+}
+
+std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
+  std::string text = fmt::format("{:<8} {:>7} {:>6} {:>14} {:>14}\n", "network", "epochs", "best",
+                                 "loss", "held out");
+  for (std::size_t m = 0; m < f.members.size(); ++m)
+    text += fmt::format("{:<8} {:>7} {:>6} {:>14.4f} {:>14.4f}\n", m + 1, f.members[m].epochs,
+                        f.members[m].best_epoch, f.members[m].training_loss,
+                        f.members[m].held_out_loss);
+  for (const DaggerRound& r : f.dagger)
+    text += fmt::format("round: {} of {} inserted, {} rows added, held-out loss then {:.4f}\n",
+                        r.inserted, r.trials, r.rows, r.held_out_loss);
+  text += fmt::format("reaction time {:.2f} s (identified, not imitated)\n", f.reaction_time);
+  text += fmt::format("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
+                      f.trained_on.episodes.size(), f.trained_on.held_out.size(), unsuccessful,
+                      f.trained_on.rows);
+  return text + fmt::format("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand)\n",
+                            1e3 * f.residual, 1e3 * f.held_out_residual);
+}
+
+Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
+                     const LearnerProgress& progress) {
+  PolicySettings settings;
+  settings.members = chosen.number(kEnsemble);
+  settings.dagger_rounds = chosen.number(kDagger);
+  settings.seed = chosen.seed;
+  const PolicyFit fit = fit_policy(set, settings, [&](std::size_t done, const Epoch& e) {
+    if (progress)
+      progress(done,
+               fmt::format("  loss {:.3f}, held out {:.3f}", e.training_loss, e.held_out_loss));
+  });
+  return {fit.file, text_of(fit.file, set.unsuccessful), fit.curves};
 }
 
 }  // namespace
@@ -130,19 +221,8 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
         "too few demonstrations: {} successful ({} unsuccessful left out); {} are needed",
         set.demonstrations.size(), set.unsuccessful, kFewestEpisodes));
   auto [training, held_out] = split(set.demonstrations, settings.seed);
-
-  PolicyFit fit;
+  PolicyFit fit = begun(set, settings, training, held_out);
   PolicyFile& f = fit.file;
-  f.policy.samples = settings.samples;
-  f.policy.spacing = std::max(1, static_cast<int>(std::lround(settings.spacing / f.policy.period)));
-  f.policy.speed_limit = set.speed_scale;
-  f.reaction_time = reaction_time(training);
-  f.input_noise = settings.training.input_noise;
-  f.weight_decay = settings.training.weight_decay;
-  f.trained_on = {set.scenes, trained_episodes(training), trained_episodes(held_out), 0,
-                  settings.seed};
-
-  const auto epochs = static_cast<std::size_t>(settings.training.epochs);
   const RawRows test = rows_of(held_out, f.reaction_time, f.policy);
   std::vector<Demonstration> met;  // by the policy, relabelled
   met.reserve(settings.dagger_rounds * kTrialsPerRound);
@@ -156,47 +236,44 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     if (round > 0) f.dagger.back().rows = rows - f.trained_on.rows;
     f.trained_on.rows = rows;
     set_scales(f.policy, train);
-    const TrainingRows train_scaled = scaled(f.policy, train), test_scaled = scaled(f.policy, test);
-    f.policy.members.clear();
-    f.members.clear();
-    fit.curves.clear();
-    for (std::size_t m = 0; m < settings.members; ++m) {
-      const std::size_t before = (round * settings.members + m) * epochs;
-      const TrainedNetwork trained =
-          train_network(train_scaled, test_scaled, settings.training, settings.seed + m,
-                        [&](std::size_t epoch, const Epoch& e) {
-                          if (progress) progress(before + epoch, e);
-                        });
-      if (trained.network.empty())
-        throw BadInput("the training diverged: its loss was never a finite number");
-      f.policy.members.push_back(trained.network);
-      f.members.push_back(
-          {static_cast<int>(trained.curve.size()), static_cast<int>(trained.best + 1),
-           trained.curve[trained.best].training_loss, trained.curve[trained.best].held_out_loss});
-      fit.curves.push_back(trained.curve);
-    }
-    if (round > 0) {
-      double& loss = f.dagger.back().held_out_loss;
+    train_members(fit, train, test, settings, round, progress);
+    if (round > 0)
       for (const MemberTraining& m : f.members)
-        loss += m.held_out_loss / static_cast<double>(settings.members);
-    }
+        f.dagger.back().held_out_loss += m.held_out_loss / static_cast<double>(settings.members);
     if (round == settings.dagger_rounds) break;
-
-    DaggerRound now;
-    for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
-      const Scene scene =
-          parse_scene(set.documents[k % set.documents.size()], "a scene of the episodes");
-      met.push_back(relabelled_trial(scene, f.policy, f.reaction_time, settings.seed,
-                                     kFirstTrial + round * kTrialsPerRound + k));
-      training.push_back(&met.back());
-      ++now.trials;
-      now.inserted += met.back().outcome == Outcome::inserted;
-    }
-    f.dagger.push_back(now);
+    const std::size_t before = met.size();
+    f.dagger.push_back(let_it_insert(set, f, settings.seed, round, met));
+    for (std::size_t k = before; k < met.size(); ++k) training.push_back(&met[k]);
   }
   f.residual = root_mean_square(f.policy, train);
   f.held_out_residual = root_mean_square(f.policy, test);
   return fit;
+}
+
+Learner policy_learner() {
+  return {.name = "policy",
+          .method = "torch",
+          .options = {{kEnsemble, "With torch: how many networks", "1", {}, 1, 100},
+                      {kDagger,
+                       "With torch: rounds of letting the policy insert and asking the simulated "
+                       "operator what it would have done",
+                       "0",
+                       {},
+                       0,
+                       100}},
+          .variants = {{"torch", "torch", {}},
+                       {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
+                       {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
+          .files =
+              [](const std::string& file) {
+                return std::vector{file, weights_file(file)};
+              },
+          .steps =
+              [](const LearnerSettings& s) {
+                return (s.number(kDagger) + 1) * s.number(kEnsemble) *
+                       static_cast<std::size_t>(TrainingSettings{}.epochs);
+              },
+          .learn = learn_policy};
 }
 
 }  // namespace ferrule

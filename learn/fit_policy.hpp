@@ -13,9 +13,7 @@
 // (learn/relabel.hpp) and trains again on all of it.
 #pragma once
 
-#include "controller/policy_file.hpp"
-#include "learn/demonstrations.hpp"
-#include "learn/torch_policy.hpp"
+#include "learn/learner.hpp"
 
 namespace ferrule {
 
@@ -41,6 +39,9 @@ using PolicyProgress = std::function<void(std::size_t done, const Epoch&)>;
 // 300 rows in 10 ms steps) and as train_network.
 PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings,
                      const PolicyProgress& progress);
+
+// fit_policy in the table of learners.
+Learner policy_learner();
 
 // The mean answer of a policy to unscaled inputs (inputs, rows), without the speed limit
 // [m/s], (3, rows).

@@ -10,31 +10,6 @@ namespace {
 
 constexpr double kSkill = 0.8;
 
-// What the trainee does at one tick.
-struct Answer {
-  double time, depth;
-  HandWrench wrench;
-  HandTwist velocity;
-};
-
-Demonstration demonstration(const std::vector<Answer>& answers, Outcome outcome, double period,
-                            double speed_limit) {
-  Demonstration d{"", "", outcome, period, speed_limit, {}, {}, {}, {}, {}};
-  const auto count = static_cast<Eigen::Index>(answers.size());
-  for (auto* columns : {&d.force, &d.velocity}) columns->resize(count, Eigen::NoChange);
-  d.moment.resize(count, Eigen::NoChange);
-  for (auto* column : {&d.depth, &d.time}) column->resize(count);
-  for (Eigen::Index n = 0; n < count; ++n) {
-    const Answer& a = answers[static_cast<std::size_t>(n)];
-    d.force.row(n) = a.wrench.head<3>().transpose();
-    d.moment.row(n) = a.wrench.tail<2>().transpose();
-    d.velocity.row(n) = a.velocity.head<3>().transpose();
-    d.depth[n] = a.depth;
-    d.time[n] = a.time;
-  }
-  return d;
-}
-
 }  // namespace
 
 Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double reaction,
@@ -49,15 +24,24 @@ Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double 
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
   Trainee trainee(traits, trainee_task(scene, start, policy.period), [] { return 0.5; });
-  std::vector<Answer> answers;
-  const InsertionEnd end = run_insertion(
-      scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-      {.scaling = scaling, .period = policy.period, .past_success = true}, [&](const Tick& tick) {
-        answers.push_back({tick.time, hand_depth(tick.hand), tick.relative,
-                           trainee.answer(tick.time, tick.hand, tick.relative)});
-        return true;
-      });
-  return demonstration(answers, end.outcome, policy.period, scaling.motion * scene.limits.speed);
+  Demonstration d;
+  d.period = policy.period;
+  d.speed_limit = scaling.motion * scene.limits.speed;
+  std::vector<Eigen::Vector3d> answers;
+  d.outcome =
+      run_insertion(
+          scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+          {.scaling = scaling, .period = policy.period, .past_success = true},
+          [&](const Tick& tick) {
+            d.observations.push_back({tick.relative, hand_depth(tick.hand), tick.time});
+            answers.push_back(trainee.answer(tick.time, tick.hand, tick.relative).head<3>());
+            return true;
+          })
+          .outcome;
+  d.velocity.resize(static_cast<Eigen::Index>(answers.size()), Eigen::NoChange);
+  for (std::size_t n = 0; n < answers.size(); ++n)
+    d.velocity.row(static_cast<Eigen::Index>(n)) = answers[n].transpose();
+  return d;
 }
 
 }  // namespace ferrule

@@ -27,7 +27,7 @@ double lateral_residual(const std::vector<const Demonstration*>& set, double rea
     double squares = 0, sum = 0, n = 0;
     for (const Demonstration* d : set)
       for (const Sample& s : samples(*d, reaction)) {
-        const Vector3d x(s.force[axis], 1, 50 * s.depth);  // all of order one
+        const Vector3d x(s.wrench[axis], 1, 50 * s.depth);  // all of order one
         const double v = s.velocity[axis];
         normal += x * x.transpose();
         product += v * x;
@@ -51,10 +51,11 @@ Samples samples(const Demonstration& d, double reaction) {
   const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d.period));
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d.period));
   Samples all;
-  for (Eigen::Index n = 0; n < d.time.size(); n += stride)
-    if (!cut_to_limit(d, n))
-      all.push_back({d.force.row(std::max<Eigen::Index>(0, n - delay)).transpose(),
-                     d.velocity.row(n).transpose(), d.depth[n], d.time[n]});
+  for (Eigen::Index n = 0; n < d.rows(); n += stride) {
+    if (cut_to_limit(d, n)) continue;
+    all.push_back({d.observed(n), d.velocity.row(n).transpose()});
+    all.back().wrench = d.observed(n - delay).wrench;
+  }
   return all;
 }
 
@@ -91,8 +92,8 @@ void refuse_uninformative(const std::vector<Samples>& episodes) {
   for (const Samples& episode : episodes)
     for (const Sample& s : episode) {
       ++rows;
-      sum += s.force;
-      squares += s.force.cwiseAbs2();
+      sum += s.wrench.head<3>();
+      squares += s.wrench.head<3>().cwiseAbs2();
     }
   if (rows < kFewestRows)
     throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed", rows,

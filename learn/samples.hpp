@@ -10,9 +10,9 @@ namespace ferrule {
 
 inline constexpr double kStep = 0.01;  // between rows used [s]
 
-struct Sample {
-  Eigen::Vector3d force, velocity;  // observed, less that at rest [N]; that answers it [m/s]
-  double depth, time;               // [m], [s]
+// What was observed, the wrench of one reaction time before, and the velocity that answers it.
+struct Sample : Observation {
+  Eigen::Vector3d velocity;  // [m/s]
 };
 using Samples = std::vector<Sample>;  // of one episode
 
@@ -20,7 +20,7 @@ using Samples = std::vector<Sample>;  // of one episode
 // what was meant.
 bool cut_to_limit(const Demonstration& demonstration, Eigen::Index n) noexcept;
 
-// Rows of a demonstration every 10 ms, but for those cut to the speed limit, with the force of
+// Rows of a demonstration every 10 ms, but for those cut to the speed limit, with the wrench of
 // `reaction` [s] before.
 Samples samples(const Demonstration& demonstration, double reaction);
 

@@ -99,8 +99,7 @@ struct RowError {
       gain[i] = scaled[i] * gains[i].unit;
       if (gain_table(kind)[i].range == Gain::positive && !(gain[i] > 0.0)) return false;
     }
-    const Eigen::Matrix<T, 3, 1> v =
-        law_velocity(kind, gain, sample.force, sample.depth, sample.time);
+    const Eigen::Matrix<T, 3, 1> v = law_velocity(kind, gain, sample);
     for (int axis = 0; axis < 3; ++axis) residual[axis] = (v[axis] - sample.velocity[axis]) / speed;
     return true;
   }
@@ -245,8 +244,7 @@ std::vector<FittedGain> law_gains(LawKind kind, const std::vector<Samples>& epis
 double mean_square_error(const Law& law, const Samples& episode) {
   double sum = 0;
   for (const Sample& s : episode)
-    sum += (law_velocity(law.kind(), law.gains().data(), s.force, s.depth, s.time) - s.velocity)
-               .squaredNorm();
+    sum += (law_velocity(law.kind(), law.gains().data(), s) - s.velocity).squaredNorm();
   return sum / static_cast<double>(episode.size());
 }
 

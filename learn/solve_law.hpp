@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "controller/controller_file.hpp"
+#include "controller/law_file.hpp"
 #include "learn/samples.hpp"
 
 namespace ferrule {

@@ -124,10 +124,8 @@ std::string script(const Policy& policy) {
   torch::jit::Module module("ferrule_policy");
   Eigen::VectorXd mean(policy.inputs()), scale(policy.inputs());
   for (int i = 0; i < policy.inputs(); ++i) {
-    const bool depth = i + 1 == policy.inputs();
-    const auto channel = static_cast<std::size_t>(depth ? kFelt : i % kFelt);
-    mean[i] = policy.mean[channel];
-    scale[i] = policy.scale[channel];
+    mean[i] = policy.mean[policy.channel(i)];
+    scale[i] = policy.scale[policy.channel(i)];
   }
   module.register_buffer("mean", constant(mean));
   module.register_buffer("scale", constant(scale));

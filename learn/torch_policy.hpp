@@ -12,7 +12,7 @@
 
 namespace ferrule {
 
-// Scaled rows: the observation, and the velocity that answers it.
+// Scaled rows: what was observed, and the velocity that answers it.
 struct TrainingRows {
   Eigen::MatrixXf input;     // (inputs, rows)
   Eigen::MatrixXf velocity;  // (3, rows)

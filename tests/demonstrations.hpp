@@ -6,6 +6,13 @@
 
 namespace ferrule::testing {
 
+// An observation without moments.
+inline Observation felt(const Eigen::Vector3d& force, double depth, double time) {
+  Observation observation{HandWrench::Zero(), depth, time};
+  observation.wrench.head<3>() = force;
+  return observation;
+}
+
 // 15 s each, from 15 mm outside the bore, forces of up to 1.5 N. The hand goes as `law(force [N],
 // depth [m], time [s])` says [m/s], of the force `delay` ms before; the velocities carry noise of
 // standard deviation `noise` [m/s] that lasts 0.3 s, as a hand's does. `speed_scale` [m/s].
@@ -23,11 +30,7 @@ DemonstrationSet demonstrations(const LawOf& law, double speed_scale, int episod
     d.outcome = Outcome::inserted;
     d.period = 1e-3;
     d.speed_limit = speed_scale;
-    d.force.resize(kRows, 3);
-    d.moment = Eigen::MatrixXd::Zero(kRows, 2);
     d.velocity.resize(kRows, 3);
-    d.depth.resize(kRows);
-    d.time.resize(kRows);
     Eigen::Vector3d phase, frequency;
     for (int i = 0; i < 3; ++i) {
       phase[i] = 6.28 * random.uniform();
@@ -36,11 +39,11 @@ DemonstrationSet demonstrations(const LawOf& law, double speed_scale, int episod
     double depth = -0.015, wander = 0;
     for (int n = 0; n < kRows; ++n) {
       const double t = n * 1e-3;
-      for (int i = 0; i < 3; ++i) d.force(n, i) = 1.5 * std::sin(frequency[i] * t + phase[i]);
-      d.depth[n] = std::max(0.0, depth);
-      d.time[n] = t;
-      const Eigen::Vector3d felt = d.force.row(std::max(0, n - delay));
-      const Eigen::Vector3d v = law(felt, d.depth[n], t);
+      Eigen::Vector3d force;
+      for (int i = 0; i < 3; ++i) force[i] = 1.5 * std::sin(frequency[i] * t + phase[i]);
+      d.observations.push_back(felt(force, std::max(0.0, depth), t));
+      const Eigen::Vector3d answered = d.observed(n - delay).wrench.head<3>();
+      const Eigen::Vector3d v = law(answered, d.observed(n).depth, t);
       depth -= v.x() * 1e-3;
       wander += -wander * 1e-3 / 0.3 + noise * std::sqrt(2e-3 / 0.3) * random.normal();
       d.velocity.row(n) = (v + Eigen::Vector3d::Constant(wander)).transpose();

@@ -34,15 +34,14 @@ inline std::vector<Samples> law_episodes(const Law& law, std::size_t episodes, i
     }
     double x = 2e-3;
     for (int n = 0; n < rows; ++n) {
-      Sample s;
+      Sample s{};
       s.time = 0.01 * n;
       s.depth = std::max(0.0, -x);
       for (int i = 0; i < 3; ++i) {
-        s.force[i] = 1.5 * std::sin(frequency[i] * s.time + phase[i]);
+        s.wrench[i] = 1.5 * std::sin(frequency[i] * s.time + phase[i]);
         wander[i] += -wander[i] * 0.01 / 0.3 + noise * std::sqrt(0.02 / 0.3) * random.normal();
       }
-      const Eigen::Vector3d v =
-          law_velocity(law.kind(), law.gains().data(), s.force, s.depth, s.time);
+      const Eigen::Vector3d v = law_velocity(law.kind(), law.gains().data(), s);
       s.velocity = v + wander;
       x += 0.01 * v.x();
       all[e].push_back(s);

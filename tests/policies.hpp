@@ -13,7 +13,7 @@ inline Policy random_policy(std::size_t members, std::vector<int> hidden, int sa
   p.samples = samples;
   p.spacing = spacing;
   p.speed_limit = 0.01;
-  for (std::size_t i = 0; i < kInputs; ++i) {
+  for (std::size_t i = 0; i < kPolicyChannels; ++i) {
     p.mean[i] = random.normal();
     p.scale[i] = 0.2 + random.uniform();
   }
@@ -53,11 +53,24 @@ inline PolicyFile random_policy_file() {
   return f;
 }
 
-// Felt wrench and depth that are drawn.
-inline Felt random_felt(RandomStream& random) {
-  Felt felt{HandWrench::Zero(), 2 * random.uniform(), 0};
-  for (int i = 0; i < kFelt; ++i) felt.wrench[i] = 2 * random.normal();
-  return felt;
+// A wrench and a depth that are drawn.
+inline Observation random_observation(RandomStream& random) {
+  Observation observation{HandWrench::Zero(), 2 * random.uniform(), 0};
+  for (int i = 0; i < kWrenchChannels; ++i) observation.wrench[i] = 2 * random.normal();
+  return observation;
+}
+
+// The inputs of a policy, not scaled, after all that was seen so far.
+inline Eigen::VectorXd policy_inputs(const Policy& p, const std::vector<Observation>& seen) {
+  Eigen::VectorXd inputs(p.inputs());
+  const auto now = static_cast<std::ptrdiff_t>(seen.size()) - 1;
+  for (int i = 0; i < p.inputs(); ++i) {
+    const bool past = i < kPastChannels * p.samples;
+    const std::ptrdiff_t at = past ? now - i / kPastChannels * p.spacing : now;
+    inputs[i] =
+        at < 0 ? 0.0 : kPolicyInputs[p.channel(i)].value(seen[static_cast<std::size_t>(at)]);
+  }
+  return inputs;
 }
 
 }  // namespace ferrule::testing

@@ -4,54 +4,19 @@
 
 #include <cstdio>
 
-#include "haptic/hid/force_stick.hpp"
-#include "haptic/hid/space_mouse.hpp"
+#include "sim/error.hpp"
 
 namespace ferrule {
-
-const char* name(DeviceKind kind) noexcept {
-  return kind == DeviceKind::space_mouse ? "SpaceMouse" : "force stick";
-}
-
-std::optional<DeviceKind> device_kind(const HidInfo& info) {
-  if (never_a_space_mouse(info.vendor, info.product)) return std::nullopt;
-  const bool multi_axis = info.usage_page == 1 && info.usage == 8;
-  const bool unknown = info.usage_page == 0;
-  if (multi_axis || (unknown && space_mouse_layout(info.vendor, info.product)))
-    return DeviceKind::space_mouse;
-  try {
-    const HidDescriptor descriptor = parse_report_descriptor(info.descriptor);
-    if (describes(descriptor, kMultiAxis)) return DeviceKind::space_mouse;
-    if (PidReports::in(descriptor)) return DeviceKind::force_stick;
-  } catch (const DeviceTrouble&) {
-    // Not one that this program could drive.
-  }
-  return std::nullopt;
-}
-
-std::string missing(const HidInfo& info, DeviceKind kind) {
-  try {
-    if (kind == DeviceKind::space_mouse) {
-      space_mouse_axes(info);
-    } else {
-      force_stick_axes(info);
-      force_stick_motors(info);
-    }
-  } catch (const DeviceTrouble& trouble) {
-    const std::string why = trouble.what(), path = info.path + ": ";
-    return why.starts_with(path) ? why.substr(path.size()) : why;
-  }
-  return {};
-}
 
 std::vector<FoundDevice> find_devices() {
   std::vector<FoundDevice> found;
   for (HidInfo& info : list_hid()) {
-    const auto kind = device_kind(info);
-    if (!kind && !never_a_space_mouse(info.vendor, info.product)) continue;
+    const Driver* const driver = driver_of(info);
+    const char* const never = never_driven(info);
+    if (!driver && !never) continue;
     const bool permitted = ::access(info.path.c_str(), R_OK | W_OK) == 0;
-    std::string lacks = kind ? missing(info, *kind) : "";
-    found.push_back({std::move(info), kind, permitted, std::move(lacks)});
+    std::string lacks = driver ? missing(info, *driver) : "";
+    found.push_back({std::move(info), driver, permitted, std::move(lacks), never});
   }
   return found;
 }
@@ -86,7 +51,20 @@ FoundDevice choose_device(const std::string& path) {
   if (!unusable.empty()) throw DeviceTrouble(unusable);
   if (path != "auto")
     throw DeviceTrouble(path + ": no device that can be used (\"ferrule devices\" lists them)");
-  throw DeviceTrouble("no device is connected; --device fake:spacemouse tries without one");
+  throw DeviceTrouble(std::string("no device is connected; --device ") +
+                      drivers().front().fake_name + " tries without one");
+}
+
+OpenDevice open_device(const std::string& option, const std::string& wanted) {
+  if (const Driver* const driver = fake_driver(wanted)) {
+    std::unique_ptr<FakeTransport> fake = driver->fake();
+    FakeTransport* const model = fake.get();
+    return {driver, std::move(fake), model};
+  }
+  if (wanted.starts_with("fake:"))
+    throw BadInput(option + " " + wanted + ": must be " + fake_names(" or "));
+  const FoundDevice found = choose_device(wanted);
+  return {found.driver, open_hid(found.info), nullptr};
 }
 
 }  // namespace ferrule

@@ -171,7 +171,7 @@ HidInfo FakeFirmware::describe(FakeModel model) {
 }
 
 FakeFirmware::FakeFirmware(FakeModel model, int effects)
-    : HidTransport(describe(model)),
+    : FakeTransport(describe(model)),
       model_(model),
       effects_(is_stick() ? static_cast<std::size_t>(effects) : 0) {}
 

@@ -9,7 +9,7 @@
 #include <array>
 #include <deque>
 
-#include "haptic/hid/hid.hpp"
+#include "haptic/hid/driver.hpp"
 #include "haptic/hid/report_descriptor.hpp"
 
 namespace ferrule {
@@ -23,7 +23,7 @@ enum class FakeModel {
            // Device Control a bit mask; ids of its own
 };
 
-class FakeFirmware : public HidTransport {
+class FakeFirmware : public FakeTransport {
  public:
   // Room for `effects` effects (PID).
   explicit FakeFirmware(FakeModel model, int effects = 4);
@@ -36,13 +36,11 @@ class FakeFirmware : public HidTransport {
   bool send_feature(std::span<const std::uint8_t> report) noexcept override;
   int get_feature(std::span<std::uint8_t> report) noexcept override;
 
-  // Lets time pass until `t` [s], sending the reports of that time: a SpaceMouse every 8 ms while
-  // deflected and three times zero afterwards; a stick every 1 ms. Time does not go back.
-  void advance(double t);
-
-  // The hand on it: axes X Y Z Rx Ry Rz [counts], buttons (bit k: button k + 1).
-  void deflect(const std::array<int, 6>& counts) noexcept { counts_ = counts; }
-  void press(std::uint8_t buttons);
+  // A SpaceMouse reports every 8 ms while deflected and three times zero afterwards; a stick every
+  // 1 ms.
+  void advance(double t) override;
+  void deflect(const std::array<int, 6>& counts) noexcept override { counts_ = counts; }
+  void press(std::uint8_t buttons) override;
 
   void fall_silent(bool silent) noexcept { silent_ = silent; }
   void unplug() noexcept { unplugged_ = true; }

@@ -60,9 +60,9 @@ void ForceOutput::start() {
       throw DeviceTrouble(transport_.info().path + ": could not make an effect");
     Effect& effect = effects_[static_cast<std::size_t>(made_)];
     effect.block = load.block;
-    effect.told = reports_.set_constant_force(load.block, 0);
+    effect.sent = reports_.set_constant_force(load.block, 0);
     write(reports_.set_effect(load.block, made_, kDuration), "Set Effect");
-    write(effect.told, "Set Constant Force");
+    write(effect.sent, "Set Constant Force");
   }
   if (const auto gain = reports_.full_device_gain()) write(*gain, "Device Gain");
   write(reports_.control(PidControl::enable), "Device Control");
@@ -79,8 +79,8 @@ bool ForceOutput::update(double t, const std::array<double, 2>& force) noexcept 
     for (int i = 0; i < made_; ++i) {
       Effect& effect = effects_[static_cast<std::size_t>(i)];
       const HidReport none = reports_.set_constant_force(effect.block, 0);
-      if (std::ranges::equal(none.span(), effect.told.span())) continue;
-      effect.told = none;
+      if (std::ranges::equal(none.span(), effect.sent.span())) continue;
+      effect.sent = none;
       changed = true;
       arrived = try_write(none) && arrived;
     }
@@ -96,8 +96,8 @@ bool ForceOutput::update(double t, const std::array<double, 2>& force) noexcept 
     const auto axis = static_cast<std::size_t>((next_ + i) % made_);
     Effect& effect = effects_[axis];
     const HidReport wanted = reports_.set_constant_force(effect.block, force[axis]);
-    if (std::ranges::equal(wanted.span(), effect.told.span())) continue;
-    effect.told = wanted;
+    if (std::ranges::equal(wanted.span(), effect.sent.span())) continue;
+    effect.sent = wanted;
     next_ = static_cast<int>(axis) + 1;
     return try_write(wanted);
   }

@@ -3,7 +3,7 @@
 //
 // Dead man's switch: each effect ends by itself after kDuration, and is started again every kAgain.
 // If this program dies (kill -9, a crash, a pulled cable) nobody starts it again, and the device is
-// without force kDuration later, whatever it was told last.
+// without force kDuration later, whatever was sent last.
 #pragma once
 
 #include "haptic/hid/hid.hpp"
@@ -42,7 +42,7 @@ class ForceOutput {
   struct Effect {
     int block = 0;
     double started = 0;  // [s]
-    HidReport told;      // Set Constant Force as the device has it
+    HidReport sent;      // Set Constant Force as the device has it
   };
 
   void start();

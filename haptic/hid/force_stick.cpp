@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptic/hid/fake_firmware.hpp"
+
 namespace ferrule {
 
 AxisReader force_stick_axes(const HidInfo& info) {
@@ -104,5 +106,32 @@ void ForceStick::find_origin() noexcept {
       held_ = axes_.buttons();
     }
 }
+
+namespace {
+
+constexpr ForceDriver kForce = {ForceStick::kReportPeriod, force_stick_motors, force_stick_step};
+
+}  // namespace
+
+const Driver kForceStickDriver = {
+    .name = "force stick",
+    .recognises =
+        [](const HidInfo& info) {
+          return PidReports::in(parse_report_descriptor(info.descriptor));
+        },
+    .never = [](const HidInfo&) noexcept -> const char* { return nullptr; },
+    .check =
+        [](const HidInfo& info) {
+          force_stick_axes(info);
+          force_stick_motors(info);
+        },
+    .make = [](HidTransport& transport, const DriverSettings& s) -> std::unique_ptr<HidDevice> {
+      return std::make_unique<ForceStick>(transport, s.range.reach, s.full_force, s.start);
+    },
+    .force = &kForce,
+    .fake_name = "fake:pid",
+    .fake = []() -> std::unique_ptr<FakeTransport> {
+      return std::make_unique<FakeFirmware>(FakeModel::pid_22);
+    }};
 
 }  // namespace ferrule

@@ -12,7 +12,7 @@
 
 #include <chrono>
 
-#include "haptic/hid/axis_reader.hpp"
+#include "haptic/hid/driver.hpp"
 #include "haptic/hid/force_output.hpp"
 
 namespace ferrule {
@@ -31,7 +31,7 @@ double force_stick_step(const HidInfo& info, double reach);
 // Along which of x y z such a device has a motor: 1, or 0. Throws DeviceTrouble.
 Eigen::Vector3d force_stick_motors(const HidInfo& info);
 
-class ForceStick : public Device {
+class ForceStick : public HidDevice {
  public:
   // Longest time between reports of a stick that moves [s]; USB sticks are read every 8 to 10 ms.
   static constexpr double kReportPeriod = 0.016;
@@ -47,9 +47,8 @@ class ForceStick : public Device {
   void render(const HandWrench& wrench) override;
   const Mapping* mapping() const noexcept override { return &mapping_; }
 
-  const AxisReader& axes() const noexcept { return axes_; }
-  // What was rendered last, of what the device can do [-], along its X and Y.
-  const std::array<double, 2>& force() const noexcept { return force_; }
+  const AxisReader& axes() const noexcept override { return axes_; }
+  std::array<double, 2> force() const noexcept override { return force_; }
 
  private:
   using Clock = std::chrono::steady_clock;
@@ -72,5 +71,8 @@ class ForceStick : public Device {
   double heard_ = 0, since_ = 0;  // last report, and begin of the second that is looked at [s]
   std::int64_t reports_ = 0, repeats_ = 0;  // until `heard_`, until `since_`
 };
+
+// What has a constant force (haptic/hid/pid_reports.hpp).
+extern const Driver kForceStickDriver;
 
 }  // namespace ferrule

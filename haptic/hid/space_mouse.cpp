@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "haptic/hid/fake_firmware.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -98,5 +100,29 @@ HandSample SpaceMouse::read(double t) {
   held_ &= axes_.buttons();
   return {pose_, pressed || lost_, nullptr, lost_, axes_.counts()};
 }
+
+const Driver kSpaceMouseDriver = {
+    .name = "SpaceMouse",
+    .recognises =
+        [](const HidInfo& info) {
+          const bool multi_axis = info.usage_page == 1 && info.usage == 8;
+          const bool unknown = info.usage_page == 0;
+          return multi_axis || (unknown && space_mouse_layout(info.vendor, info.product)) ||
+                 describes(parse_report_descriptor(info.descriptor), kMultiAxis);
+        },
+    .never = [](const HidInfo& info) noexcept -> const char* {
+      return never_a_space_mouse(info.vendor, info.product)
+                 ? "a mouse, keyboard or receiver of a maker of SpaceMice"
+                 : nullptr;
+    },
+    .check = [](const HidInfo& info) { space_mouse_axes(info); },
+    .make = [](HidTransport& transport, const DriverSettings& s) -> std::unique_ptr<HidDevice> {
+      return std::make_unique<SpaceMouse>(transport, s.range.speed, s.range.tilt_rate, s.start);
+    },
+    .force = nullptr,
+    .fake_name = "fake:spacemouse",
+    .fake = []() -> std::unique_ptr<FakeTransport> {
+      return std::make_unique<FakeFirmware>(FakeModel::space_mouse_split);
+    }};
 
 }  // namespace ferrule

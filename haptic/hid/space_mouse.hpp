@@ -8,8 +8,7 @@
 // are those of public captures.
 #pragma once
 
-#include "haptic/hid/axis_reader.hpp"
-#include "haptic/hid/hid.hpp"
+#include "haptic/hid/driver.hpp"
 
 namespace ferrule {
 
@@ -31,7 +30,7 @@ AxisReader space_mouse_axes(const HidInfo& info);
 // to insert, lift it for up, pull it for towards the viewer; the tilts turn the same way round.
 Mapping space_mouse_mapping(const AxisReader& axes, double speed, double tilt_rate) noexcept;
 
-class SpaceMouse : public Device {
+class SpaceMouse : public HidDevice {
  public:
   // Silence after a report that was not zero that counts as a fault [s]: six reports lost.
   static constexpr double kSilence = 0.05;
@@ -46,7 +45,7 @@ class SpaceMouse : public Device {
   void render(const HandWrench&) override {}
   const Mapping* mapping() const noexcept override { return &mapping_; }
 
-  const AxisReader& axes() const noexcept { return axes_; }
+  const AxisReader& axes() const noexcept override { return axes_; }
   int faults() const noexcept { return faults_; }  // silences so far
 
  private:
@@ -60,5 +59,8 @@ class SpaceMouse : public Device {
   bool lost_ = false;
   int faults_ = 0;
 };
+
+// Known ids, or a multi-axis controller (page 1, usage 8); not what never_a_space_mouse names.
+extern const Driver kSpaceMouseDriver;
 
 }  // namespace ferrule

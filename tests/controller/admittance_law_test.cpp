@@ -8,27 +8,25 @@ namespace ferrule {
 namespace {
 
 // A case drawn by chance, in the hand's usual ranges.
-struct Case {
+struct Case : Observation {
   std::vector<double> gains;  // of the saturated law
-  Eigen::Vector3d force;
-  double depth, time;
 };
 
 Case draw(std::uint64_t seed) {
   RandomStream random(seed, 0, Draw::operator_hand);
-  Case c;
+  Case c{};
   for (int i = 0; i < kSaturatedGains; ++i) c.gains.push_back(6e-3 * (2 * random.uniform() - 1));
   c.gains[6] = 0.001 + 0.02 * random.uniform();
   c.gains[13] = 0.5 * random.uniform();
   c.gains[14] = 3 * random.uniform();
-  for (int i = 0; i < 3; ++i) c.force[i] = 6 * random.uniform() - 3;
+  for (int i = 0; i < 3; ++i) c.wrench[i] = 6 * random.uniform() - 3;
   c.depth = 0.02 * random.uniform();
   c.time = 15 * random.uniform();
   return c;
 }
 
 Eigen::Vector3d velocity(LawKind kind, const Case& c) {
-  return law_velocity(kind, c.gains.data(), c.force, c.depth, c.time);
+  return law_velocity(kind, c.gains.data(), c);
 }
 
 void expect_same(const Eigen::Vector3d& a, const Eigen::Vector3d& b, double tolerance) {
@@ -76,8 +74,8 @@ TEST(AdmittanceLaw, InsertionIsLinearFarFromItsEndsWithoutSlowingAndLeaning) {
     c.gains[0] = -v;
     const double insertion[] = {v,          1e-3,       1,          1e-3,       0, c.gains[3],
                                 c.gains[4], c.gains[5], c.gains[1], c.gains[2], 0, 0};
-    expect_same(law_velocity(LawKind::insertion, insertion, c.force, c.depth, c.time),
-                velocity(LawKind::linear, c), 1e-12);
+    expect_same(law_velocity(LawKind::insertion, insertion, c), velocity(LawKind::linear, c),
+                1e-12);
   }
 }
 
@@ -100,17 +98,15 @@ TEST(SaturatedForce, IsOddGrowsAndStaysBelowItsLimit) {
 }
 
 TEST(Law, CommandsItsVelocityAndNoTilt) {
-  const Case c = draw(1);
+  Case c = draw(1);
+  c.wrench.tail<2>() << 0.1, 0.2;
   for (const LawKind kind : kLaws) {
     std::vector<double> gains(c.gains.begin(),
                               c.gains.begin() + static_cast<long>(gain_table(kind).size()));
     if (kind == LawKind::insertion) gains[1] = gains[3] = 0.5;
     Law law(kind, gains);
-    Felt felt{HandWrench::Zero(), c.depth, c.time};
-    felt.wrench << c.force, 0.1, 0.2;
-    const HandTwist v = law.command(felt);
-    EXPECT_EQ(Eigen::Vector3d(v.head<3>()),
-              law_velocity(kind, gains.data(), c.force, c.depth, c.time));
+    const HandTwist v = law.command(c);
+    EXPECT_EQ(Eigen::Vector3d(v.head<3>()), law_velocity(kind, gains.data(), c));
     EXPECT_EQ(v.tail<2>().norm(), 0);
   }
 }

@@ -141,9 +141,9 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
 TEST(Trial, AControllerThatIsNotFiniteEndsItsTrial) {
   class Broken : public Controller {
    public:
-    HandTwist command(const Felt& felt) noexcept override {
+    HandTwist command(const Observation& observation) noexcept override {
       HandTwist v = HandTwist::Zero();
-      v[0] = felt.time > 0.1 ? NAN : -1e-3;
+      v[0] = observation.time > 0.1 ? NAN : -1e-3;
       return v;
     }
   } broken;

@@ -2,9 +2,8 @@
 
 #include "controller/content_hash.hpp"
 #include "controller/controller_file.hpp"
-#include "controller/load_controller.hpp"
 #include "tests/compare.hpp"
-#include "tests/complaint.hpp"
+#include "tests/refusal.hpp"
 #include "tests/policies.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -20,7 +19,7 @@ TEST(ContentHash, IsThatOfFips180) {
 TEST(PolicyFile, IsReadBackExactly) {
   const testing::TemporaryFolder folder;
   const PolicyFile file = testing::random_policy_file();
-  write_policy(folder / "c.json", file);
+  write_controller(folder / "c.json", file);
   const PolicyFile back = read_policy(folder / "c.json");
   ASSERT_EQ(back.policy.members.size(), 2u);
   for (std::size_t m = 0; m < 2; ++m)
@@ -34,24 +33,25 @@ TEST(PolicyFile, IsReadBackExactly) {
   EXPECT_EQ(back.trained_on.held_out[0].sha1, file.trained_on.held_out[0].sha1);
   EXPECT_EQ(back.members[1].best_epoch, 25);
   EXPECT_EQ(back.dagger[0].held_out_loss, -1.125);
-  write_policy(folder / "d.json", back);
+  write_controller(folder / "d.json", back);
   EXPECT_EQ(read_text(folder / "c.safetensors"), read_text(folder / "d.safetensors"));
 }
 
 TEST(PolicyFile, IsLoadedLikeAnyController) {
   const testing::TemporaryFolder folder;
   const PolicyFile file = testing::random_policy_file();
-  write_policy(folder / "c.json", file);
+  write_controller(folder / "c.json", file);
   write_controller(folder / "law.json", [] {
-    ControllerFile law;
+    LawFile law;
     law.gains[1].value = law.gains[3].value = 1;
     law.gains[5].value = 2e-3;
     return law;
   }());
-  Felt felt{HandWrench::Ones(), 0.5, 0};
+  Observation observation{HandWrench::Ones(), 0.5, 0};
   PolicyController direct(file.policy);
-  EXPECT_EQ(load_controller(folder / "c.json")(3)->command(felt), direct.command(felt));
-  EXPECT_CLOSE(load_controller(folder / "law.json")(3)->command(felt)[0], 2e-3, 1e-12);
+  EXPECT_EQ(load_controller(folder / "c.json")(3)->command(observation),
+            direct.command(observation));
+  EXPECT_CLOSE(load_controller(folder / "law.json")(3)->command(observation)[0], 2e-3, 1e-12);
   write_text(folder / "none.json", R"({"method": "hope"})");
   EXPECT_THROW(load_controller(folder / "none.json"), BadInput);
 }
@@ -59,10 +59,10 @@ TEST(PolicyFile, IsLoadedLikeAnyController) {
 TEST(PolicyFile, BrokenOnesAreRefusedWithTheirKey) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "c.json";
-  write_policy(file, testing::random_policy_file());
+  write_controller(file, testing::random_policy_file());
   const Json good = parse_json(read_text(file), file);
   const auto says = [&](const char* pointer, const Json& value, const char* reason) {
-    const std::string said = testing::complaint(file, good, pointer, value, read_policy);
+    const std::string said = testing::refusal(file, good, pointer, value, read_policy);
     EXPECT_NE(said.find(reason), std::string::npos) << pointer << ": " << said;
   };
   says("/ensemble", 3, "members.2.layers.0.weight is missing");
@@ -91,16 +91,16 @@ TEST(PolicyFile, BrokenOnesAreRefusedWithTheirKey) {
 TEST(PolicyFile, IsWrittenWholeOrNotAtAll) {
   const testing::TemporaryFolder folder;
   std::filesystem::create_directory(folder / "c.json");
-  EXPECT_THROW(write_policy(folder / "c.json", testing::random_policy_file()), FileTrouble);
+  EXPECT_THROW(write_controller(folder / "c.json", testing::random_policy_file()), FileTrouble);
   EXPECT_FALSE(std::filesystem::exists(folder / "c.safetensors"));
 }
 
 TEST(PolicyFile, RefusesWeightsThatAreNotItsOwn) {
   const testing::TemporaryFolder folder;
   PolicyFile file = testing::random_policy_file();
-  write_policy(folder / "a.json", file);
+  write_controller(folder / "a.json", file);
   file.policy.members[0][0].bias[0] += 1;
-  write_policy(folder / "b.json", file);
+  write_controller(folder / "b.json", file);
   std::filesystem::copy_file(folder / "b.safetensors", folder / "a.safetensors",
                              std::filesystem::copy_options::overwrite_existing);
   EXPECT_THROW(read_policy(folder / "a.json"), BadInput);

@@ -7,22 +7,13 @@
 namespace ferrule {
 namespace {
 
-using testing::random_felt;
+using testing::random_observation;
 using testing::random_policy;
 
-// The members' outputs in double precision, from all that was felt so far: (6, members).
-Eigen::MatrixXd reference(const Policy& p, const std::vector<Felt>& felt) {
-  Eigen::VectorXd z(p.inputs());
-  const auto now = static_cast<std::ptrdiff_t>(felt.size()) - 1;
-  for (int k = 0; k < p.samples; ++k) {
-    const std::ptrdiff_t at = now - k * p.spacing;
-    for (int i = 0; i < kFelt; ++i) {
-      const auto c = static_cast<std::size_t>(i);
-      const double x = at < 0 ? 0.0 : felt[static_cast<std::size_t>(at)].wrench[i];
-      z[k * kFelt + i] = (x - p.mean[c]) / p.scale[c];
-    }
-  }
-  z[p.inputs() - 1] = (felt.back().depth - p.mean[kFelt]) / p.scale[kFelt];
+// The members' outputs in double precision, from all that was observed so far: (6, members).
+Eigen::MatrixXd reference(const Policy& p, const std::vector<Observation>& seen) {
+  Eigen::VectorXd z = testing::policy_inputs(p, seen);
+  for (int i = 0; i < p.inputs(); ++i) z[i] = (z[i] - p.mean[p.channel(i)]) / p.scale[p.channel(i)];
   Eigen::MatrixXd outputs(2 * kVelocity, p.members.size());
   for (std::size_t m = 0; m < p.members.size(); ++m) {
     Eigen::VectorXd h = z;
@@ -43,11 +34,11 @@ TEST(Policy, IsTheNetworkInDoublePrecisionTo1e6OfItsScale) {
         p.speed_limit = 1;  // beyond all answers
         PolicyController controller(p);
         RandomStream random(3, 0, Draw::plan);
-        std::vector<Felt> felt;
+        std::vector<Observation> seen;
         for (int n = 0; n < 60; ++n) {
-          felt.push_back(random_felt(random));
-          const HandTwist v = controller.command(felt.back());
-          const Eigen::MatrixXd outputs = reference(p, felt);
+          seen.push_back(random_observation(random));
+          const HandTwist v = controller.command(seen.back());
+          const Eigen::MatrixXd outputs = reference(p, seen);
           const PolicyAnswer answer = controller.answer();
           for (int i = 0; i < kVelocity; ++i) {
             const double scale = p.velocity_scale[i], mean = outputs.row(i).mean();
@@ -63,6 +54,20 @@ TEST(Policy, IsTheNetworkInDoublePrecisionTo1e6OfItsScale) {
           EXPECT_EQ(v[4], 0);
         }
       }
+}
+
+// The order that controller/README.md states for those who run it elsewhere.
+TEST(Policy, TakesInTheWrenchesNewestFirstThenTheDepth) {
+  const Policy p = random_policy(1, {8}, 3, 2);
+  RandomStream random(4, 0, Draw::plan);
+  std::vector<Observation> seen;
+  for (int n = 0; n < 9; ++n) seen.push_back(random_observation(random));
+  const Eigen::VectorXd inputs = testing::policy_inputs(p, seen);
+  EXPECT_EQ(inputs.head<5>(), seen[8].wrench);
+  EXPECT_EQ(inputs.segment<5>(kPastChannels), seen[6].wrench);
+  EXPECT_EQ(inputs.segment<5>(2 * kPastChannels), seen[4].wrench);
+  EXPECT_EQ(inputs[3 * kPastChannels], seen[8].depth);
+  EXPECT_EQ(p.channel(3 * kPastChannels - 1), static_cast<std::size_t>(kPastChannels - 1));
 }
 
 TEST(Policy, CutsItsSpeed) {
@@ -90,11 +95,11 @@ TEST(Policy, ACopyStartsAfresh) {
   const PolicyController fresh(random_policy(1, {16}, 3, 2));
   PolicyController used = fresh, again = fresh;
   RandomStream random(5, 0, Draw::plan);
-  std::vector<Felt> felt;
-  for (int n = 0; n < 9; ++n) felt.push_back(random_felt(random));
+  std::vector<Observation> seen;
+  for (int n = 0; n < 9; ++n) seen.push_back(random_observation(random));
   std::vector<HandTwist> first;
-  for (const Felt& f : felt) first.push_back(used.command(f));
-  for (std::size_t n = 0; n < felt.size(); ++n) EXPECT_EQ(again.command(felt[n]), first[n]);
+  for (const Observation& o : seen) first.push_back(used.command(o));
+  for (std::size_t n = 0; n < seen.size(); ++n) EXPECT_EQ(again.command(seen[n]), first[n]);
 }
 
 TEST(Policy, DoesNotAllocate) {
@@ -103,7 +108,7 @@ TEST(Policy, DoesNotAllocate) {
   double sum = 0;
   const std::size_t before = testing::allocations();
   for (int n = 0; n < 500; ++n) {
-    sum += controller.command(random_felt(random)).norm();
+    sum += controller.command(random_observation(random)).norm();
     sum += controller.answer().disagreement.norm();
   }
   EXPECT_EQ(testing::allocations(), before);

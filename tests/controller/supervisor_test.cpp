@@ -22,7 +22,7 @@ class Adversary : public Controller {
   Adversary(int kind, std::uint64_t seed, const SupervisorLimits& limits)
       : kind_(kind), chance_(seed, 0, Draw::operator_hand), limits_(limits) {}
 
-  HandTwist command(const Felt&) noexcept override {
+  HandTwist command(const Observation&) noexcept override {
     ++n_;
     const double speed = limits_.speed, t = 1e-3 * n_;
     HandTwist v = HandTwist::Zero();
@@ -117,18 +117,18 @@ TEST(Supervisor, KeepsSpeedAndAccelerationWhateverIsCommandedAndFelt) {
         limits);
     HandTwist before = HandTwist::Zero();
     Extremes extremes;
-    Felt felt{HandWrench::Zero(), 0, 0};
+    Observation observation{HandWrench::Zero(), 0, 0};
     for (int n = 0; n < 3000; ++n) {
       // A force that wanders, jumps beyond the limit, and sometimes cannot be read.
-      for (int i = 0; i < 3; ++i) felt.wrench[i] += 0.02 * limits.force * chance.normal();
-      if (chance.uniform() < 0.01) felt.wrench *= 3 * chance.uniform();
-      if (felt.wrench.norm() > 3 * limits.force) felt.wrench.setZero();
-      felt.time = n * limits.period;
-      Felt read = felt;
+      for (int i = 0; i < 3; ++i) observation.wrench[i] += 0.02 * limits.force * chance.normal();
+      if (chance.uniform() < 0.01) observation.wrench *= 3 * chance.uniform();
+      if (observation.wrench.norm() > 3 * limits.force) observation.wrench.setZero();
+      observation.time = n * limits.period;
+      Observation read = observation;
       if (seed % 3 == 0 && chance.uniform() < 1e-3) read.wrench[n % 5] = NAN;
       const HandTwist now = levered(supervisor.command(read), limits);
       if (read.wrench.allFinite())
-        look(limits, felt.wrench.head<3>(), before, now, extremes);
+        look(limits, observation.wrench.head<3>(), before, now, extremes);
       else
         EXPECT_LE((now - before).norm(), limits.acceleration * limits.period * (1 + 1e-9));
       before = now;
@@ -280,7 +280,9 @@ class Scripted : public Controller {
  public:
   explicit Scripted(std::function<HandTwist(double)> at, double apart = 0)
       : at_(std::move(at)), apart_(apart) {}
-  HandTwist command(const Felt& felt) noexcept override { return at_(felt.time); }
+  HandTwist command(const Observation& observation) noexcept override {
+    return at_(observation.time);
+  }
   double disagreement() const noexcept override { return apart_; }
 
  private:

@@ -39,8 +39,8 @@ TEST(Scaling, ALawLearnedInTheHandsWorldIsTheSameLawAtTheTip) {
   InsertionLaw law(gains);
   Eigen::Matrix<double, 5, 1> tip_wrench = Eigen::Matrix<double, 5, 1>::Zero();
   tip_wrench[1] = 2e-6;
-  const Felt felt = {kPaper.wrench_to_hand(tip_wrench), 0, 1};
-  const auto tip_velocity = kPaper.motion_to_tip(law.command(felt));
+  const Observation observation = {kPaper.wrench_to_hand(tip_wrench), 0, 1};
+  const auto tip_velocity = kPaper.motion_to_tip(law.command(observation));
   EXPECT_CLOSE(tip_velocity[1], 0.8e-3 * 8.46e5 / 250 * 2e-6, 1e-14);
 }
 

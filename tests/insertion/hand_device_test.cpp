@@ -3,8 +3,8 @@
 #include <fstream>
 
 #include "capture/replay.hpp"
-#include "haptic/hid/force_stick.hpp"
-#include "haptic/hid/space_mouse.hpp"
+#include "haptic/hid/drivers.hpp"
+#include "haptic/hid/fake_firmware.hpp"
 #include "sim/scene/draw.hpp"
 #include "tests/compare.hpp"
 #include "tests/episodes.hpp"
@@ -18,6 +18,15 @@ constexpr FakeModel kModels[] = {FakeModel::space_mouse_split, FakeModel::space_
                                  FakeModel::pid_18, FakeModel::pid_22};
 
 constexpr double kFull = 8;  // [N]
+
+const Driver& driver_of(FakeModel model) {
+  return *ferrule::driver_of(FakeFirmware::describe(model));
+}
+
+std::unique_ptr<Device> hand_on(FakeModel model, const Scene& scene, double gain) {
+  return fake_hand(driver_of(model), std::make_unique<FakeFirmware>(model), scene,
+                   draw_start(scene, 1, 1), gain, kFull);
+}
 
 Scene quick() {
   return testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"});
@@ -47,7 +56,7 @@ struct Recording {
   Episode episode;
 
   Recording(const Scene& scene, FakeModel model, double gain) {
-    const auto device = fake_hand(model, scene, draw_start(scene, 1, 1), gain, kFull);
+    const auto device = hand_on(model, scene, gain);
     const EpisodeInfo info = info_of(scene, *device);
     mapping = info.mapping;
     Recorder recorder(folder.path(), 1, info);
@@ -75,7 +84,7 @@ TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
     const Episode& episode = recording.episode;
     const Json mapping = Json::parse(episode.info.mapping);
     const bool velocity = mapping["motion"] == "velocity";
-    ASSERT_EQ(velocity, fake_kind(model) == DeviceKind::space_mouse);
+    ASSERT_EQ(velocity, driver_of(model).force == nullptr);
     const auto limit = mapping["limit_counts"].get<std::array<double, kRawAxes>>();
     const auto centre = mapping["centre_counts"].get<std::array<double, kRawAxes>>();
     const double dead = mapping["dead_zone"];
@@ -117,7 +126,7 @@ TEST(HandDevice, AnEpisodeWhoseDeviceIsLostKeepsItsRows) {
   for (const FakeModel model : kModels) {
     const testing::TemporaryFolder folder;
     FakeFirmware firmware(model);
-    const auto driver = hand_device(fake_kind(model), firmware, scene, start, 1, kFull);
+    const auto driver = driver_of(model).make(firmware, driver_settings(scene, start, 1, kFull));
     class Unplugged : public Device {
      public:
       Unplugged(FakeFirmware& f, Device& d) : firmware_(f), device_(d) {}
@@ -151,7 +160,7 @@ TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
   const State start = draw_start(scene, 1, 1);
   CountRows counts(300, kRawAxes);
   {
-    const auto device = fake_hand(FakeModel::space_mouse_split, scene, start, 1, kFull);
+    const auto device = hand_on(FakeModel::space_mouse_split, scene, 1);
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     Eigen::Index n = 0;
     run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
@@ -183,7 +192,8 @@ TEST(HandDevice, AForceStickFeelsTheFibreAndIsLetGoAtTheEnd) {
   const State start = draw_start(scene, 1, 1);
   FakeFirmware firmware(FakeModel::pid_22);
   {
-    const auto stick = hand_device(DeviceKind::force_stick, firmware, scene, start, 1, kFull);
+    const auto stick =
+        driver_of(FakeModel::pid_22).make(firmware, driver_settings(scene, start, 1, kFull));
     for (int n = 0; n < 50; ++n) {
       firmware.advance(1e-3 * n);
       stick->read(1e-3 * n);

@@ -14,7 +14,7 @@ DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes
                            std::uint64_t seed = 1, int delay = 0) {
   return testing::demonstrations(
       [&](const Eigen::Vector3d& force, double depth, double time) {
-        return insertion_velocity(gains.data(), force, depth, time);
+        return insertion_velocity(gains.data(), testing::felt(force, depth, time));
       },
       6e-3, episodes, delay, noise, seed);
 }
@@ -23,7 +23,7 @@ constexpr std::array<double, kGains> kLaw = {4.2e-3,  0.9,    0.017,  0.006, 0.1
                                              0.85e-3, 0.7e-3, 1.5e-5, -2e-5, -3e-3, 2e-3};
 
 TEST(FitLaw, ReturnsTheGainsOfAKnownLawWithoutNoise) {
-  const FitReport report = fit_law(synthetic(kLaw, 6, 0), 1);
+  const LawFit report = fit_law(synthetic(kLaw, 6, 0), 1);
   EXPECT_EQ(report.controller.reaction_time, 0);
   for (std::size_t i = 0; i < kGains; ++i)
     EXPECT_CLOSE(report.controller.gains[i].value, kLaw[i], 1e-6) << kGainTable[i].name;
@@ -32,18 +32,18 @@ TEST(FitLaw, ReturnsTheGainsOfAKnownLawWithoutNoise) {
 TEST(FitLaw, ReturnsTheGainsOfALinearAdmittance) {
   std::array<double, kGains> linear = {3e-3, 0.4,    0.03, 0.003, 0,    5e-4,
                                        1e-3, 1.2e-3, 1e-5, 2e-5,  1e-3, 2e-3};
-  const FitReport report = fit_law(synthetic(linear, 6, 0), 1);
+  const LawFit report = fit_law(synthetic(linear, 6, 0), 1);
   for (const std::size_t i : {0u, 5u, 6u, 7u, 8u, 9u, 10u, 11u})
     EXPECT_CLOSE(report.controller.gains[i].value, linear[i], 1e-6) << kGainTable[i].name;
 }
 
 TEST(FitLaw, ChoosesTheLawWhereItIsNotGiven) {
   const DemonstrationSet set = synthetic(kLaw, 4, 1e-4);
-  const ControllerFile chosen = fit_law(set, 1, std::nullopt).controller;
+  const LawFile chosen = fit_law(set, 1, std::nullopt).controller;
   EXPECT_EQ(chosen.kind, LawKind::insertion);
   EXPECT_EQ(chosen.cross_validation.size(), kLaws.size());
   // It is the law that is fitted where it is given.
-  const ControllerFile given = fit_law(set, 1).controller;
+  const LawFile given = fit_law(set, 1).controller;
   EXPECT_EQ(given.law().gains(), chosen.law().gains());
   EXPECT_TRUE(given.cross_validation.empty());
 }
@@ -57,7 +57,7 @@ TEST(FitLaw, IdentifiesTheReactionTime) {
 TEST(FitLaw, IntervalsHoldTheTruth) {
   int inside = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
-    const FitReport report = fit_law(synthetic(kLaw, 12, 2e-4, seed), 1);
+    const LawFit report = fit_law(synthetic(kLaw, 12, 2e-4, seed), 1);
     for (const std::size_t i : {0u, 1u, 2u, 3u, 4u, 5u, 6u, 7u}) {
       const FittedGain& g = report.controller.gains[i];
       inside += g.low <= kLaw[i] && kLaw[i] <= g.high;
@@ -80,7 +80,7 @@ TEST(FitLaw, ReturnsTheGainsOfARecordedController) {
     testing::record(scene, folder.path(), trial, &law);
   const DemonstrationSet set = load_demonstrations(folder.path());
   ASSERT_GE(set.demonstrations.size(), 5u);
-  const FitReport report = fit_law(set, 1);
+  const LawFit report = fit_law(set, 1);
   for (std::size_t i = 0; i < kGains; ++i)
     EXPECT_CLOSE(report.controller.gains[i].value, gains[i], 1e-6) << kGainTable[i].name;
 }
@@ -93,7 +93,8 @@ TEST(FitLaw, RefusesTooLittleWithTheReason) {
     EXPECT_NE(std::string(error.what()).find("too few demonstrations: 2"), std::string::npos);
   }
   DemonstrationSet quiet = synthetic(kLaw, 4, 0);
-  for (auto& d : quiet.demonstrations) d.force.setZero();
+  for (auto& d : quiet.demonstrations)
+    for (Observation& o : d.observations) o.wrench.setZero();
   try {
     fit_law(quiet, 1);
     FAIL();
@@ -104,7 +105,7 @@ TEST(FitLaw, RefusesTooLittleWithTheReason) {
 }
 
 TEST(FitLaw, HoldsOutWholeEpisodes) {
-  const FitReport report = fit_law(synthetic(kLaw, 10, 1e-4), 3);
+  const LawFit report = fit_law(synthetic(kLaw, 10, 1e-4), 3);
   EXPECT_EQ(report.controller.trained_on.held_out.size(), 2u);
   EXPECT_EQ(report.controller.trained_on.episodes.size(), 8u);
   for (const auto& file : report.controller.trained_on.held_out)

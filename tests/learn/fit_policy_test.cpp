@@ -52,13 +52,12 @@ double error_against_law(const Policy& policy) {
   double sum = 0, n = 0;
   for (const Demonstration& d : others.demonstrations) {
     PolicyController controller(policy);
-    for (Eigen::Index i = 0; i < d.time.size(); ++i) {
-      Felt felt{HandWrench::Zero(), d.depth[i], d.time[i]};
-      felt.wrench.head<3>() = d.force.row(i);
-      const Eigen::Vector3d v = controller.command(felt).head<3>();
+    for (Eigen::Index i = 0; i < d.rows(); ++i) {
+      const Observation& o = d.observed(i);
+      const Eigen::Vector3d v = controller.command(o).head<3>();
       if (i < 100) continue;  // until it has a past
       sum +=
-          (v - law(d.force.row(i), d.depth[i])).cwiseQuotient(policy.velocity_scale).squaredNorm();
+          (v - law(o.wrench.head<3>(), o.depth)).cwiseQuotient(policy.velocity_scale).squaredNorm();
       n += 3;
     }
   }
@@ -89,7 +88,7 @@ TEST(FitPolicy, TheSameSeedGivesTheSameBytes) {
   settings.members = 2;
   const DemonstrationSet set = demonstrations(4, 0);
   const auto write = [&](const char* name) {
-    write_policy(folder / (std::string(name) + ".json"), fit_policy(set, settings, {}).file);
+    write_controller(folder / (std::string(name) + ".json"), fit_policy(set, settings, {}).file);
     return read_text(folder / (std::string(name) + ".safetensors"));
   };
   const std::string first = write("a"), again = write("b");
@@ -128,15 +127,14 @@ TEST(TorchScript, IsThePolicyTo1e6) {
     std::vector<PolicyAnswer> answers;
     RandomStream random(2, members, Draw::plan);
     PolicyController controller(p);
-    Felt before{HandWrench::Zero(), 0, 0};
+    std::vector<Observation> seen;
     std::size_t cut = 0;
     for (int n = 0; n < 200; ++n) {
-      const Felt felt = testing::random_felt(random);
-      inputs.col(n) << felt.wrench, before.wrench, felt.depth;
-      ours.push_back(controller.command(felt));
+      seen.push_back(testing::random_observation(random));
+      inputs.col(n) = testing::policy_inputs(p, seen);
+      ours.push_back(controller.command(seen.back()));
       answers.push_back(controller.answer());
       cut += answers.back().velocity.norm() > p.speed_limit;
-      before = felt;
     }
     EXPECT_GT(cut, 10u);
     EXPECT_LT(cut, 190u);
@@ -164,9 +162,10 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   const double yield = trainee_traits(0.8).yield;
   const auto delay = static_cast<Eigen::Index>(std::lround(1e3 * reaction));
   Eigen::Index compared = 0;
-  for (Eigen::Index n = 1000; n < d.time.size(); ++n) {
+  for (Eigen::Index n = 1000; n < d.rows(); ++n) {
     // To one tick of the ring that delays it.
-    const double late = yield * d.force(n - delay, 2), later = yield * d.force(n - delay - 1, 2);
+    const double late = yield * d.observed(n - delay).wrench[2],
+                 later = yield * d.observed(n - delay - 1).wrench[2];
     EXPECT_LE(std::min(std::abs(d.velocity(n, 2) - late), std::abs(d.velocity(n, 2) - later)),
               1e-9 * yield);
     EXPECT_LE(d.velocity(n, 0), 0);

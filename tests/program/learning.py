@@ -13,7 +13,7 @@ class Learning(Case):
         self.record(out, episodes=6)
         self.assertIn("ramp_time", self.done("fit", out, "--out", controller).stdout)
         again = self.path("again.json")
-        self.done("fit", out, "--out", again, "--json")
+        self.done("fit", out, "--method", "law", "--out", again, "--json")  # is ceres, the default
         self.assertEqual(open(controller).read(), open(again).read())
 
         arguments = ["evaluate", controller, "--scene", "paper", *QUICK, "--trials", 30, "--seed", 9,

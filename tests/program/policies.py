@@ -62,19 +62,29 @@ class Policies(Case):
                                                 "<f4").reshape(entry["shape"]).astype(float)
         return controller, arrays
 
+    # Channels of a policy's inputs: those of the wrench at every sample of the past, the others once.
+    def channels(self, controller):
+        wrench = [c for c in controller["inputs"] if c["name"].startswith(("force", "moment"))]
+        others = [c for c in controller["inputs"] if c not in wrench]
+        return wrench, others
+
     # Inputs of the policy at every row of an episode.
-    def inputs(self, controller, felt, depth):
+    def inputs(self, controller, wrench, depth, time):
+        values = dict(zip(("force_x", "force_y", "force_z", "moment_y", "moment_z"), wrench.T),
+                      depth=depth, time=time)
+        past, others = self.channels(controller)
+        felt = numpy.column_stack([values[c["name"]] for c in past])
         columns = []
         for k in range(controller["history"]["samples"]):
             late = numpy.zeros_like(felt)
             shift = k * controller["history"]["spacing_periods"]
             late[shift:] = felt[:len(felt) - shift]
             columns.append(late)
-        return numpy.column_stack(columns + [depth])
+        return numpy.column_stack(columns + [values[c["name"]] for c in others])
 
     def answer(self, controller, arrays, inputs):
-        samples = controller["history"]["samples"]
-        scales = controller["inputs"][:5] * samples + controller["inputs"][5:]
+        past, others = self.channels(controller)
+        scales = past * controller["history"]["samples"] + others
         z = (inputs - [c["mean"] for c in scales]) / [c["scale"] for c in scales]
         mean = 0
         for m in range(controller["ensemble"]):
@@ -89,7 +99,7 @@ class Policies(Case):
         speed = numpy.linalg.norm(velocity, axis=1, keepdims=True)
         return velocity * numpy.minimum(1, controller["limits"]["speed_m_s"] / speed)
 
-    # What the controller of `file` felt and did: wrench at the hand, depth, time, velocity.
+    # What the controller of `file` observed and did: wrench at the hand, depth, time, velocity.
     def recorded(self, file):
         out = self.path("by " + os.path.basename(file))
         self.done("record", "--operator", file, "--scene", "demo", "--episodes", 1, "--seed", 5,
@@ -176,8 +186,8 @@ class Policies(Case):
     def test_the_weights_give_the_same_answers_to_another_reader(self):
         self.needs_torch()
         controller, arrays = self.read(self.file)
-        felt, depth, _, velocity = self.recorded(self.file)
-        self.close(self.answer(controller, arrays, self.inputs(controller, felt, depth)), velocity)
+        *observed, velocity = self.recorded(self.file)
+        self.close(self.answer(controller, arrays, self.inputs(controller, *observed)), velocity)
 
     def test_torchscript_answers_alike_in_python(self):
         self.needs_torch()
@@ -187,15 +197,15 @@ class Policies(Case):
             self.skipTest("no torch for Python")
         script = self.path("c.pt")
         self.done("export", self.file, "--torchscript", script)
-        felt, depth, _, velocity = self.recorded(self.file)
+        *observed, velocity = self.recorded(self.file)
         controller, _ = self.read(self.file)
-        inputs = torch.from_numpy(self.inputs(controller, felt, depth))
+        inputs = torch.from_numpy(self.inputs(controller, *observed))
         answer, deviation, disagreement = torch.jit.load(script)(inputs)
         self.close(answer.numpy(), velocity)
         self.assertTrue((deviation.numpy() > 0).all() and (disagreement.numpy() >= 0).all())
         self.refused(2, "export", self.law, "--torchscript", script, says=["law.json", "network"])
 
-    # Feeds the header's controller what the recorded one felt.
+    # Feeds the header's controller what the recorded one observed.
     def by_header(self, file):
         header, source, program = self.path("c.h"), self.path("c.c"), self.path("c")
         self.done("export", file, "--header", header)
@@ -215,9 +225,9 @@ int main(void) {
 ''')
         subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", source,
                         "-o", program, "-lm"], check=True)
-        felt, depth, t, velocity = self.recorded(file)
+        *observed, velocity = self.recorded(file)
         rows = "\n".join(" ".join(f"{x:.17g}" for x in row)
-                         for row in numpy.column_stack([felt, depth, t]))
+                         for row in numpy.column_stack(observed))
         run = subprocess.run([program], input=rows, capture_output=True, text=True, check=True)
         self.close(numpy.array([line.split() for line in run.stdout.splitlines()], float), velocity)
 

@@ -192,11 +192,11 @@ TEST_F(Hidapi, DevicesAreFoundByIdUsageAndDescriptor) {
 
   const std::vector<FoundDevice> found = find_devices();
   ASSERT_EQ(found.size(), 3u);  // not the mouse
-  EXPECT_EQ(found[0].kind, DeviceKind::space_mouse);
-  EXPECT_EQ(found[1].kind, DeviceKind::force_stick);
-  EXPECT_EQ(found[2].kind, std::nullopt);
+  EXPECT_EQ(found[0].driver, fake_driver("fake:spacemouse"));
+  EXPECT_EQ(found[1].driver, fake_driver("fake:pid"));
+  EXPECT_EQ(found[2].driver, nullptr);
   EXPECT_EQ(choose_device("auto").info.path, "/dev/hidraw0");
-  EXPECT_EQ(choose_device("/dev/hidraw1").kind, DeviceKind::force_stick);
+  EXPECT_EQ(choose_device("/dev/hidraw1").driver, fake_driver("fake:pid"));
   EXPECT_THROW(choose_device("/dev/hidraw2"), DeviceTrouble);
   EXPECT_THROW(choose_device("/dev/hidraw3"), DeviceTrouble);
   EXPECT_THROW(choose_device("/dev/hidraw9"), DeviceTrouble);

@@ -1,16 +1,16 @@
-#include "controller/controller_file.hpp"
+#include "controller/law_file.hpp"
 
 #include <fstream>
 
 #include "tests/compare.hpp"
-#include "tests/complaint.hpp"
+#include "tests/refusal.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace ferrule {
 namespace {
 
-ControllerFile example() {
-  ControllerFile c;
+LawFile example() {
+  LawFile c;
   for (std::size_t i = 0; i < kGains; ++i)
     c.gains[i] = {0.1 + static_cast<double>(i) / 3, 0.01, 10};
   c.gains[4].low = c.gains[4].high = NAN;
@@ -22,11 +22,11 @@ ControllerFile example() {
   return c;
 }
 
-TEST(ControllerFile, IsReadBackExactly) {
+TEST(LawFile, IsReadBackExactly) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "controller.json";
   write_controller(file, example());
-  const ControllerFile back = read_controller(file);
+  const LawFile back = read_law(file);
   EXPECT_EQ(back.law().gains(), example().law().gains());
   EXPECT_TRUE(std::isnan(back.gains[4].low));
   EXPECT_EQ(back.trained_on.episodes, example().trained_on.episodes);
@@ -34,16 +34,16 @@ TEST(ControllerFile, IsReadBackExactly) {
   EXPECT_EQ(back.reaction_time, 0.17);
 }
 
-TEST(ControllerFile, KeepsWhichLawItIsAndTheLawsItWasChosenFrom) {
+TEST(LawFile, KeepsWhichLawItIsAndTheLawsItWasChosenFrom) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "controller.json";
   for (const LawKind kind : kLaws) {
-    ControllerFile c = example();
+    LawFile c = example();
     c.kind = kind;
     c.gains.assign(gain_table(kind).size(), {0.25, 0.1, NAN});
     c.cross_validation = {{LawKind::linear, 2e-3, 1e-4}, {kind, 1e-3, 2e-4}};
     write_controller(file, c);
-    const ControllerFile back = read_controller(file);
+    const LawFile back = read_law(file);
     EXPECT_EQ(back.kind, kind);
     EXPECT_EQ(back.law().gains(), c.law().gains());
     ASSERT_EQ(back.cross_validation.size(), kind == LawKind::linear ? 1u : 2u);
@@ -53,13 +53,13 @@ TEST(ControllerFile, KeepsWhichLawItIsAndTheLawsItWasChosenFrom) {
   }
 }
 
-TEST(ControllerFile, BrokenOnesAreRefusedWithTheirKey) {
+TEST(LawFile, BrokenOnesAreRefusedWithTheirKey) {
   const testing::TemporaryFolder folder;
   const std::string file = folder / "controller.json";
   write_controller(file, example());
   const Json good = parse_json(read_text(file), file);
   const auto says = [&](const char* pointer, const Json& value, const char* reason) {
-    const std::string said = testing::complaint(file, good, pointer, value, read_controller);
+    const std::string said = testing::refusal(file, good, pointer, value, read_law);
     EXPECT_NE(said.find(reason), std::string::npos) << pointer << ": " << said;
   };
   says("/gains/ramp_time/value", 0, "gains.ramp_time.value = 0: must be positive");
@@ -70,7 +70,7 @@ TEST(ControllerFile, BrokenOnesAreRefusedWithTheirKey) {
   says("/gains/cruise_speed/value", "fast", "must be a number");
 }
 
-TEST(ControllerFile, CannotBeWrittenWhereThereIsNoFolder) {
+TEST(LawFile, CannotBeWrittenWhereThereIsNoFolder) {
   EXPECT_THROW(write_controller("/no/such/folder/controller.json", example()), FileTrouble);
 }
 

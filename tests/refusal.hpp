@@ -5,10 +5,10 @@
 
 namespace ferrule::testing {
 
-// Writes `good` to `file` with `value` at `pointer` and lets `read(file)` read it: its complaint,
+// Writes `good` to `file` with `value` at `pointer` and lets `read(file)` read it: its refusal,
 // one of FileTrouble after "trouble: ", or nothing.
 template <class Read>
-std::string complaint(const std::string& file, Json good, const char* pointer, const Json& value,
+std::string refusal(const std::string& file, Json good, const char* pointer, const Json& value,
                       const Read& read) {
   good[Json::json_pointer(pointer)] = value;
   write_text(file, good.dump());

@@ -1,0 +1,61 @@
+// A learner: from demonstrations to a controller. What `ferrule fit` and `ferrule compare` need of
+// each is one row of the table in learn/candidates.cpp.
+#pragma once
+
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "controller/controller_file.hpp"
+#include "learn/demonstrations.hpp"
+#include "learn/torch_policy.hpp"
+
+namespace ferrule {
+
+// An option of `ferrule fit` that one learner takes.
+struct LearnerOption {
+  const char* flag;
+  const char* help;
+  std::string value;                 // unless it is given
+  std::vector<std::string> choices;  // what it may be; empty: a whole number from `least` to `most`
+  std::size_t least = 0, most = 0;
+};
+
+struct LearnerSettings {
+  std::uint64_t seed = 1;  // of the split into training and held-out episodes, and of what is drawn
+  std::map<std::string, std::string> options{};  // the value of each of the learner's, by flag
+
+  std::size_t number(const char* flag) const { return std::stoul(options.at(flag), nullptr, 0); }
+};
+
+struct Learned {
+  ControllerFile controller;
+  std::string report;                        // lines for people
+  std::vector<std::vector<Epoch>> curves{};  // the training of each network, if there are any
+};
+
+// `done`: steps so far; `note`: how it goes.
+using LearnerProgress = std::function<void(std::size_t done, const std::string& note)>;
+
+struct Learner {
+  const char* name;    // what it learns
+  const char* method;  // the same in controller files
+  std::vector<LearnerOption> options;
+  // What `ferrule compare` sets side by side: the key of each, its name in tables, and the options
+  // that are not as they are unless given.
+  struct Variant {
+    std::string key, name;
+    std::map<std::string, std::string> options;
+  };
+  std::vector<Variant> variants;
+  // The files that it writes for a controller `file`. Throws BadInput where that name will not do.
+  std::vector<std::string> (*files)(const std::string& file);
+  // Steps of progress; 0: it tells none.
+  std::size_t (*steps)(const LearnerSettings& settings);
+  // Throws BadInput where the demonstrations are too few or tell nothing.
+  Learned (*learn)(const DemonstrationSet& set, const LearnerSettings& settings,
+                   const LearnerProgress& progress);
+};
+
+}  // namespace ferrule
