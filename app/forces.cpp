@@ -28,13 +28,14 @@ void print_table(const std::vector<ForceRow>& rows, bool liquid) {
   if (liquid) fmt::print(" {:>10} {:>10} {:>10}", "meniscus", "drag", "squeeze");
   fmt::print("\n");
   for (const ForceRow& r : rows) {
+    const GapForces& f = r.forces;
     fmt::print(
         "{:9.4g} {:9.4g} {:>8} {:13.6g} {:13.6g} {:11.6g} {:9.5g} {:10.6g} {:10.6g} {:10.6g}",
         r.gap_nm, r.length_um, r.depth_nm ? fmt::format("{:.4g}", *r.depth_nm) : "-",
-        1e6 * r.van_der_waals, 1e6 * r.electrostatic, 1e6 * r.capillary, 1e6 * r.gravity,
-        1e6 * r.adhesion, 1e6 * r.wall, 1e6 * r.friction);
+        1e6 * f.van_der_waals, 1e6 * f.electrostatic, 1e6 * f.capillary, 1e6 * f.gravity,
+        1e6 * f.adhesion, 1e6 * f.wall, 1e6 * f.friction);
     if (liquid)
-      fmt::print(" {:10.6g} {:10.6g} {:10.6g}", 1e6 * r.meniscus, 1e6 * r.drag, 1e6 * r.squeeze);
+      fmt::print(" {:10.6g} {:10.6g} {:10.6g}", 1e6 * f.meniscus, 1e6 * f.drag, 1e6 * f.squeeze);
     fmt::print("\n");
   }
   fmt::print("forces in uN; attraction negative, friction{} {}; \"-\": not in contact\n",
@@ -59,51 +60,60 @@ void check_fits(const World& world, double gap_nm, double length_um, double tilt
                     tilt_mrad, length_um, gap_nm, 2 * (clearance - gap_nm) / length_um));
 }
 
-int forces_verb(const Arguments& a) {
-  // Nothing is left out. The settings are those of the form asked for.
-  const bool own_form = a.form.empty();
-  Scene scene = load_scene(a.scene.scene, own_form ? a.scene.settings : std::vector<std::string>{},
-                           Planning::none);
-  if (!own_form) {
-    for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
-    const std::string file = a.scene.scene + " with --form " + a.form;
-    set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
-    scene = parse_scene(scene.document, file, Planning::none);
-  }
-  const std::vector<double> depths =
-      a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");
+// Nothing is left out. The settings are those of the form asked for.
+Scene scene_in_form(const Arguments& a) {
+  if (a.form.empty()) return load_scene(a.scene.scene, a.scene.settings, Planning::none);
+  Scene scene = load_scene(a.scene.scene, {}, Planning::none);
+  for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
+  const std::string file = a.scene.scene + " with --form " + a.form;
+  set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
+  return parse_scene(scene.document, file, Planning::none);
+}
+
+// What is swept: one of the three, or each combination of them.
+struct Grid {
+  std::vector<double> gaps, inserted, depths;  // no depths: apart
+};
+
+Grid grid(const Arguments& a) {
+  Grid g;
+  if (!a.depth.empty()) g.depths = lengths(a.depth, "--depth-nm");
   // In contact the gap is closed, unless one is asked for.
-  const std::string gap = !a.gap.empty() ? a.gap : depths.empty() ? "10" : "0";
-  const std::vector<double> gaps = lengths(gap, "--gap-nm");
-  const std::vector<double> inserted = lengths(a.length, "--length-um");
+  g.gaps = lengths(!a.gap.empty() ? a.gap : g.depths.empty() ? "10" : "0", "--gap-nm");
+  g.inserted = lengths(a.length, "--length-um");
+  return g;
+}
 
-  for (const double g : gaps)
-    for (const double l : inserted) check_fits(scene.world, g, l, a.tilt_mrad);
-
+std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const Arguments& a) {
+  for (const double gap : grid.gaps)
+    for (const double length : grid.inserted) check_fits(world, gap, length, a.tilt_mrad);
   const Lie lie{1e-3 * a.tilt_mrad, 1e-6 * a.speed_um_s};
   std::vector<ForceRow> rows;
-  for (const double g : gaps)
-    for (const double l : inserted) {
-      if (depths.empty()) rows.push_back(force_row(scene.world, g, l, std::nullopt, lie));
-      for (const double d : depths) rows.push_back(force_row(scene.world, g, l, d, lie));
+  for (const double gap : grid.gaps)
+    for (const double length : grid.inserted) {
+      if (grid.depths.empty()) rows.push_back(force_row(world, gap, length, std::nullopt, lie));
+      for (const double d : grid.depths) rows.push_back(force_row(world, gap, length, d, lie));
     }
+  return rows;
+}
 
-  if (!a.plot.empty()) {
-    const int swept = (gaps.size() > 1) + (inserted.size() > 1) + (depths.size() > 1);
-    if (swept != 1) throw BadInput("--plot needs exactly one range among gap, length and depth");
-    const Sweep sweep = gaps.size() > 1       ? Sweep::gap
-                        : inserted.size() > 1 ? Sweep::length
-                                              : Sweep::depth;
-    write_svg(a.plot, force_plot(rows, sweep, scene.name));
-    fmt::print(stderr, "wrote {}\n", a.plot);
-  }
-  if (a.json) {
-    Json list = Json::array();
-    for (const ForceRow& row : rows) list.push_back(to_json(row));
-    print_json({{"scene", scene.name}, {"rows", list}});
-  } else {
+Sweep swept(const Grid& grid) {
+  const bool gap = grid.gaps.size() > 1, length = grid.inserted.size() > 1;
+  if (gap + length + (grid.depths.size() > 1) != 1)
+    throw BadInput("--plot needs exactly one range among gap, length and depth");
+  return gap ? Sweep::gap : length ? Sweep::length : Sweep::depth;
+}
+
+int forces_verb(const Arguments& a) {
+  const Scene scene = scene_in_form(a);
+  const Grid asked = grid(a);
+  const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
+  if (!a.plot.empty()) write_plot(a.plot, force_plot(rows, swept(asked), scene.name));
+  if (a.json)
+    print_json({{"scene", scene.name},
+                {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}});
+  else
     print_table(rows, scene.world.meniscus || scene.world.drag);
-  }
   return kDone;
 }
 
@@ -130,7 +140,7 @@ void add_forces(CLI::App& app, Run& run) {
                    "Speed that drag is given for: along the bore, and towards the wall (squeeze)")
       ->capture_default_str()
       ->check(number_between(0, 1e9));
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
   verb->callback([a, &run] { run = [a] { return forces_verb(*a); }; });
 }
