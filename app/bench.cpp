@@ -1,6 +1,8 @@
 // ferrule bench: speed against error.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <functional>
 #include <map>
 #include <tuple>
 
@@ -44,115 +46,131 @@ std::string series_of(const LawRow& r) {
   return r.name + ", " + r.fidelity.substr(0, order);
 }
 
+void draw(const std::string& folder, const std::vector<LawRow>& laws,
+          const std::vector<SteppingRow>& stepping) {
+  make_plot_folder(folder);
+  write_svg(folder + "/laws.svg",
+            work_precision(
+                "Force laws: cost against error", "ns per evaluation", "largest relative error",
+                laws, series_of, [](const LawRow& r) { return r.relative_error; },
+                [](const LawRow& r) { return r.ns; }));
+  write_svg(folder + "/stepping.svg",
+            work_precision(
+                "Stepping: cost against error", "us per simulated second", "tip error [nm]",
+                stepping, [](const SteppingRow& r) { return r.method + ", " + r.scene_case; },
+                // What is exact to rounding would only stretch the axis.
+                [](const SteppingRow& r) { return r.tip_error_nm > 1e-6 ? r.tip_error_nm : NAN; },
+                [](const SteppingRow& r) { return r.us_per_simulated_s; }));
+  fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", folder);
+}
+
+Json law_json(const LawRow& r) {
+  return {{"name", r.name},
+          {"fidelity", r.fidelity},
+          {"ns", r.ns},
+          {"relative_error", r.relative_error}};
+}
+
+Json stepping_json(const SteppingRow& r) {
+  return {{"method", r.method},
+          {"case", r.scene_case},
+          {"step_s", r.step_s},
+          {"ns_per_step", r.ns_per_step},
+          {"us_per_simulated_s", r.us_per_simulated_s},
+          {"tip_error_nm", number_or_null(r.tip_error_nm)},
+          {"force_error_relative", number_or_null(r.force_error_relative)},
+          {"newton_iterations", r.newton_iterations},
+          {"not_converged", r.not_converged},
+          {"halvings", r.halvings}};
+}
+
+Json controller_json(const ControllerRow& r) {
+  return {{"name", r.name}, {"shape", r.shape}, {"ns", r.ns}, {"relative_error", r.relative_error}};
+}
+
+// Of force laws and of controllers: what it is, how it is computed, cost and error.
+void print_heading(const char* what, const char* how) {
+  fmt::print("{:<15} {:<42} {:>9} {:>15}\n", what, how, "ns", "relative error");
+}
+void print_line(const std::string& what, const std::string& how, double ns, double error) {
+  fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", what, how, ns, error);
+}
+
+void print_stepping(const std::vector<SteppingRow>& rows) {
+  fmt::print("{:<15} {:<26} {:>9} {:>11} {:>16} {:>13} {:>12} {:>9} {:>7} {:>7}\n", "method",
+             "case", "step [s]", "ns per step", "us per simul. s", "tip err. [nm]", "force error",
+             "Newton/st", "failed", "halved");
+  for (const SteppingRow& r : rows)
+    fmt::print("{:<15} {:<26} {:9.0e} {:11.0f} {:16.4g} {:>13} {:>12} {:>9.2f} {:>7} {:>7}\n",
+               r.method, r.scene_case, r.step_s, r.ns_per_step, r.us_per_simulated_s,
+               number_or("diverged", "{:.3g}", r.tip_error_nm),
+               number_or("-", "{:.2g}", r.force_error_relative), r.newton_iterations,
+               r.not_converged, r.halvings);
+}
+
 int speed_and_error(const Arguments& a) {
   const std::vector<LawRow> laws = bench_laws();
   const std::vector<SteppingRow> stepping = bench_stepping();
   const std::vector<ControllerRow> controllers = bench_controllers();
-  if (!a.plot.empty()) {
-    make_plot_folder(a.plot);
-    write_svg(a.plot + "/laws.svg",
-              work_precision(
-                  "Force laws: cost against error", "ns per evaluation", "largest relative error",
-                  laws, series_of, [](const LawRow& r) { return r.relative_error; },
-                  [](const LawRow& r) { return r.ns; }));
-    write_svg(a.plot + "/stepping.svg",
-              work_precision(
-                  "Stepping: cost against error", "us per simulated second", "tip error [nm]",
-                  stepping, [](const SteppingRow& r) { return r.method + ", " + r.scene_case; },
-                  // What is exact to rounding would only stretch the axis.
-                  [](const SteppingRow& r) { return r.tip_error_nm > 1e-6 ? r.tip_error_nm : NAN; },
-                  [](const SteppingRow& r) { return r.us_per_simulated_s; }));
-    fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", a.plot);
-  }
+  if (!a.plot.empty()) draw(a.plot, laws, stepping);
   if (a.json) {
-    Json l = Json::array(), s = Json::array(), c = Json::array();
-    for (const LawRow& r : laws)
-      l.push_back({{"name", r.name},
-                   {"fidelity", r.fidelity},
-                   {"ns", r.ns},
-                   {"relative_error", r.relative_error}});
-    for (const SteppingRow& r : stepping)
-      s.push_back({{"method", r.method},
-                   {"case", r.scene_case},
-                   {"step_s", r.step_s},
-                   {"ns_per_step", r.ns_per_step},
-                   {"us_per_simulated_s", r.us_per_simulated_s},
-                   {"tip_error_nm", number_or_null(r.tip_error_nm)},
-                   {"force_error_relative", number_or_null(r.force_error_relative)},
-                   {"newton_iterations", r.newton_iterations},
-                   {"not_converged", r.not_converged},
-                   {"halvings", r.halvings}});
-    for (const ControllerRow& r : controllers)
-      c.push_back({{"name", r.name},
-                   {"shape", r.shape},
-                   {"ns", r.ns},
-                   {"relative_error", r.relative_error}});
-    print_json({{"laws", l}, {"stepping", s}, {"controllers", c}});
+    print_json({{"laws", json_list(laws, law_json)},
+                {"stepping", json_list(stepping, stepping_json)},
+                {"controllers", json_list(controllers, controller_json)}});
     return kDone;
   }
-  fmt::print("{:<15} {:<42} {:>9} {:>15}\n", "law", "fidelity", "ns", "relative error");
-  for (const LawRow& r : laws)
-    fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", r.name, r.fidelity, r.ns, r.relative_error);
-  fmt::print("\n{:<15} {:<26} {:>9} {:>11} {:>16} {:>13} {:>12} {:>9} {:>7} {:>7}\n", "method",
-             "case", "step [s]", "ns per step", "us per simul. s", "tip err. [nm]", "force error",
-             "Newton/st", "failed", "halved");
-  for (const SteppingRow& r : stepping)
-    fmt::print("{:<15} {:<26} {:9.0e} {:11.0f} {:16.4g} {:>13} {:>12} {:>9.2f} {:>7} {:>7}\n",
-               r.method, r.scene_case, r.step_s, r.ns_per_step, r.us_per_simulated_s,
-               std::isfinite(r.tip_error_nm) ? fmt::format("{:.3g}", r.tip_error_nm) : "diverged",
-               std::isfinite(r.tip_error_nm) ? fmt::format("{:.2g}", r.force_error_relative) : "-",
-               r.newton_iterations, r.not_converged, r.halvings);
-  fmt::print("\n{:<15} {:<42} {:>9} {:>15}\n", "controller", "shape", "ns", "relative error");
-  for (const ControllerRow& r : controllers)
-    fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", r.name, r.shape, r.ns, r.relative_error);
+  print_heading("law", "fidelity");
+  for (const LawRow& r : laws) print_line(r.name, r.fidelity, r.ns, r.relative_error);
+  fmt::print("\n");
+  print_stepping(stepping);
+  fmt::print("\n");
+  print_heading("controller", "shape");
+  for (const ControllerRow& r : controllers) print_line(r.name, r.shape, r.ns, r.relative_error);
   return kDone;
+}
+
+const char* status(const HardRow& r) {
+  return !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
+}
+
+Json hard_json(const HardRow& r) {
+  return {{"case", r.name},
+          {"step_s", number_or_null(r.step_s)},
+          {"result", r.result},
+          {"error", number_or_null(r.error)},
+          {"status", status(r)}};
 }
 
 int hard(const Arguments& a) {
   const std::vector<HardRow> rows = bench_hard();
-  std::size_t failed = 0;
-  Json list = Json::array();
-  if (!a.json)
+  if (a.json) {
+    print_json({{"rows", json_list(rows, hard_json)}});
+  } else {
     fmt::print("{:<62} {:>8} {:>9} {:<7} {}\n", "case", "step [s]", "error", "status", "result");
-  for (const HardRow& r : rows) {
-    const char* status = !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
-    failed += !r.passed();
-    list.push_back({{"case", r.name},
-                    {"step_s", number_or_null(r.step_s)},
-                    {"result", r.result},
-                    {"error", number_or_null(r.error)},
-                    {"status", status}});
-    if (!a.json)
-      fmt::print("{:<62} {:>8} {:9.2g} {:<7} {}\n", r.name,
-                 std::isfinite(r.step_s) ? fmt::format("{:g}", r.step_s) : "-", r.error, status,
-                 r.result);
+    for (const HardRow& r : rows)
+      fmt::print("{:<62} {:>8} {:9.2g} {:<7} {}\n", r.name, number_or("-", "{:g}", r.step_s),
+                 r.error, status(r), r.result);
   }
-  if (a.json) print_json({{"rows", list}});
-  return failed ? kFailed : kDone;
+  return std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)) ? kDone : kFailed;
 }
 
-int capture(const Arguments& a) {
-  const std::vector<CaptureRow> rows = bench_capture();
-  std::size_t wrong = 0;
-  // By lead-in, offset and what must be.
+Json capture_json(const CaptureRow& r) {
+  return {{"offset_clearances", r.offset_clearances},
+          {"capture_clearances", r.capture_clearances},
+          {"direction_deg", r.direction_deg},
+          {"speed_um_s", r.speed_um_s},
+          {"step_s", r.step_s},
+          {"lead_in", r.lead_in},
+          {"inserted", r.inserted}};
+}
+
+void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
+  // By lead-in, offset and what must be: how many went in, of how many.
   std::map<std::tuple<bool, double, bool>, std::pair<std::size_t, std::size_t>> counts;
-  Json list = Json::array();
   for (const CaptureRow& r : rows) {
-    wrong += r.inserted != r.expected();
     auto& [in, all] = counts[{r.lead_in, r.offset_clearances, r.expected()}];
     in += r.inserted;
     ++all;
-    list.push_back({{"offset_clearances", r.offset_clearances},
-                    {"capture_clearances", r.capture_clearances},
-                    {"direction_deg", r.direction_deg},
-                    {"speed_um_s", r.speed_um_s},
-                    {"step_s", r.step_s},
-                    {"lead_in", r.lead_in},
-                    {"inserted", r.inserted}});
-  }
-  if (a.json) {
-    print_json({{"rows", list}, {"wrong", wrong}});
-    return wrong ? kFailed : kDone;
   }
   fmt::print("{:<12} {:>10} {:>12} {:>12}\n", "mouth", "offset", "must go in", "inserted");
   for (const auto& [key, count] : counts)
@@ -163,6 +181,16 @@ int capture(const Arguments& a) {
       "offsets in clearances; a sharp bore takes those below 1, a lead-in those below {:.5g}, its "
       "rim\n{} of {} wrong\n",
       rows.back().capture_clearances, wrong, rows.size());
+}
+
+int capture(const Arguments& a) {
+  const std::vector<CaptureRow> rows = bench_capture();
+  std::size_t wrong = 0;
+  for (const CaptureRow& r : rows) wrong += r.inserted != r.expected();
+  if (a.json)
+    print_json({{"rows", json_list(rows, capture_json)}, {"wrong", wrong}});
+  else
+    print_capture(rows, wrong);
   return wrong ? kFailed : kDone;
 }
 
@@ -177,7 +205,7 @@ void add_bench(CLI::App& app, Run& run) {
                    "clearance means clearance")
       ->check(CLI::IsMember({"hard", "capture"}));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->callback([a, &run] {
     run = [a] {
       if (!a->what.empty() && !a->plot.empty())

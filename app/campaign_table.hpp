@@ -10,5 +10,6 @@ namespace ferrule {
 Json to_json(const CampaignSummary& summary);
 void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);
+std::string to_text(const Comparison& comparison);
 
 }  // namespace ferrule

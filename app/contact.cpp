@@ -62,6 +62,27 @@ Plot curve_plot(const MaugisCurve& curve) {
   return {fmt::format("Adhesive contact, lambda = {:g}", curve.lambda()), {axes}};
 }
 
+Json to_json(const MaugisCurve& curve, const std::vector<MaugisPoint>& points) {
+  Json branches = Json::array();
+  for (int b = 1; b <= curve.branches(); ++b)
+    branches.push_back({{"D_begins", curve.begins(b)}, {"D_ends", number_or_null(curve.ends(b))}});
+  return {{"lambda", curve.lambda()},
+          {"D_attaches", curve.attaches()},
+          {"D_detaches", curve.begins(1)},
+          {"pull_off_P", curve.pull_off_force()},
+          {"branches", branches},
+          {"rows", json_list(points, [](const MaugisPoint& p) { return to_json(p); })}};
+}
+
+void print(const MaugisCurve& curve, const std::vector<MaugisPoint>& points) {
+  if (!points.empty()) fmt::print("{:>14} {:>14} {:>14} {:>14}\n", "A", "m", "P", "D");
+  for (const MaugisPoint& p : points)
+    fmt::print("{:14.9g} {:14.9g} {:14.9g} {:14.9g}\n", p.A, p.m, p.P, p.D);
+  fmt::print("approaching it attaches at D = {:.6g}, retreating it lets go at D = {:.6g}\n",
+             curve.attaches(), curve.begins(1));
+  fmt::print("largest attraction P = {:.6g} (-2 for DMT, -1.5 for JKR)\n", curve.pull_off_force());
+}
+
 int contact_verb(const Arguments& a) {
   const MaugisCurve curve(a.lambda);
   if (a.radius.empty() && !a.curve && a.plot.empty())
@@ -72,30 +93,11 @@ int contact_verb(const Arguments& a) {
       points.push_back(maugis_at_radius(a.lambda, radius));
   if (a.curve)
     for (const MaugisPoint& p : curve.points(300)) points.push_back(p);
-  if (!a.plot.empty()) {
-    write_svg(a.plot, curve_plot(curve));
-    fmt::print(stderr, "wrote {}\n", a.plot);
-  }
-  Json branches = Json::array();
-  for (int b = 1; b <= curve.branches(); ++b)
-    branches.push_back({{"D_begins", curve.begins(b)}, {"D_ends", number_or_null(curve.ends(b))}});
-  if (a.json) {
-    Json rows = Json::array();
-    for (const MaugisPoint& p : points) rows.push_back(to_json(p));
-    print_json({{"lambda", a.lambda},
-                {"D_attaches", curve.attaches()},
-                {"D_detaches", curve.begins(1)},
-                {"pull_off_P", curve.pull_off_force()},
-                {"branches", branches},
-                {"rows", rows}});
-    return kDone;
-  }
-  if (!points.empty()) fmt::print("{:>14} {:>14} {:>14} {:>14}\n", "A", "m", "P", "D");
-  for (const MaugisPoint& p : points)
-    fmt::print("{:14.9g} {:14.9g} {:14.9g} {:14.9g}\n", p.A, p.m, p.P, p.D);
-  fmt::print("approaching it attaches at D = {:.6g}, retreating it lets go at D = {:.6g}\n",
-             curve.attaches(), curve.begins(1));
-  fmt::print("largest attraction P = {:.6g} (-2 for DMT, -1.5 for JKR)\n", curve.pull_off_force());
+  if (!a.plot.empty()) write_plot(a.plot, curve_plot(curve));
+  if (a.json)
+    print_json(to_json(curve, points));
+  else
+    print(curve, points);
   return kDone;
 }
 
@@ -112,7 +114,7 @@ void add_contact(CLI::App& app, Run& run) {
   verb->add_flag("--curve", a->curve, "Points along the whole curve, unstable parts too");
   verb->add_option("--plot", a->plot, "Draw P(D) with its branches and jumps")
       ->type_name("FILE.svg");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->callback([a, &run] { run = [a] { return contact_verb(*a); }; });
 }
 

@@ -61,82 +61,105 @@ class Clock {
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-int demo_verb(const Arguments& a) {
-  const Scene scene = a.scene.load();
-  const Scaling scaling = scene_scaling(scene);
-  make_folder(a.out);
-  watch_for_interrupt();
-  const auto tell = [&](const std::string& text) { fmt::print(stderr, "{}\n", text); };
-  const Clock clock;
+void tell(const std::string& text) {
+  fmt::print(stderr, "{}\n", text);
+}
 
+std::string episodes_folder(const Arguments& a) {
+  return a.out + "/episodes";
+}
+
+// Episode `number`, by a simulated trainee.
+Recorded record(const Arguments& a, const Scene& scene, double skill, int number) {
+  const std::string folder = episodes_folder(a);
+  if (claim_episode(folder, number) != number)
+    throw BadInput(folder + ": holds other episodes; choose another folder with --out");
+  const auto [drawn, trial, infeasible] =
+      feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
+  const State start = draw_start(*drawn, a.seed, trial);
+  const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
+  return record_one(*drawn, start, *device,
+                    {fmt::format("simulated, skill {}", skill), folder, number, a.seed, trial});
+}
+
+// False where Ctrl-C ended it.
+bool record_all(const Arguments& a, Report& report) {
   tell(fmt::format("1/4 recording {} episodes each of simulated trainees of skill {} and {}",
                    kEpisodesPerSkill, kSkills[0], kSkills[1]));
+  const Clock clock;
+  Progress progress("recording", std::size(kSkills) * kEpisodesPerSkill);
+  int number = 0;
+  for (const double skill : kSkills)
+    for (int i = 0; i < kEpisodesPerSkill; ++i) {
+      report.recorded.push_back({skill, record(a, *report.scene, skill, ++number)});
+      if (interrupted()) {
+        tell("stopped by Ctrl-C; episodes so far are in " + episodes_folder(a));
+        return false;
+      }
+      progress(static_cast<std::size_t>(number));
+    }
+  report.record_seconds = clock.seconds();
+  return true;
+}
+
+void fit(const Arguments& a, Report& report) {
+  tell("2/4 fitting the insertion law");
+  const Clock clock;
+  report.fit = fit_law(load_demonstrations(episodes_folder(a)), a.seed);
+  write_controller(a.out + "/controller.json", report.fit.controller);
+  report.fit_seconds = clock.seconds();
+}
+
+void evaluate(const Arguments& a, Report& report) {
+  tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
+                   kTrials));
+  const Clock clock;
+  const Scene& scene = *report.scene;
+  const Scaling scaling = scene_scaling(scene);
+  const auto campaign = [&](const MakeController& make, const char* what) {
+    return run_campaign(scene, scaling, make, report.trial_seed(), kTrials, a.threads,
+                        Progress(what, kTrials));
+  };
+  report.learned = campaign(controller_maker(report.fit.controller.law()), "learned");
+  report.baseline =
+      campaign(controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed)), "baseline");
+  report.evaluate_seconds = clock.seconds();
+}
+
+// The demonstration to show: of the most skilled that inserted, the one that started lowest. Like
+// the paper's, it touches the lower side of the bore.
+std::string shown(const Report& report) {
+  std::string file;
+  double lowest = INFINITY;
+  for (std::size_t i = 0; i < report.recorded.size(); ++i) {
+    const auto& [skill, recorded] = report.recorded[i];
+    const double y = draw_start(*report.scene, report.seed, i + 1).tip[1];
+    if (recorded.end.outcome != Outcome::inserted || skill < kSkills[1] || y > lowest) continue;
+    lowest = y;
+    file = recorded.file;
+  }
+  return file;
+}
+
+int demo_verb(const Arguments& a) {
+  const Scene scene = a.scene.load();
+  make_folder(a.out);
+  const Clock clock;
   Report report;
   report.scene = &scene;
   report.scene_arguments = "--scene " + a.scene.scene;
   for (const std::string& setting : a.scene.settings)
     report.scene_arguments += " --set '" + setting + "'";
   report.seed = a.seed;
-  const std::string episodes = a.out + "/episodes";
-  {
-    Progress progress("recording", std::size(kSkills) * kEpisodesPerSkill);
-    int number = 0;
-    for (const double skill : kSkills)
-      for (int i = 0; i < kEpisodesPerSkill; ++i) {
-        ++number;
-        if (claim_episode(episodes, number) != number)
-          throw BadInput(episodes + ": holds other episodes; choose another folder with --out");
-        const auto [drawn, trial, infeasible] =
-            feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
-        const State start = draw_start(*drawn, a.seed, trial);
-        const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
-        report.recorded.push_back({skill, record_one(*drawn, start, *device,
-                                                     {fmt::format("simulated, skill {}", skill),
-                                                      episodes, number, a.seed, trial})});
-        if (interrupted()) {
-          tell("stopped by Ctrl-C; episodes so far are in " + episodes);
-          return kInterrupted;
-        }
-        progress(static_cast<std::size_t>(number));
-      }
-  }
-  report.record_seconds = clock.seconds();
+
+  watch_for_interrupt();
+  if (!record_all(a, report)) return kInterrupted;
   stop_watching_for_interrupt();
-
-  tell("2/4 fitting the insertion law");
-  const Clock fit_clock;
-  const DemonstrationSet set = load_demonstrations(episodes);
-  report.fit = fit_law(set, a.seed);
-  const std::string controller = a.out + "/controller.json";
-  write_controller(controller, report.fit.controller);
-  report.fit_seconds = fit_clock.seconds();
-
-  tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
-                   kTrials));
-  const Clock evaluate_clock;
-  const MakeController law = controller_maker(report.fit.controller.law());
-  const MakeController constant =
-      controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
-  // Seeded apart from the demonstrations, so that no trial starts where one did.
-  const std::uint64_t seed = a.seed + 1'000'003;
-  report.learned =
-      run_campaign(scene, scaling, law, seed, kTrials, a.threads, Progress("learned", kTrials));
-  report.baseline = run_campaign(scene, scaling, constant, seed, kTrials, a.threads,
-                                 Progress("baseline", kTrials));
-  report.evaluate_seconds = evaluate_clock.seconds();
-
+  fit(a, report);
+  evaluate(a, report);
   tell("4/4 writing the report");
   const std::string file = a.out + "/report.html";
-  // The demonstration shown is, of the most skilled, the one that started lowest: like the paper's,
-  // it touches the lower side of the bore.
-  double lowest = INFINITY;
-  for (std::size_t i = 0; i < report.recorded.size(); ++i) {
-    const auto& [skill, recorded] = report.recorded[i];
-    const double y = draw_start(scene, a.seed, i + 1).tip[1];
-    if (recorded.end.outcome != Outcome::inserted || skill < kSkills[1] || y > lowest) continue;
-    lowest = y;
-    report.shown = recorded.file;
-  }
+  report.shown = shown(report);
   write_report(file, report);
   if (a.json)
     print_json(report_json(report));
@@ -157,10 +180,8 @@ void add_demo(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->type_name("DIR");
   add_seed(*verb, a->seed, "Seed of everything");
-  verb->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 4096));
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_threads(*verb, a->threads);
+  add_json(*verb, a->json);
   verb->callback([a, &run] { run = [a] { return demo_verb(*a); }; });
 }
 

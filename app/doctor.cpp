@@ -1,18 +1,13 @@
 // ferrule doctor: can this scene be felt on this device, on this machine?
 #include <fmt/format.h>
 
-#include <cmath>
 #include <cstring>
 
 #include "app/connected.hpp"
 #include "app/verb.hpp"
-#include "capture/episode.hpp"
-#include "capture/haptic_loop.hpp"
-#include "haptic/real_time.hpp"
+#include "capture/loop_timing.hpp"
 #include "insertion/rendering.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "insertion/stiffness_range.hpp"
-#include "sim/step.hpp"
 
 namespace ferrule {
 namespace {
@@ -23,22 +18,6 @@ struct Arguments {
   double gain = 1, seconds = 1;
   bool json = false;
 };
-
-// The simulator in the loop of the device: the hand moves by a clearance to and fro where the fibre
-// is stiffest.
-LoopTiming run_loop(const Scene& scene, const State& start, double period, double seconds) {
-  const RealTime real_time;
-  State state = start;
-  PeriodClock clock(period);
-  const auto periods = static_cast<std::int64_t>(std::ceil(seconds / period));
-  for (std::int64_t n = 0; n < periods && !interrupted(); ++n) {
-    clock.wait();
-    Pose hand = start.command;
-    hand[1] += scene.world.annulus.clearance() * std::sin(10 * static_cast<double>(n) * period);
-    state = step(scene.world, state, hand, period).state;
-  }
-  return {clock.statistics(), real_time.scheduling_error(), real_time.locking_error()};
-}
 
 std::string mend_scheduling(int error) {
   if (error == 0) return "";
@@ -52,79 +31,80 @@ std::string mend_locking(int error) {
          "and log in again (in a container: run it with --ulimit memlock=-1)";
 }
 
-int doctor(const Arguments& a) {
-  if (a.device == "auto" || a.device.starts_with("fake:") || a.device.starts_with("/dev/hidraw"))
-    throw BadInput("--device " + a.device +
-                   ": must be a profile, \"pen\" or a file; devices that are connected are listed "
-                   "with any");
-  const Scene scene = a.scene.load();
-  const DeviceProfile device = at_gain(load_device_profile(a.device), a.gain);
-  const Scaling scaling = scene_scaling(scene);
-  const Rendering felt = rendering(scene, device);
-  const StiffnessRange& tip = felt.tip;
-  const double magnified = felt.magnified, K = felt.stiffness, B = felt.damping;
-  const std::vector<std::string>& reasons = felt.reasons;
-  const std::string set = felt.set();
+// What is looked at, and found.
+struct Findings {
+  double gain;
+  Scene scene;
+  DeviceProfile device;  // with that gain
+  Rendering felt;
+  LoopTiming loop;
+  std::vector<FoundDevice> connected;
+
+  double felt_at_limit() const { return scene_scaling(scene).force * scene.limits.force; }
+};
+
+Json loop_and_mends(const Findings& f) {
+  Json timed = loop_json(f.loop, f.device.period);
+  timed["sched_fifo_mend"] = mend_scheduling(f.loop.scheduling_error);
+  timed["memory_locked_mend"] = mend_locking(f.loop.locking_error);
+  return timed;
+}
+
+Json to_json(const Findings& f) {
+  const DeviceProfile& device = f.device;
+  const StiffnessRange& tip = f.felt.tip;
+  const double K = f.felt.stiffness, B = f.felt.damping;
   const Coupling coupling = stable_coupling(device);
-  const double felt_limit = scaling.force * scene.limits.force;
+  return {
+      {"scene", f.scene.name},
+      {"device", device.name},
+      {"device_source", device.source},
+      {"gain", f.gain},
+      {"tip",
+       {{"states", tip.states},
+        {"touching", tip.touching},
+        {"two_point", tip.two_point},
+        {"stiffness_N_m", tip.largest},
+        {"smallest_stiffness_N_m", tip.smallest},
+        {"damping_N_s_m", tip.damping}}},
+      {"felt",
+       {{"stiffness_N_m", K},
+        {"smallest_stiffness_N_m", f.felt.magnified * tip.smallest},
+        {"damping_N_s_m", B},
+        {"force_at_limit_N", f.felt_at_limit()},
+        {"device_max_force_N", device.max_force}}},
+      {"bounds",
+       {{"damping_needed_N_s_m", damping_needed(device, K, B)},
+        {"device_damping_N_s_m", device.damping},
+        {"passive_stiffness_N_m", passive_stiffness(device, B)},
+        {"quantised_stiffness_N_m", number_or_null(resting_stiffness(device))},
+        {"device_max_stiffness_N_m", device.max_stiffness},
+        {"stable_stiffness_N_m", stable_stiffness(device, B)}}},
+      {"stable", f.felt.stable()},
+      {"reasons", f.felt.reasons},
+      {"largest_hand_force_N", number_or_null(f.felt.largest_hand_force)},
+      {"set", f.felt.set()},
+      {"coupling", {{"stiffness_N_m", coupling.stiffness}, {"damping_N_s_m", coupling.damping}}},
+      {"loop", loop_and_mends(f)},
+      {"devices", json_list(f.connected, device_json)}};
+}
 
-  watch_for_interrupt();
-  const LoopTiming loop = run_loop(scene, tip.stiffest, device.period, a.seconds);
-  if (interrupted()) return kInterrupted;
-  const PeriodStatistics& timing = loop.periods;
-  const std::vector<FoundDevice> found = find_devices();
+void line(const std::string& what, const std::string& value) {
+  fmt::print("{:<34} {}\n", what, value);
+}
 
-  if (a.json) {
-    Json timed = loop_json(loop, device.period);
-    timed["sched_fifo_mend"] = mend_scheduling(loop.scheduling_error);
-    timed["memory_locked_mend"] = mend_locking(loop.locking_error);
-    Json devices = Json::array();
-    for (const FoundDevice& d : found) devices.push_back(device_json(d));
-    print_json(
-        {{"scene", scene.name},
-         {"device", device.name},
-         {"device_source", device.source},
-         {"gain", a.gain},
-         {"tip",
-          {{"states", tip.states},
-           {"touching", tip.touching},
-           {"two_point", tip.two_point},
-           {"stiffness_N_m", tip.largest},
-           {"smallest_stiffness_N_m", tip.smallest},
-           {"damping_N_s_m", tip.damping}}},
-         {"felt",
-          {{"stiffness_N_m", K},
-           {"smallest_stiffness_N_m", magnified * tip.smallest},
-           {"damping_N_s_m", B},
-           {"force_at_limit_N", felt_limit},
-           {"device_max_force_N", device.max_force}}},
-         {"bounds",
-          {{"damping_needed_N_s_m", damping_needed(device, K, B)},
-           {"device_damping_N_s_m", device.damping},
-           {"passive_stiffness_N_m", passive_stiffness(device, B)},
-           {"quantised_stiffness_N_m", number_or_null(resting_stiffness(device))},
-           {"device_max_stiffness_N_m", device.max_stiffness},
-           {"stable_stiffness_N_m", stable_stiffness(device, B)}}},
-         {"stable", reasons.empty()},
-         {"reasons", reasons},
-         {"largest_hand_force_N", number_or_null(felt.largest_hand_force)},
-         {"set", set},
-         {"coupling", {{"stiffness_N_m", coupling.stiffness}, {"damping_N_s_m", coupling.damping}}},
-         {"loop", timed},
-         {"devices", devices}});
-    return reasons.empty() ? kDone : kFailed;
-  }
-
-  const auto line = [](const std::string& what, const std::string& value) {
-    fmt::print("{:<34} {}\n", what, value);
-  };
-  fmt::print("scene {} on device {}{}: {}\n\n", scene.name, device.name,
-             a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain), device.source);
+void print_rendering(const Findings& f) {
+  const DeviceProfile& device = f.device;
+  const StiffnessRange& tip = f.felt.tip;
+  const double K = f.felt.stiffness, B = f.felt.damping, felt_limit = f.felt_at_limit();
+  const Coupling coupling = stable_coupling(device);
+  fmt::print("scene {} on device {}{}: {}\n\n", f.scene.name, device.name,
+             f.gain == 1 ? "" : fmt::format(" with --gain {:g}", f.gain), device.source);
   line("states looked at",
        fmt::format("{}: {} touch, {} with end and side", tip.states, tip.touching, tip.two_point));
   line("stiffness of the fibre's end",
        fmt::format("{:.4g} to {:.4g} N/m", tip.smallest, tip.largest));
-  line("felt stiffness K", fmt::format("{:.4g} N/m, magnified {:.4g} times", K, magnified));
+  line("felt stiffness K", fmt::format("{:.4g} N/m, magnified {:.4g} times", K, f.felt.magnified));
   line("felt damping B", fmt::format("{:.3g} N s/m", B));
   line("felt force at limits.force_uN",
        fmt::format("{:.3g} N; the device gives {:.3g} N{}", felt_limit, device.max_force,
@@ -135,24 +115,30 @@ int doctor(const Arguments& a) {
   line("K allowed by damping", fmt::format("{:.4g} N/m", passive_stiffness(device, B)));
   line("K allowed by resolution, 2 f_c/D", fmt::format("{:.4g} N/m", resting_stiffness(device)));
   line("K allowed by the maker", fmt::format("{:.4g} N/m", device.max_stiffness));
+  const std::string set = f.felt.set();
   line("largest stable force scaling",
        !set.empty() ? set : "none: nothing is felt, or nothing is stable");
   line("virtual coupling",
        fmt::format("{:.4g} N/m, {:.3g} N s/m", coupling.stiffness, coupling.damping));
+}
 
-  fmt::print("\n");
+void print_loop(const LoopTiming& loop, double period) {
+  const PeriodStatistics& timing = loop.periods;
   line("loop of this machine", fmt::format("{} periods of {:g} us, {} deadlines missed",
-                                           timing.periods, 1e6 * device.period, timing.missed));
+                                           timing.periods, 1e6 * period, timing.missed));
   line("period p50, p99, p99.9, worst",
        fmt::format("{:.0f}, {:.0f}, {:.0f}, {:.0f} us", 1e6 * timing.p50, 1e6 * timing.p99,
                    1e6 * timing.p99_9, 1e6 * timing.worst));
-  const auto granted = [&](const char* what, int error, const std::string& mend) {
+  const auto granted = [](const char* what, int error, const std::string& mend) {
     line(what, error == 0 ? "granted" : fmt::format("{}; mend: {}", std::strerror(error), mend));
   };
   granted("SCHED_FIFO", loop.scheduling_error, mend_scheduling(loop.scheduling_error));
   granted("memory locked", loop.locking_error, mend_locking(loop.locking_error));
-  if (found.empty()) line("devices", "none is connected");
-  for (const FoundDevice& d : found) {
+}
+
+void print_connected(const std::vector<FoundDevice>& connected) {
+  if (connected.empty()) line("devices", "none is connected");
+  for (const FoundDevice& d : connected) {
     const Json json = device_json(d);
     line(d.info.path,
          fmt::format("{} {}{}", json["id"].get<std::string>(), json["state"].get<std::string>(),
@@ -160,15 +146,40 @@ int doctor(const Arguments& a) {
                      : !d.missing.empty() ? ": " + d.missing
                                           : ""));
   }
+}
 
-  fmt::print("\n");
-  if (reasons.empty()) {
-    fmt::print("STABLE: the device renders {:.4g} N/m.\n", K);
-    return kDone;
+void print_verdict(const Rendering& felt) {
+  if (felt.stable()) {
+    fmt::print("STABLE: the device renders {:.4g} N/m.\n", felt.stiffness);
+    return;
   }
-  fmt::print("REFUSED for force feedback: {:.4g} N/m is more than the device renders:\n", K);
-  for (const std::string& reason : reasons) fmt::print("  {}\n", reason);
-  return kFailed;
+  fmt::print("REFUSED for force feedback: {:.4g} N/m is more than the device renders:\n",
+             felt.stiffness);
+  for (const std::string& reason : felt.reasons) fmt::print("  {}\n", reason);
+}
+
+int doctor(const Arguments& a) {
+  if (a.device == "auto" || a.device.starts_with("fake:") || a.device.starts_with("/dev/hidraw"))
+    throw BadInput("--device " + a.device +
+                   ": must be a profile, \"pen\" or a file; devices that are connected are listed "
+                   "with any");
+  Findings f{a.gain, a.scene.load(), at_gain(load_device_profile(a.device), a.gain), {}, {}, {}};
+  f.felt = rendering(f.scene, f.device);
+  watch_for_interrupt();
+  f.loop = time_loop(f.scene, f.felt.tip.stiffest, f.device.period, a.seconds, interrupted);
+  if (interrupted()) return kInterrupted;
+  f.connected = find_devices();
+  if (a.json) {
+    print_json(to_json(f));
+  } else {
+    print_rendering(f);
+    fmt::print("\n");
+    print_loop(f.loop, f.device.period);
+    print_connected(f.connected);
+    fmt::print("\n");
+    print_verdict(f.felt);
+  }
+  return f.felt.stable() ? kDone : kFailed;
 }
 
 }  // namespace
@@ -189,7 +200,7 @@ void add_doctor(CLI::App& app, Run& run) {
   verb->add_option("--seconds", a->seconds, "How long the loop is measured")
       ->capture_default_str()
       ->check(number_between(0.01, 3600));
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->callback([a, &run] { run = [a] { return doctor(*a); }; });
 }
 

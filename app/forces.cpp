@@ -3,6 +3,7 @@
 
 #include "app/force_table.hpp"
 #include "app/verb.hpp"
+#include "sim/scene/terms.hpp"
 
 namespace ferrule {
 namespace {
@@ -21,32 +22,33 @@ std::vector<double> lengths(const std::string& text, const std::string& option) 
   return values;
 }
 
-void print_table(const std::vector<ForceRow>& rows, bool liquid) {
-  fmt::print("{:>9} {:>9} {:>8} {:>13} {:>13} {:>11} {:>9} {:>10} {:>10} {:>10}", "gap_nm",
-             "length_um", "depth_nm", "van_der_Waals", "electrostatic", "capillary", "gravity",
-             "adhesion", "wall", "friction");
-  if (liquid) fmt::print(" {:>10} {:>10} {:>10}", "meniscus", "drag", "squeeze");
+void print_table(const std::vector<ForceRow>& rows, const Laws& laws) {
+  std::vector<Term> shown;
+  for (const Term term : kAllTerms)
+    if (info(term).present(laws)) shown.push_back(term);
+  fmt::print("{:>9} {:>9} {:>8}", "gap_nm", "length_um", "depth_nm");
+  for (const Term term : shown) fmt::print(" {:>13}", info(term).name);
+  if (laws.drag) fmt::print(" {:>13}", "squeeze");
   fmt::print("\n");
   for (const ForceRow& r : rows) {
-    fmt::print(
-        "{:9.4g} {:9.4g} {:>8} {:13.6g} {:13.6g} {:11.6g} {:9.5g} {:10.6g} {:10.6g} {:10.6g}",
-        r.gap_nm, r.length_um, r.depth_nm ? fmt::format("{:.4g}", *r.depth_nm) : "-",
-        1e6 * r.van_der_waals, 1e6 * r.electrostatic, 1e6 * r.capillary, 1e6 * r.gravity,
-        1e6 * r.adhesion, 1e6 * r.wall, 1e6 * r.friction);
-    if (liquid)
-      fmt::print(" {:10.6g} {:10.6g} {:10.6g}", 1e6 * r.meniscus, 1e6 * r.drag, 1e6 * r.squeeze);
+    fmt::print("{:9.4g} {:9.4g} {:>8}", r.gap_nm, r.length_um,
+               r.depth_nm ? fmt::format("{:.4g}", *r.depth_nm) : "-");
+    for (const Term term : shown) fmt::print(" {:13.6g}", 1e6 * r.forces[term]);
+    if (laws.drag) fmt::print(" {:13.6g}", 1e6 * r.forces.squeeze);
     fmt::print("\n");
   }
-  fmt::print("forces in uN; attraction negative, friction{} {}; \"-\": not in contact\n",
-             liquid ? ", meniscus and drag" : "", liquid ? "magnitudes" : "a magnitude");
+  fmt::print(
+      "forces in uN; attraction negative; friction, meniscus and drag magnitudes; \"-\": not in "
+      "contact\n");
 }
 
 // The gap is the smallest where that at the middle does not exceed the clearance. Only printed laws
 // know no other wall.
 void check_fits(const World& world, double gap_nm, double length_um, double tilt_mrad) {
-  const auto corrected = [](const auto& law) { return law && law->form == Form::corrected; };
-  const bool walls = corrected(world.laws.van_der_waals) || corrected(world.laws.electrostatic) ||
-                     corrected(world.laws.capillary) || world.laws.drag;
+  const Laws& laws = world.laws;
+  const bool walls = std::holds_alternative<VanDerWaals>(laws.van_der_waals) ||
+                     std::holds_alternative<Electrostatic>(laws.electrostatic) ||
+                     std::holds_alternative<Capillary>(laws.capillary) || laws.drag;
   const double clearance = 1e9 * world.annulus.clearance(), slack = 1e-9 * clearance;
   if (!walls && tilt_mrad == 0) return;
   if (gap_nm > clearance + slack)
@@ -59,50 +61,62 @@ void check_fits(const World& world, double gap_nm, double length_um, double tilt
                     tilt_mrad, length_um, gap_nm, 2 * (clearance - gap_nm) / length_um));
 }
 
-int forces_verb(const Arguments& a) {
-  // Nothing is left out. The settings are those of the form asked for.
-  const bool own_form = a.form.empty();
-  Scene scene = load_scene(a.scene.scene, own_form ? a.scene.settings : std::vector<std::string>{});
-  if (!own_form) {
-    for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
-    const std::string file = a.scene.scene + " with --form " + a.form;
-    set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
-    scene = parse_scene(scene.document, file);
-  }
-  const std::vector<double> depths =
-      a.depth.empty() ? std::vector<double>{} : lengths(a.depth, "--depth-nm");
+// Nothing is left out. The settings are those of the form asked for.
+Scene scene_in_form(const Arguments& a) {
+  if (a.form.empty()) return load_scene(a.scene.scene, a.scene.settings);
+  Scene scene = load_scene(a.scene.scene, {});
+  for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
+  const std::string file = a.scene.scene + " with --form " + a.form;
+  set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
+  return parse_scene(scene.document, file);
+}
+
+// What is swept: one of the three, or each combination of them.
+struct Grid {
+  std::vector<double> gaps, inserted, depths;  // no depths: apart
+};
+
+Grid grid(const Arguments& a) {
+  Grid g;
+  if (!a.depth.empty()) g.depths = lengths(a.depth, "--depth-nm");
   // In contact the gap is closed, unless one is asked for.
-  const std::string gap = !a.gap.empty() ? a.gap : depths.empty() ? "10" : "0";
-  const std::vector<double> gaps = lengths(gap, "--gap-nm");
-  const std::vector<double> inserted = lengths(a.length, "--length-um");
+  g.gaps = lengths(!a.gap.empty() ? a.gap : g.depths.empty() ? "10" : "0", "--gap-nm");
+  g.inserted = lengths(a.length, "--length-um");
+  return g;
+}
 
-  for (const double g : gaps)
-    for (const double l : inserted) check_fits(scene.world, g, l, a.tilt_mrad);
-
-  const Lie lie{1e-3 * a.tilt_mrad, 1e-6 * a.speed_um_s};
+std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const Arguments& a) {
+  for (const double gap : grid.gaps)
+    for (const double length : grid.inserted) check_fits(world, gap, length, a.tilt_mrad);
+  const double tilt = 1e-3 * a.tilt_mrad, speed = 1e-6 * a.speed_um_s;
   std::vector<ForceRow> rows;
-  for (const double g : gaps)
-    for (const double l : inserted) {
-      if (depths.empty()) rows.push_back(force_row(scene.world, g, l, std::nullopt, lie));
-      for (const double d : depths) rows.push_back(force_row(scene.world, g, l, d, lie));
+  for (const double gap : grid.gaps)
+    for (const double length : grid.inserted) {
+      if (grid.depths.empty())
+        rows.push_back(force_row(world, gap, length, std::nullopt, tilt, speed));
+      for (const double d : grid.depths)
+        rows.push_back(force_row(world, gap, length, d, tilt, speed));
     }
+  return rows;
+}
 
-  if (!a.plot.empty()) {
-    const int swept = (gaps.size() > 1) + (inserted.size() > 1) + (depths.size() > 1);
-    if (swept != 1) throw BadInput("--plot needs exactly one range among gap, length and depth");
-    const Sweep sweep = gaps.size() > 1       ? Sweep::gap
-                        : inserted.size() > 1 ? Sweep::length
-                                              : Sweep::depth;
-    write_svg(a.plot, force_plot(rows, sweep, scene.name));
-    fmt::print(stderr, "wrote {}\n", a.plot);
-  }
-  if (a.json) {
-    Json list = Json::array();
-    for (const ForceRow& row : rows) list.push_back(to_json(row));
-    print_json({{"scene", scene.name}, {"rows", list}});
-  } else {
-    print_table(rows, scene.world.laws.meniscus || scene.world.laws.drag);
-  }
+Sweep swept(const Grid& grid) {
+  const bool gap = grid.gaps.size() > 1, length = grid.inserted.size() > 1;
+  if (gap + length + (grid.depths.size() > 1) != 1)
+    throw BadInput("--plot needs exactly one range among gap, length and depth");
+  return gap ? Sweep::gap : length ? Sweep::length : Sweep::depth;
+}
+
+int forces_verb(const Arguments& a) {
+  const Scene scene = scene_in_form(a);
+  const Grid asked = grid(a);
+  const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
+  if (!a.plot.empty()) write_plot(a.plot, force_plot(rows, swept(asked), scene.name));
+  if (a.json)
+    print_json({{"scene", scene.name},
+                {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}});
+  else
+    print_table(rows, scene.world.laws);
   return kDone;
 }
 
@@ -129,7 +143,7 @@ void add_forces(CLI::App& app, Run& run) {
                    "Speed that drag is given for: along the bore, and towards the wall (squeeze)")
       ->capture_default_str()
       ->check(number_between(0, 1e9));
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
   verb->callback([a, &run] { run = [a] { return forces_verb(*a); }; });
 }

@@ -53,8 +53,17 @@ Chosen choose(const Arguments& a) {
   return chosen;
 }
 
+// Each pair of parameters with its correlation.
+template <class Do>
+void for_each_pair(const Identification& found, const Do& act) {
+  for (std::size_t i = 0; i < found.parameters.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      act(found.parameters[j].key, found.parameters[i].key,
+          found.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
+}
+
 Json to_json(const Arguments& a, const Chosen& chosen, const Identification& found) {
-  Json parameters = Json::object(), correlations = Json::array(), episodes = Json::array();
+  Json parameters = Json::object(), correlations = Json::array();
   for (const IdentifiedParameter& p : found.parameters)
     parameters[p.key] = {{"told", name(p.told)},
                          {"value", number_or_null(p.value)},
@@ -63,14 +72,11 @@ Json to_json(const Arguments& a, const Chosen& chosen, const Identification& fou
                          {"start", p.start},
                          {"lowest", p.lowest},
                          {"highest", p.highest}};
-  for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
-    for (Eigen::Index j = 0; j < i; ++j)
-      correlations.push_back({{"a", found.parameters[static_cast<std::size_t>(j)].key},
-                              {"b", found.parameters[static_cast<std::size_t>(i)].key},
-                              {"correlation", found.correlation(i, j)}});
-  for (const Recording& r : chosen.recordings) episodes.push_back(r.file);
+  for_each_pair(found, [&](const std::string& one, const std::string& other, double r) {
+    correlations.push_back({{"a", one}, {"b", other}, {"correlation", r}});
+  });
   return {{"scene", chosen.scene.name},
-          {"episodes", episodes},
+          {"episodes", json_list(chosen.recordings, [](const Recording& r) { return r.file; })},
           {"rows", found.rows},
           {"seed", a.seed},
           {"parameters", parameters},
@@ -79,32 +85,33 @@ Json to_json(const Arguments& a, const Chosen& chosen, const Identification& fou
           {"residual_uN", 1e6 * found.residual}};
 }
 
+// What a reader must know about parameter `i`; empty where it was fitted.
+std::string remark(const Identification& found, std::size_t i) {
+  const IdentifiedParameter& p = found.parameters[i];
+  if (p.told == Told::fitted) return "";
+  if (p.told == Told::at_bound)
+    return fmt::format("  at its bound ({:.4g} to {:.4g}): start elsewhere with --set", p.lowest,
+                       p.highest);
+  Eigen::RowVectorXd others = found.correlation.row(static_cast<Eigen::Index>(i)).cwiseAbs();
+  others[static_cast<Eigen::Index>(i)] = 0;
+  return others.maxCoeff() > kNoted ? "  another can stand for it"
+                                    : "  the recordings tell nothing about it";
+}
+
 void print(const Chosen& chosen, const Identification& found) {
   fmt::print("{:<40} {:>12} {:>12} {:>12} {:>12}\n", "parameter", "start", "value", "95 % low",
              "95 % high");
-  const auto shown = [](double x) {
-    return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
-  };
+  const auto shown = [](double x) { return number_or("open", "{:.6g}", x); };
   for (std::size_t i = 0; i < found.parameters.size(); ++i) {
     const IdentifiedParameter& p = found.parameters[i];
-    Eigen::RowVectorXd others = found.correlation.row(static_cast<Eigen::Index>(i)).cwiseAbs();
-    others[static_cast<Eigen::Index>(i)] = 0;
     fmt::print("{:<40} {:>12.6g} {:>12} {:>12} {:>12}{}\n", p.key, p.start, shown(p.value),
-               shown(p.low), shown(p.high),
-               p.told == Told::at_bound
-                   ? fmt::format("  at its bound ({:.4g} to {:.4g}): start elsewhere with --set",
-                                 p.lowest, p.highest)
-               : p.told == Told::fitted     ? ""
-               : others.maxCoeff() > kNoted ? "  another can stand for it"
-                                            : "  the recordings tell nothing about it");
+               shown(p.low), shown(p.high), remark(found, i));
   }
-  for (Eigen::Index i = 0; i < found.correlation.rows(); ++i)
-    for (Eigen::Index j = 0; j < i; ++j)
-      if (std::abs(found.correlation(i, j)) > kNoted)
-        fmt::print(
-            "note: {} and {} can hardly be told apart (correlation {:.4f}); hold one fixed\n",
-            found.parameters[static_cast<std::size_t>(j)].key,
-            found.parameters[static_cast<std::size_t>(i)].key, found.correlation(i, j));
+  for_each_pair(found, [](const std::string& one, const std::string& other, double r) {
+    if (std::abs(r) > kNoted)
+      fmt::print("note: {} and {} can hardly be told apart (correlation {:.4f}); hold one fixed\n",
+                 one, other, r);
+  });
   fmt::print("{} episodes, {} rows; force difference {:.4g} uN at the start, {:.4g} uN fitted\n",
              chosen.recordings.size(), found.rows, 1e6 * found.residual_start,
              1e6 * found.residual);
@@ -138,7 +145,7 @@ void add_identify(CLI::App& app, Run& run) {
       ->type_name("KEY,KEY,...");
   a->scene.add_to(*verb, kRecorded);
   add_seed(*verb, a->seed, "Seed of the episodes that are taken and of the random starts");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->callback([a, &run] { run = [a] { return identify_verb(*a); }; });
 }
 

@@ -1,18 +1,16 @@
 #include <fmt/format.h>
 
 #include <iostream>
+#include <optional>
 
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "haptic/trouble.hpp"
 
-int main(int argc, char** argv) {
-  using namespace ferrule;
-  CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
-               "ferrule");
-  app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
-  app.require_subcommand(1);
-  Run run;
+namespace ferrule {
+namespace {
+
+void add_verbs(CLI::App& app, Run& run) {
   add_demo(app, run);
   add_forces(app, run);
   add_contact(app, run);
@@ -29,45 +27,61 @@ int main(int argc, char** argv) {
   add_bench(app, run);
   add_devices(app, run);
   add_doctor(app, run);
+}
+
+int refused(const std::string& why, ExitCode code) {
+  fmt::print(stderr, "ferrule: {}\n", why);
+  return code;
+}
+
+// Empty: a verb was chosen. Otherwise the program's exit code.
+std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   const auto is_verb = [&](const std::string& word) {
     for (const CLI::App* verb : app.get_subcommands({}))
       if (verb->get_name() == word) return true;
     return false;
   };
-  if (argc > 1 && argv[1][0] != '-' && !is_verb(argv[1])) {
-    fmt::print(stderr, "ferrule: unknown verb \"{}\" (see ferrule --help)\n", argv[1]);
-    return kBadInput;
-  }
+  if (argc > 1 && argv[1][0] != '-' && !is_verb(argv[1]))
+    return refused(fmt::format("unknown verb \"{}\" (see ferrule --help)", argv[1]), kBadInput);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    fmt::print(stderr, "ferrule: {} (see ferrule --help)\n", error.what());
-    return kBadInput;
+    return refused(std::string(error.what()) + " (see ferrule --help)", kBadInput);
   }
+  return std::nullopt;
+}
+
+int exit_code(const Run& run) {
   try {
     const int code = run();
     std::cout.flush();
-    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout)) {
-      fmt::print(stderr, "ferrule: standard output cannot be written\n");
-      return kFileTrouble;
-    }
+    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
+      return refused("standard output cannot be written", kFileTrouble);
     return code;
   } catch (const BadInput& error) {
-    fmt::print(stderr, "ferrule: {}\n", error.what());
-    return kBadInput;
-  } catch (const FileTrouble& error) {
-    fmt::print(stderr, "ferrule: {}\n", error.what());
-    return kFileTrouble;
+    return refused(error.what(), kBadInput);
   } catch (const DeviceTrouble& trouble) {
-    fmt::print(stderr, "ferrule: {}\n", trouble.what());
-    return kDeviceTrouble;
+    return refused(trouble.what(), kDeviceTrouble);
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "ferrule: out of memory\n");
-    return kFileTrouble;
-  } catch (const std::exception& error) {
-    fmt::print(stderr, "ferrule: {}\n", error.what());
-    return kFileTrouble;
+    return refused("out of memory", kFileTrouble);
+  } catch (const std::exception& error) {  // FileTrouble, and what nobody foresaw
+    return refused(error.what(), kFileTrouble);
   }
+}
+
+}  // namespace
+}  // namespace ferrule
+
+int main(int argc, char** argv) {
+  using namespace ferrule;
+  CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
+               "ferrule");
+  app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
+  app.require_subcommand(1);
+  Run run;
+  add_verbs(app, run);
+  if (const std::optional<int> code = parse(app, argc, argv)) return *code;
+  return exit_code(run);
 }

@@ -122,6 +122,11 @@ void write_svg(const std::string& file, const Plot& plot) {
   write_text(file, draw_svg(plot));
 }
 
+void write_plot(const std::string& file, const Plot& plot) {
+  write_svg(file, plot);
+  fmt::print(stderr, "wrote {}\n", file);
+}
+
 void make_plot_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);

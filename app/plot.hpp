@@ -30,6 +30,8 @@ struct Plot {
 // Throws FileTrouble if gnuplot is not there or refuses.
 std::string draw_svg(const Plot& plot);
 void write_svg(const std::string& file, const Plot& plot);
+// And says so on stderr.
+void write_plot(const std::string& file, const Plot& plot);
 // Makes the folder that plots go to, unless it is there. Throws FileTrouble.
 void make_plot_folder(const std::string& folder);
 

@@ -7,53 +7,12 @@
 #include "app/campaign_table.hpp"
 #include "app/demonstration_plot.hpp"
 #include "app/force_table.hpp"
-#include "app/plot.hpp"
+#include "app/html.hpp"
 #include "app/verb.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
-
-std::string escaped(const std::string& text) {
-  std::string out;
-  for (const char c : text) switch (c) {
-      case '&':
-        out += "&amp;";
-        break;
-      case '<':
-        out += "&lt;";
-        break;
-      case '>':
-        out += "&gt;";
-        break;
-      case '"':
-        out += "&quot;";
-        break;
-      default:
-        out += c;
-    }
-  return out;
-}
-
-// An SVG as an image of its own, so that the names in one do not meet those in another.
-std::string image(const std::string& svg, const std::string& alt) {
-  std::string data;
-  for (const char c : svg)
-    if (c == '%' || c == '#' || c == '"' || c == '<' || c == '>' || c == '\n')
-      data += fmt::format("%{:02X}", static_cast<unsigned char>(c));
-    else
-      data += c;
-  return fmt::format("<img alt=\"{}\" src=\"data:image/svg+xml,{}\">\n", escaped(alt), data);
-}
-
-std::string figure(const Plot& plot, const std::string& caption) {
-  return "<figure>\n" + image(draw_svg(plot), plot.title) + "<figcaption>" + caption +
-         "</figcaption></figure>\n";
-}
-
-std::string number_or_dash(double x, const char* format) {
-  return std::isfinite(x) ? fmt::format(fmt::runtime(format), x) : std::string("&ndash;");
-}
 
 Plot gap_plot(const Scene& scene) {
   std::vector<ForceRow> rows;
@@ -82,7 +41,7 @@ Plot start_map(const Report& r, const std::vector<TrialResult>& results, const c
     Series series{name(static_cast<Outcome>(i)), {}, {}, Series::points};
     for (std::size_t k = 0; k < results.size(); ++k) {
       if (results[k].outcome != static_cast<Outcome>(i)) continue;
-      const State start = draw_start(*r.scene, r.seed + 1'000'003, k);
+      const State start = draw_start(*r.scene, r.trial_seed(), k);
       series.x.push_back(1e6 * start.tip[1]);
       series.y.push_back(1e6 * start.tip[2]);
     }
@@ -114,7 +73,8 @@ std::string success_table(const CampaignSummary& learned, const CampaignSummary&
   for (const auto& [who, s] : {std::pair<const char*, const CampaignSummary&>{"learned", learned},
                                {"constant velocity", baseline}}) {
     const auto pair = [](const Spread& x, double unit, const char* format) {
-      return number_or_dash(unit * x.median, format) + " / " + number_or_dash(unit * x.p95, format);
+      return number_or("&ndash;", format, unit * x.median) + " / " +
+             number_or("&ndash;", format, unit * x.p95);
     };
     html += fmt::format(
         "<tr><td>{}</td><td class=n>{} of {}</td><td class=n>{:.1f} %</td><td class=n>{:.1f} to "
@@ -172,87 +132,101 @@ pre { padding: 0.8rem; overflow-x: auto } .big { font-size: 1.25rem }
 </style></head><body>
 )";
 
+std::string summary_section(const Report& r, const CampaignSummary& learned,
+                            const CampaignSummary& baseline) {
+  const Scene& scene = *r.scene;
+  return fmt::format(
+             "<h1>Inserting a {:g} um fibre into a {:g} um bore</h1>\n"
+             "<p class=big>A controller learned from {} demonstrations (a fifth held out) inserted "
+             "the fibre in {} of {} trials "
+             "({:.1f} %; 95 % interval {:.1f} to {:.1f} %). Pushing straight in at constant speed "
+             "did so in {} of the same {} trials ({:.1f} %).</p>\n",
+             2e6 * scene.world.annulus.fibre_radius, 2e6 * scene.world.annulus.bore_radius,
+             r.recorded.size(), learned.successes, learned.trials, 100 * learned.success_rate,
+             100 * learned.wilson.low, 100 * learned.wilson.high, baseline.successes,
+             baseline.trials, 100 * baseline.success_rate) +
+         fmt::format(
+             "<p>Everything here is simulated, the operators too. Scene <code>{}</code>, seed {}. "
+             "The fibre starts {:g} um outside the bore, misaligned sideways with a standard "
+             "deviation of {:g} um in each direction and tilted with {:g} mrad; a trial fails when "
+             "the force at the holder exceeds {:g} uN. Recording took {:.1f} s, fitting {:.1f} s, "
+             "the trials {:.1f} s.</p>\n",
+             escaped(scene.name), r.seed, 1e6 * scene.start.distance, 1e6 * scene.start.lateral_sd,
+             1e3 * scene.start.tilt_sd, 1e6 * scene.limits.force, r.record_seconds, r.fit_seconds,
+             r.evaluate_seconds);
+}
+
+std::string forces_section(const Scene& scene) {
+  return "<h2>The forces</h2>\n" +
+         figure(gap_plot(scene),
+                "Magnitudes; laws in the form the scene asks for. Compare Fig. 5 of the paper.") +
+         figure(depth_plot(scene), "Attraction negative. Compare Fig. 7 of the paper.");
+}
+
+std::string demonstrations_section(const Report& r) {
+  const std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
+  if (r.shown.empty()) return html;
+  return html +
+         figure(demonstration_plot(read_episode(r.shown), *r.scene),
+                "In the manner of Fig. 10 of the paper: the speed along &minus;x rises and falls "
+                "back to 0; dots are the contact force. File <code>" +
+                    escaped(r.shown) + "</code>.");
+}
+
+std::string law_section(const FitReport& fit) {
+  const LawFile& c = fit.controller;
+  return "<h2>The fitted law</h2>\n<pre>" +
+         escaped(
+             "v_x = -v_c r (1 - exp((d - d_e)/L)) / (1 + k |f|^2) + A_x f_x,  r = (s (2 - s))^2, s "
+             "= min(1, t/t_r)\n"
+             "v_y = A_y f_y + b_y + c_y d\nv_z = A_z f_z + b_z + c_z d") +
+         "</pre>\n<p>In the hand's world: f is the felt force relative to that at rest, d the "
+         "depth of the hand past the entrance, t the time since the start.</p>\n" +
+         gains_table(c) +
+         fmt::format(
+             "<p>{} training episodes, {} held out. Velocity residual {:.3g} mm/s, held out {:.3g} "
+             "mm/s; the law explains {:.0f} % of the velocities' variance. The operators' reaction "
+             "time was identified as {:.2f} s and is not imitated.</p>\n",
+             c.trained_on.episodes.size(), c.trained_on.held_out.size(), 1e3 * c.residual,
+             1e3 * c.held_out_residual, 100 * fit.explained, c.reaction_time);
+}
+
+std::string trials_section(const Report& r, const CampaignSummary& learned,
+                           const CampaignSummary& baseline) {
+  const Comparison c = compare(r.learned, r.baseline);
+  return "<h2>By itself</h2>\n" + success_table(learned, baseline) +
+         fmt::format(
+             "<p>On the same trials the learned controller succeeds {:+.1f} percentage points more "
+             "often (95 % {:+.1f} to {:+.1f}; McNemar p = {:.2g}).</p>\n",
+             100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p) +
+         "<h2>Where the failures come from</h2>\n" + outcome_table(learned, baseline) +
+         figure(start_map(r, r.learned, "Learned controller: outcome against start"), "") +
+         figure(start_map(r, r.baseline, "Constant velocity: outcome against start"),
+                "Without yielding, the lateral force grows with the misalignment until it exceeds "
+                "the limit; beyond the rim of the lead-in the fibre lands on the front face.");
+}
+
+std::string commands_section(const Report& r) {
+  return "<h2>Again, step by step</h2>\n<pre>" +
+         escaped(fmt::format(
+             "./ferrule record {0} --skill 0.5 --episodes 10 --seed {1} --out episodes\n"
+             "./ferrule record {0} --skill 0.9 --episodes 10 --seed {1} --out episodes --append\n"
+             "./ferrule fit episodes --method ceres --seed {1} --out controller.json\n"
+             "./ferrule evaluate controller.json {0} --trials {2} --seed {3} "
+             "--baseline constant-velocity",
+             r.scene_arguments, r.seed, r.learned.size(), r.trial_seed())) +
+         fmt::format("</pre>\n<p>ferrule {}, {}.</p>\n", program_version(),
+                     escaped(program_build()));
+}
+
 }  // namespace
 
 void write_report(const std::string& file, const Report& r) {
-  const Scene& scene = *r.scene;
   const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
-  const Comparison comparison = compare(r.learned, r.baseline);
-  const LawFile& c = r.fit.controller;
-
-  std::string html = kHead;
-  html += fmt::format(
-      "<h1>Inserting a {:g} um fibre into a {:g} um bore</h1>\n"
-      "<p class=big>A controller learned from {} demonstrations (a fifth held out) inserted the "
-      "fibre in {} of {} trials "
-      "({:.1f} %; 95 % interval {:.1f} to {:.1f} %). Pushing straight in at constant speed did so "
-      "in {} of the same {} trials ({:.1f} %).</p>\n",
-      2e6 * scene.world.annulus.fibre_radius, 2e6 * scene.world.annulus.bore_radius,
-      r.recorded.size(), learned.successes, learned.trials, 100 * learned.success_rate,
-      100 * learned.wilson.low, 100 * learned.wilson.high, baseline.successes, baseline.trials,
-      100 * baseline.success_rate);
-  html += fmt::format(
-      "<p>Everything here is simulated, the operators too. Scene <code>{}</code>, seed {}. The "
-      "fibre starts {:g} um outside the bore, misaligned sideways with a standard deviation of "
-      "{:g} "
-      "um in each direction and tilted with {:g} mrad; a trial fails when the force at the holder "
-      "exceeds {:g} uN. Recording took {:.1f} s, fitting {:.1f} s, the trials {:.1f} s.</p>\n",
-      escaped(scene.name), r.seed, 1e6 * scene.start.distance, 1e6 * scene.start.lateral_sd,
-      1e3 * scene.start.tilt_sd, 1e6 * scene.limits.force, r.record_seconds, r.fit_seconds,
-      r.evaluate_seconds);
-
-  html += "<h2>The forces</h2>\n";
-  html += figure(gap_plot(scene),
-                 "Magnitudes; laws in the form the scene asks for. Compare Fig. 5 of the paper.");
-  html += figure(depth_plot(scene), "Attraction negative. Compare Fig. 7 of the paper.");
-
-  html += "<h2>The demonstrations</h2>\n" + recorded_table(r);
-  if (!r.shown.empty())
-    html +=
-        figure(demonstration_plot(read_episode(r.shown), scene),
-               "In the manner of Fig. 10 of the paper: the speed along &minus;x rises and falls "
-               "back to 0; dots are the contact force. File <code>" +
-                   escaped(r.shown) + "</code>.");
-
-  html +=
-      "<h2>The fitted law</h2>\n<pre>" +
-      escaped(
-          "v_x = -v_c r (1 - exp((d - d_e)/L)) / (1 + k |f|^2) + A_x f_x,  r = (s (2 - s))^2, s = "
-          "min(1, t/t_r)\n"
-          "v_y = A_y f_y + b_y + c_y d\nv_z = A_z f_z + b_z + c_z d") +
-      "</pre>\n<p>In the hand's world: f is the felt force relative to that at rest, d the depth "
-      "of the hand past the entrance, t the time since the start.</p>\n" +
-      gains_table(c);
-  html += fmt::format(
-      "<p>{} training episodes, {} held out. Velocity residual {:.3g} mm/s, held out {:.3g} mm/s; "
-      "the law explains {:.0f} % of the velocities' variance. The operators' reaction time was "
-      "identified as {:.2f} s and is not imitated.</p>\n",
-      c.trained_on.episodes.size(), c.trained_on.held_out.size(), 1e3 * c.residual,
-      1e3 * c.held_out_residual, 100 * r.fit.explained, c.reaction_time);
-
-  html += "<h2>By itself</h2>\n" + success_table(learned, baseline);
-  html += fmt::format(
-      "<p>On the same trials the learned controller succeeds {:+.1f} percentage points more often "
-      "(95 % {:+.1f} to {:+.1f}; McNemar p = {:.2g}).</p>\n",
-      100 * comparison.difference, 100 * comparison.interval.low, 100 * comparison.interval.high,
-      comparison.mcnemar_p);
-  html += "<h2>Where the failures come from</h2>\n" + outcome_table(learned, baseline);
-  html += figure(start_map(r, r.learned, "Learned controller: outcome against start"), "");
-  html += figure(start_map(r, r.baseline, "Constant velocity: outcome against start"),
-                 "Without yielding, the lateral force grows with the misalignment until it exceeds "
-                 "the limit; beyond the rim of the lead-in the fibre lands on the front face.");
-
-  html += "<h2>Again, step by step</h2>\n<pre>";
-  html += escaped(fmt::format(
-      "./ferrule record {0} --skill 0.5 --episodes 10 --seed {1} --out episodes\n"
-      "./ferrule record {0} --skill 0.9 --episodes 10 --seed {1} --out episodes --append\n"
-      "./ferrule fit episodes --method ceres --seed {1} --out controller.json\n"
-      "./ferrule evaluate controller.json {0} --trials {2} --seed {3} "
-      "--baseline constant-velocity",
-      r.scene_arguments, r.seed, learned.trials, r.seed + 1'000'003));
-  html += fmt::format("</pre>\n<p>ferrule {}, {}.</p>\n</body></html>\n", program_version(),
-                      escaped(program_build()));
-  write_text(file, html);
+  write_text(file, kHead + summary_section(r, learned, baseline) + forces_section(*r.scene) +
+                       demonstrations_section(r) + law_section(r.fit) +
+                       trials_section(r, learned, baseline) + commands_section(r) +
+                       "</body></html>\n");
 }
 
 Json report_json(const Report& r) {
@@ -265,13 +239,9 @@ Json report_json(const Report& r) {
 }
 
 std::string report_text(const Report& r) {
-  const Comparison c = compare(r.learned, r.baseline);
   return to_text("learned controller", summarise(r.learned)) +
          to_text("constant velocity", summarise(r.baseline)) +
-         fmt::format(
-             "same trials: {:+.1f} percentage points (95 % {:+.1f} to {:+.1f}), McNemar p = "
-             "{:.2g}\n",
-             100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p);
+         to_text(compare(r.learned, r.baseline));
 }
 
 }  // namespace ferrule

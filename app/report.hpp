@@ -20,6 +20,9 @@ struct Report {
   LawFit fit;
   std::vector<TrialResult> learned, baseline;
   double record_seconds = 0, fit_seconds = 0, evaluate_seconds = 0;
+
+  // Of the trials: apart from that of the demonstrations, so that no trial starts where one did.
+  std::uint64_t trial_seed() const noexcept { return seed + 1'000'003; }
 };
 
 // Throws FileTrouble.

@@ -56,54 +56,58 @@ Plot learning_curve(const std::vector<Scored>& all, const std::vector<Score>& sc
   return {"Score over the episodes", {total, parts}, 860, 320};
 }
 
-int score_verb(const Arguments& a) {
-  std::vector<Scored> all;
-  for (const std::string& file : episode_files(a.folder)) {
-    const Episode episode = read_episode(file);
-    const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
-    all.push_back({file, episode.info.operator_, measure(episode, scene)});
+Json to_json(const Scored& episode, const Score& score) {
+  const Measures& m = episode.measures;
+  Json json = {{"file", episode.file},
+               {"operator", episode.operator_},
+               {"outcome", name(m.outcome)},
+               {"completion", m.completion},
+               {"score", number_or_null(score.total)}};
+  for (std::size_t part = 0; part < kParts; ++part) {
+    json[kUnits[part].key] = kUnits[part].factor * m.parts[part];
+    json["parts"][kPartNames[part]] = number_or_null(score.parts[part]);
   }
-  if (all.empty()) throw BadInput(a.folder + ": no episodes in it");
-  std::vector<Measures> measures;
-  for (const Scored& s : all) measures.push_back(s.measures);
-  const std::vector<Score> scores = score(measures);
-  if (!a.plot.empty()) {
-    if (!std::isfinite(scores[0].total))
-      throw BadInput(a.folder + ": no episode succeeded: there is no score to draw");
-    write_svg(a.plot, learning_curve(all, scores));
-    fmt::print(stderr, "wrote {}\n", a.plot);
-  }
-  Json list = Json::array();
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    const Measures& m = measures[i];
-    Json json = {{"file", all[i].file},
-                 {"operator", all[i].operator_},
-                 {"outcome", name(m.outcome)},
-                 {"completion", m.completion},
-                 {"score", number_or_null(scores[i].total)}};
-    for (std::size_t part = 0; part < kParts; ++part) {
-      json[kUnits[part].key] = kUnits[part].factor * m.parts[part];
-      json["parts"][kPartNames[part]] = number_or_null(scores[i].parts[part]);
-    }
-    list.push_back(json);
-  }
-  if (a.json) {
-    print_json({{"folder", a.folder}, {"episodes", list}});
-    return kDone;
-  }
+  return json;
+}
+
+void print_table(const std::vector<Scored>& all, const std::vector<Score>& scores) {
   fmt::print("{:<20} {:<14} {:>6}", "episode", "outcome", "score");
   for (const Unit& unit : kUnits) fmt::print(" {:>9}", unit.heading);
   fmt::print("\n");
   for (std::size_t i = 0; i < all.size(); ++i) {
+    const Measures& m = all[i].measures;
     fmt::print("{:<20} {:<14} {:>6}", std::filesystem::path(all[i].file).filename().string(),
-               name(measures[i].outcome),
-               std::isfinite(scores[i].total) ? fmt::format("{:.1f}", scores[i].total) : "-");
+               name(m.outcome), number_or("-", "{:.1f}", scores[i].total));
     for (std::size_t part = 0; part < kParts; ++part)
-      fmt::print(" {:>9.4g}", kUnits[part].factor * measures[i].parts[part]);
+      fmt::print(" {:>9.4g}", kUnits[part].factor * m.parts[part]);
     fmt::print("\n");
   }
   if (!std::isfinite(scores[0].total))
     fmt::print("no episode succeeded: there is no best to score against\n");
+}
+
+int score_verb(const Arguments& a) {
+  std::vector<Scored> all;
+  std::vector<Measures> measures;
+  for (const std::string& file : episode_files(a.folder)) {
+    const Episode episode = read_episode(file);
+    measures.push_back(measure(episode, recorded_scene(episode, file)));
+    all.push_back({file, episode.info.operator_, measures.back()});
+  }
+  if (all.empty()) throw BadInput(a.folder + ": no episodes in it");
+  const std::vector<Score> scores = score(measures);
+  if (!a.plot.empty()) {
+    if (!std::isfinite(scores[0].total))
+      throw BadInput(a.folder + ": no episode succeeded: there is no score to draw");
+    write_plot(a.plot, learning_curve(all, scores));
+  }
+  if (!a.json) {
+    print_table(all, scores);
+    return kDone;
+  }
+  Json list = Json::array();
+  for (std::size_t i = 0; i < all.size(); ++i) list.push_back(to_json(all[i], scores[i]));
+  print_json({{"folder", a.folder}, {"episodes", list}});
   return kDone;
 }
 
@@ -115,7 +119,7 @@ void add_score(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_option("--plot", a->plot, "Draw score and parts over the episodes")
       ->type_name("FILE.svg");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_json(*verb, a->json);
   verb->callback([a, &run] { run = [a] { return score_verb(*a); }; });
 }
 

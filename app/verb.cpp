@@ -78,6 +78,16 @@ void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help) {
       ->check(CLI::Validator(whole, "WHOLE"));
 }
 
+void add_threads(CLI::App& verb, int& threads) {
+  verb.add_option("--threads", threads, "0: all cores; the result does not depend on it")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 4096));
+}
+
+void add_json(CLI::App& verb, bool& json) {
+  verb.add_flag("--json", json, "One JSON document on stdout");
+}
+
 CLI::Validator number_between(double low, double high) {
   const auto inside = [low, high](const std::string& text) {
     double value = NAN;
@@ -91,6 +101,10 @@ CLI::Validator number_between(double low, double high) {
 
 void print_json(const Json& json) {
   std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
+}
+
+std::string number_or(const char* otherwise, const char* format, double x) {
+  return std::isfinite(x) ? fmt::format(fmt::runtime(format), x) : std::string(otherwise);
 }
 
 void watch_for_interrupt() {

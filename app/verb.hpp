@@ -54,11 +54,26 @@ struct SceneArguments {
 // --seed: a whole number from 0 to 2^63 - 1.
 void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help);
 
+// --threads of a campaign. 0: all cores.
+void add_threads(CLI::App& verb, int& threads);
+// --json, for what ends in print_json.
+void add_json(CLI::App& verb, bool& json);
+
 // A finite number within bounds.
 CLI::Validator number_between(double low, double high);
 
 // The one JSON document of --json, on stdout.
 void print_json(const Json& json);
+// An array of it: `of(row)` for each of `rows`.
+template <class Rows, class Of>
+Json json_list(const Rows& rows, const Of& of) {
+  Json list = Json::array();
+  for (const auto& row : rows) list.push_back(of(row));
+  return list;
+}
+
+// `x` as `format` of fmt says, or `otherwise` where it is not finite.
+std::string number_or(const char* otherwise, const char* format, double x);
 
 // Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
 // the second ends the program at once.

@@ -111,6 +111,10 @@ std::string program_build() {
   return FERRULE_BUILD;
 }
 
+Scene recorded_scene(const Episode& episode, const std::string& file) {
+  return parse_scene(parse_json(episode.info.scene, file), file);
+}
+
 void write_episode(const std::string& file, const Episode& episode) {
   const EpisodeInfo& info = episode.info;
   const Scene scene = parse_scene(parse_json(info.scene, file), file);
@@ -202,7 +206,7 @@ SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {
 
 std::optional<Difference> derived_difference(const std::string& file, const Episode& episode) {
   const Reader in(file, "a ferrule episode");
-  const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
+  const Scene scene = recorded_scene(episode, file);
   const double rows = static_cast<double>(episode.rows.rows());
   const std::string actions = kDemo + std::string("/actions");
   const struct {

@@ -82,6 +82,9 @@ void write_episode(const std::string& file, const Episode& episode);
 // can, the first damaged row) and BadInput (scene or outcome not valid).
 Episode read_episode(const std::string& file);
 
+// The scene that the episode in `file` was recorded in. Throws BadInput.
+Scene recorded_scene(const Episode& episode, const std::string& file);
+
 // A number in a file that is not what it should be.
 struct Difference {
   std::size_t row;     // first row that differs

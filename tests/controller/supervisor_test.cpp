@@ -1,279 +1,16 @@
+// What a supervisor does in trouble: it leaves alone, stops, goes back, tries again, gives up.
 #include "controller/supervisor.hpp"
 
 #include "capture/replay.hpp"
 #include "controller/campaign.hpp"
-#include "insertion/scene_scaling.hpp"
-#include "sim/scene/draw.hpp"
-#include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
+#include "tests/demo_limits.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace ferrule {
 namespace {
-
-// What a controller may do wrong, seeded.
-class Adversary : public Controller {
- public:
-  enum Kind { random, constant, not_finite, alternating, huge, tilting, sideways };
-  static constexpr int kKinds = 7;
-
-  Adversary(int kind, std::uint64_t seed, const SupervisorLimits& limits)
-      : kind_(kind), chance_(seed, 0, Draw::operator_hand), limits_(limits) {}
-
-  HandTwist command(const Observation&) noexcept override {
-    ++n_;
-    const double speed = limits_.speed, t = 1e-3 * n_;
-    HandTwist v = HandTwist::Zero();
-    v[0] = -speed;
-    switch (kind_) {
-      case random:
-        if (n_ % 50 == 1) {
-          held_ = 2 * speed * any();
-          held_[0] -= speed;
-          held_.tail<2>() /= limits_.lever;
-        }
-        return held_;
-      case not_finite:
-        if (chance_.uniform() < 5e-4) v[n_ % 5] = n_ % 2 ? NAN : INFINITY;
-        return v;
-      case alternating:
-        v[0] = (n_ / 100) % 2 ? 5 * speed : -8 * speed;
-        return v;
-      case huge:
-        v = 1e300 * any();
-        v[0] = -std::abs(v[0]);
-        return v;
-      case tilting:
-        v.tail<2>() << 30 * speed / limits_.lever * std::sin(t),
-            3 * speed / limits_.lever * std::cos(0.7 * t);
-        return v;
-      case sideways:
-        v.head<3>() = speed * Eigen::Vector3d(-0.4, 0.7 * std::cos(t), 0.7 * std::sin(t));
-        return v;
-      default:
-        return v;
-    }
-  }
-
- private:
-  HandTwist any() {
-    HandTwist v;
-    for (double& x : v) x = 2 * chance_.uniform() - 1;
-    return v;
-  }
-
-  int kind_, n_ = 0;
-  RandomStream chance_;
-  SupervisorLimits limits_;
-  HandTwist held_ = HandTwist::Zero();
-};
-
-SupervisorLimits demo_limits() {
-  const Scene scene = load_scene("demo");
-  return supervisor_limits(scene, scene_scaling(scene));
-}
-
-// Tilts as motions of the lever.
-HandTwist levered(HandTwist v, const SupervisorLimits& limits) {
-  v.tail<2>() *= limits.lever;
-  return v;
-}
-
-struct Extremes {
-  double speed = 0, change = 0;  // relative to the limits; `change` where force does not win
-  bool always_finite = true, stops_are_whole = true;
-};
-
-// Looks at one command after `before`, felt force f.
-void look(const SupervisorLimits& limits, const Eigen::Vector3d& force, const HandTwist& before,
-          const HandTwist& now, Extremes& e) {
-  e.always_finite &= now.allFinite();
-  e.speed = std::max(e.speed, now.norm() / limits.speed);
-  const double most = limits.acceleration * limits.period;
-  const double worth = limits.stiffness * limits.speed * limits.period;
-  if (force.norm() + worth < limits.force) {
-    e.change = std::max(e.change, (now - before).norm() / most);
-    return;
-  }
-  // Near the limit it may stop at once, but not speed up; and what strains further could exceed the
-  // limit by nothing.
-  e.change = std::max(e.change, (now.norm() - before.norm()) / most);
-  const Eigen::Vector3d along = force.normalized();
-  HandTwist straining = now;
-  straining.head<3>() -= std::max(0.0, along.dot(now.head<3>())) * along;
-  const double next = force.norm() + limits.stiffness * straining.norm() * limits.period;
-  e.stops_are_whole &=
-      straining.norm() <= 1e-12 * limits.speed || next <= limits.force * (1 + 1e-9);
-}
-
-TEST(Supervisor, KeepsSpeedAndAccelerationWhateverIsCommandedAndFelt) {
-  const SupervisorLimits limits = demo_limits();
-  for (std::uint64_t seed = 0; seed < 140; ++seed) {
-    RandomStream chance(seed, 1, Draw::start);
-    Supervisor supervisor(
-        std::make_unique<Adversary>(static_cast<int>(seed % Adversary::kKinds), seed, limits),
-        limits);
-    HandTwist before = HandTwist::Zero();
-    Extremes extremes;
-    Observation observation{HandWrench::Zero(), 0, 0};
-    for (int n = 0; n < 3000; ++n) {
-      // A force that wanders, jumps beyond the limit, and sometimes cannot be read.
-      for (int i = 0; i < 3; ++i) observation.wrench[i] += 0.02 * limits.force * chance.normal();
-      if (chance.uniform() < 0.01) observation.wrench *= 3 * chance.uniform();
-      if (observation.wrench.norm() > 3 * limits.force) observation.wrench.setZero();
-      observation.time = n * limits.period;
-      Observation read = observation;
-      if (seed % 3 == 0 && chance.uniform() < 1e-3) read.wrench[n % 5] = NAN;
-      const HandTwist now = levered(supervisor.command(read), limits);
-      if (read.wrench.allFinite())
-        look(limits, observation.wrench.head<3>(), before, now, extremes);
-      else
-        EXPECT_LE((now - before).norm(), limits.acceleration * limits.period * (1 + 1e-9));
-      before = now;
-    }
-    EXPECT_TRUE(extremes.always_finite) << seed;
-    EXPECT_TRUE(extremes.stops_are_whole) << seed;
-    EXPECT_LE(extremes.speed, 1 + 1e-12) << seed;
-    EXPECT_LE(extremes.change, 1 + 1e-9) << seed;
-  }
-}
-
-struct Closed {
-  Extremes extremes;
-  double force = 0;       // largest, over the limit [-]
-  double caused = 0;      // the same without what it rose by more than the motion explains
-  double snapped = 0;     // the most it rose so in one period, over the limit
-  std::size_t snaps = 0;  // periods in which it did
-  double misread = 0;     // the most the sensor read too little, over the limit
-  Outcome outcome{};
-};
-
-// A supervised adversary in the simulator, feeling what the scene's sensor reads.
-Closed run(const Scene& scene, int kind, std::uint64_t seed) {
-  const Scaling scaling = scene_scaling(scene);
-  const SupervisorLimits limits = supervisor_limits(scene, scaling);
-  Supervisor supervisor(std::make_unique<Adversary>(kind, seed, limits), limits);
-  State state = draw_start(scene, seed, static_cast<std::uint64_t>(kind));
-  InsertionWatch watch(scene, state);
-  HandPose pose = scaling.motion_to_hand(state.command);
-  ForceSensor sensor(scene.sensor, seed, static_cast<std::uint64_t>(kind));
-  HandTwist v = HandTwist::Zero();
-  HandWrench rest, read_rest;
-  double before = 0, unexplained = 0;
-  Closed closed;
-  for (int n = 0;; ++n) {
-    pose += limits.period * v;
-    const StepResult result =
-        step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0 : limits.period);
-    state = result.state;
-    const HandWrench wrench = scaling.wrench_to_hand(result.forces.holder);
-    const HandWrench read =
-        scaling.wrench_to_hand(sensor.read(result.forces.holder, limits.period));
-    if (n == 0) {
-      rest = wrench;
-      read_rest = read;
-    }
-    const Eigen::Vector3d felt = (read - read_rest).head<3>();
-    const Eigen::Vector3d force = (wrench - rest).head<3>();
-    const HandTwist moved = levered(v, limits);
-    const double rise = force.norm() - before - limits.stiffness * moved.norm() * limits.period;
-    if (rise > 1e-6 * limits.force) {
-      ++closed.snaps;
-      closed.snapped = std::max(closed.snapped, rise / limits.force);
-      unexplained += rise;
-    }
-    before = force.norm();
-    closed.misread = std::max(closed.misread, (before - felt.norm()) / limits.force);
-    closed.force = std::max(closed.force, before / limits.force);
-    closed.caused = std::max(closed.caused, (before - unexplained) / limits.force);
-    if (const auto outcome = watch.after(result)) {
-      closed.outcome = *outcome;
-      return closed;
-    }
-    v = supervisor.command({read - read_rest, hand_depth(pose), n * limits.period});
-    look(limits, felt, moved, levered(v, limits), closed.extremes);
-    if (supervisor.supervision()->gave_up) {
-      closed.outcome = Outcome::gave_up;
-      return closed;
-    }
-  }
-}
-
-Scene variant(std::vector<std::string> settings) {
-  for (const char* each :
-       {"limits.time_s=8", "start.distance_um=20", "start.lateral_sd_um=6", "success.depth_um=20"})
-    settings.push_back(each);
-  return load_scene("demo", settings);
-}
-
-const std::vector<std::string> kCorrected = {
-    "laws.van_der_waals.form=corrected", "laws.electrostatic.form=corrected",
-    "laws.gravity.form=corrected", "laws.adhesion.form=corrected", "laws.friction.form=corrected"};
-const char* const kSoftHolder =
-    "holder={\"type\":\"elastic_fibre\",\"free_length_mm\":20,\"gripper_stiffness_N_m\":1}";
-
-TEST(Supervisor, KeepsTheForceWithinTheLimitInTheSimulator) {
-  std::vector<std::string> rough = kCorrected, soft = kCorrected;
-  rough.push_back("roughness_nm=20");
-  soft.push_back("roughness_nm=20");
-  soft.push_back(kSoftHolder);
-  const Scene wide = load_scene("demo", {"limits.time_s=8"});
-  for (const Scene& scene : {wide, variant({}), variant(rough), variant(soft)})
-    for (int kind = 0; kind < Adversary::kKinds; ++kind)
-      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        const Closed c = run(scene, kind, seed);
-        EXPECT_LE(c.force, 1) << kind << " " << seed;
-        EXPECT_LE(c.caused, 0.9 + 1e-4) << kind << " " << seed;  // what it brakes for
-        EXPECT_LE(c.snapped, 0.02) << kind << " " << seed;
-        EXPECT_LE(c.extremes.speed, 1 + 1e-12);
-        EXPECT_LE(c.extremes.change, 1 + 1e-9);
-        EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
-      }
-}
-
-// What is promised with a sensor that errs: the force it reads keeps the limit as above, so the
-// true one exceeds it by no more than is misread at that moment. `bench`'s sensor, noise, drift and
-// lag together, is not that bad: there the true force itself keeps the limit.
-TEST(Supervisor, KeepsTheTrueForceWithinTheLimitBarWhatTheSensorMisreads) {
-  const std::vector<std::string> quick = {"limits.time_s=5", "start.distance_um=20",
-                                          "success.depth_um=20"};
-  std::vector<std::string> poor = quick;
-  for (const char* each : {"sensor.noise_uN=4", "sensor.bias_uN=8", "sensor.bandwidth_Hz=50"})
-    poor.push_back(each);
-  double largest = 0, misread = 0;
-  for (const bool errs : {false, true})
-    for (int kind = 0; kind < Adversary::kKinds; ++kind)
-      for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        const Closed c = run(load_scene("bench", errs ? poor : quick), kind, seed);
-        EXPECT_LE(c.extremes.speed, 1 + 1e-12);
-        EXPECT_LE(c.extremes.change, 1 + 1e-9);
-        EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
-        EXPECT_LE(c.force, errs ? 1 + c.misread : 1) << kind << " " << seed;
-        largest = std::max(largest, c.force);
-        misread = std::max(misread, c.misread);
-      }
-  EXPECT_GT(largest, 0.9);  // it was braked for
-  EXPECT_GT(misread, 0.1);  // and a sensor did err by more than the margin
-}
-
-// Perfectly smooth surfaces snap together and pull the fibre in with more than any limit. That is
-// no motion of the hand's; what the hand adds stays within the limit.
-TEST(Supervisor, AddsNothingToTheForceOfASnap) {
-  std::vector<std::string> smooth = kCorrected;
-  for (const char* each :
-       {"roughness_nm=2", "limits.time_s=3", "start.distance_um=5", "start.lateral_sd_um=1"})
-    smooth.push_back(each);
-  std::size_t snaps = 0;
-  for (std::uint64_t seed = 0; seed < 3; ++seed) {
-    const Closed c = run(load_scene("demo", smooth), Adversary::constant, seed);
-    snaps += c.snaps;
-    EXPECT_LE(c.caused, 0.9 + 1e-4);
-    EXPECT_LE(c.extremes.change, 1 + 1e-9);
-  }
-  EXPECT_GT(snaps, 0u);
-}
 
 // Velocity by a function of time.
 class Scripted : public Controller {
@@ -297,7 +34,7 @@ HandTwist along(double x, double y, double z) {
 }
 
 TEST(Supervisor, LeavesAloneWhatKeepsTheLimits) {
-  const SupervisorLimits limits = demo_limits();
+  const SupervisorLimits limits = testing::demo_limits();
   const auto gentle = [&](double t) {
     return HandTwist(0.9 * limits.speed * (1 - std::exp(-t / 0.2)) * along(-0.8, 0.6, 0));
   };
@@ -313,7 +50,7 @@ TEST(Supervisor, LeavesAloneWhatKeepsTheLimits) {
 }
 
 TEST(Supervisor, StopsAsItMayAndEndsWhenWhatIsCommandedIsNotFinite) {
-  SupervisorLimits limits = demo_limits();
+  SupervisorLimits limits = testing::demo_limits();
   limits.acceleration = limits.speed / 0.1;
   Supervisor supervisor(std::make_unique<Scripted>(
                             [&](double t) { return along(t < 0.5 ? -limits.speed : NAN, 0, 0); }),
@@ -347,7 +84,7 @@ struct Wall {
 };
 
 TEST(Supervisor, GoesBackTheWayItCameAndGivesUpAfterItsTries) {
-  SupervisorLimits limits = demo_limits();
+  SupervisorLimits limits = testing::demo_limits();
   limits.tries = 3;
   const double corner = 1.5;  // [s], when it turns towards the wall
   Supervisor supervisor(
@@ -396,7 +133,7 @@ TEST(Supervisor, GoesBackTheWayItCameAndGivesUpAfterItsTries) {
 }
 
 TEST(Supervisor, MovesTowardsWhereItWasPushedAndThenGetsPast) {
-  const SupervisorLimits limits = demo_limits();
+  const SupervisorLimits limits = testing::demo_limits();
   Supervisor supervisor(
       std::make_unique<Scripted>([&](double) { return along(-limits.speed, 0, 0); }), limits);
   // A slope that only ends an offset and a half further in z than it is met.
@@ -417,7 +154,7 @@ TEST(Supervisor, MovesTowardsWhereItWasPushedAndThenGetsPast) {
 }
 
 TEST(Supervisor, DisagreementSlowsThenRetreatsThenGivesUp) {
-  SupervisorLimits limits = demo_limits();
+  SupervisorLimits limits = testing::demo_limits();
   limits.tries = 2;
   Supervisor supervisor(
       std::make_unique<Scripted>([&](double) { return along(-limits.speed, 0, 0); },

@@ -1,0 +1,93 @@
+#include "app/campaign_table.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace ferrule {
+namespace {
+
+Json spread_json(const Spread& s, double unit) {
+  return {{"median", number_or_null(unit * s.median)}, {"p95", number_or_null(unit * s.p95)}};
+}
+
+Json to_json(const InterventionSummary& s) {
+  Json kinds = Json::object(), gave_up = Json::object();
+  for (std::size_t i = 0; i < kInterventions; ++i) {
+    kinds[kInterventionNames[i]] = {{"count", s.kinds[i].count}, {"trials", s.kinds[i].trials}};
+    if (s.gave_up[i] > 0) gave_up[kInterventionNames[i]] = s.gave_up[i];
+  }
+  return {{"interventions", kinds}, {"trials_with_interventions", s.trials}, {"gave_up", gave_up}};
+}
+
+}  // namespace
+
+Json to_json(const CampaignSummary& s) {
+  Json outcomes = Json::object();
+  for (int i = 0; i < kOutcomes; ++i)
+    if (s.outcomes[static_cast<std::size_t>(i)] > 0)
+      outcomes[name(static_cast<Outcome>(i))] = s.outcomes[static_cast<std::size_t>(i)];
+  Json json = {{"trials", s.trials},
+               {"feasible", s.feasible},
+               {"successes", s.successes},
+               {"success_rate", number_or_null(s.success_rate)},
+               {"wilson_low", s.wilson.low},
+               {"wilson_high", s.wilson.high},
+               {"outcomes", outcomes},
+               {"time_s", spread_json(s.time, 1)},
+               {"peak_force_uN", spread_json(s.peak_force, 1e6)},
+               {"loss_dB", spread_json(s.loss_dB, 1)}};
+  if (s.interventions) json.update(to_json(*s.interventions));
+  return json;
+}
+
+void add_json(const Comparison& c, Json& json) {
+  json["difference"] = c.difference;
+  json["difference_low"] = c.interval.low;
+  json["difference_high"] = c.interval.high;
+  json["mcnemar_p"] = c.mcnemar_p;
+  const auto paired = [](const PairedMedian& p, double unit) {
+    return Json{{"median", number_or_null(unit * p.median)},
+                {"low", number_or_null(unit * p.interval.low)},
+                {"high", number_or_null(unit * p.interval.high)}};
+  };
+  json["time_difference_s"] = paired(c.time, 1);
+  json["peak_force_difference_uN"] = paired(c.peak_force, 1e6);
+}
+
+std::string to_text(const std::string& who, const CampaignSummary& s) {
+  std::string text = fmt::format("{}: {} of {} inserted", who, s.successes, s.feasible);
+  if (s.feasible > 0)
+    text += fmt::format(", {:.1f} % (95 % {:.1f} to {:.1f})", 100 * s.success_rate,
+                        100 * s.wilson.low, 100 * s.wilson.high);
+  text += "\n";
+  for (int i = 1; i < kOutcomes; ++i)
+    if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
+      text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);
+  const auto line = [&](const char* what, const Spread& spread, double unit, const char* in) {
+    if (std::isfinite(spread.median))
+      text += fmt::format("  {:<14} median {:.4g} {}, p95 {:.4g} {}\n", what, unit * spread.median,
+                          in, unit * spread.p95, in);
+  };
+  line("time", s.time, 1, "s");
+  line("peak force", s.peak_force, 1e6, "uN");
+  line("joint loss", s.loss_dB, 1, "dB");
+  if (!s.interventions) return text;
+  text += fmt::format("  {:<14} in {} of {} trials\n", "interventions", s.interventions->trials,
+                      s.trials);
+  for (std::size_t i = 0; i < kInterventions; ++i)
+    if (const auto [count, trials] = s.interventions->kinds[i]; count > 0) {
+      text += fmt::format("    {:<12} {} in {} trials", kInterventionNames[i], count, trials);
+      const std::size_t ended = s.interventions->gave_up[i];
+      text += ended ? fmt::format(", ended {}\n", ended) : "\n";
+    }
+  return text;
+}
+
+std::string to_text(const Comparison& c) {
+  return fmt::format(
+      "same trials: {:+.1f} percentage points (95 % {:+.1f} to {:+.1f}), McNemar p = {:.2g}\n",
+      100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p);
+}
+
+}  // namespace ferrule
