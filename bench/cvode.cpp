@@ -77,11 +77,9 @@ void check(int flag, const char* what) {
   if (flag < 0) throw std::runtime_error(std::string("CVODE: ") + what + " failed");
 }
 
-}  // namespace
-
-std::vector<Pose> reference_trajectory(const World& world, const State& start,
-                                       const std::function<Pose(double)>& hand,
-                                       const std::vector<double>& times) {
+std::vector<Pose> trajectory(const World& world, const State& start,
+                             const std::function<Pose(double)>& hand,
+                             const std::vector<double>& times) {
   Problem problem{world, start, hand, world.dynamics == Dynamics::inertial};
   const sunindextype size = problem.inertial ? 10 : 5;
   SUNContext raw_context = nullptr;
@@ -119,4 +117,10 @@ std::vector<Pose> reference_trajectory(const World& world, const State& start,
   return poses;
 }
 
+}  // namespace
 }  // namespace ferrule
+
+extern "C" {
+extern const ferrule::ReferenceTrajectory ferrule_reference_trajectory;
+const ferrule::ReferenceTrajectory ferrule_reference_trajectory = ferrule::trajectory;
+}
