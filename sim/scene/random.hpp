@@ -2,11 +2,8 @@
 // (seed, trial): trial k is trial k on any thread, rank or shard.
 #pragma once
 
-#include <Random123/philox.h>
-
-#include <cmath>
+#include <array>
 #include <cstdint>
-#include <numbers>
 
 namespace ferrule {
 
@@ -22,29 +19,17 @@ enum class Draw : std::uint32_t {
 
 class RandomStream {
  public:
-  RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) noexcept
-      : key_{{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)}},
-        counter_{{0, static_cast<std::uint32_t>(draw), static_cast<std::uint32_t>(trial),
-                  static_cast<std::uint32_t>(trial >> 32)}} {}
+  RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) noexcept;
 
-  std::uint64_t bits() noexcept {
-    const auto block = r123::Philox4x32()(counter_, key_);
-    ++counter_[0];
-    return (static_cast<std::uint64_t>(block[1]) << 32) | block[0];
-  }
-
+  std::uint64_t bits() noexcept;
   // Uniform in (0, 1).
-  double uniform() noexcept { return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53; }
-
+  double uniform() noexcept;
   // Standard normal (Box and Muller 1958).
-  double normal() noexcept {
-    const double radius = std::sqrt(-2 * std::log(uniform()));
-    return radius * std::cos(2 * std::numbers::pi * uniform());
-  }
+  double normal() noexcept;
 
  private:
-  r123::Philox4x32::key_type key_;
-  r123::Philox4x32::ctr_type counter_;
+  std::array<std::uint32_t, 2> key_;
+  std::array<std::uint32_t, 4> counter_;
 };
 
 }  // namespace ferrule

@@ -1,0 +1,28 @@
+#include "learn/loaded_library.hpp"
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "sim/error.hpp"
+
+namespace ferrule {
+
+namespace fs = std::filesystem;
+
+const void* loaded_symbol(const std::string& file, const std::string& symbol,
+                          const std::string& package) {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  fs::path path = program.parent_path().parent_path() / FERRULE_LOADED_INSTALLED / file;
+  if (!fs::exists(path, error)) path = fs::path(FERRULE_LOADED_BUILT) / file;
+  if (!fs::exists(path, error))
+    throw BadInput("this program was built without what needs the package " + package +
+                   ": install it, configure with CMake again and build");
+  void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+  const void* address = library ? ::dlsym(library, symbol.c_str()) : nullptr;
+  if (!address) throw FileTrouble(std::string("cannot be loaded: ") + ::dlerror());
+  return address;
+}
+
+}  // namespace ferrule
