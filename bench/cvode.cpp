@@ -33,9 +33,9 @@ Pose scale() {
 Matrix5 damping(const World& world, const Pose& tip) {
   Matrix5 c = Matrix5::Zero();
   const double length = tip[0] < 0 ? -tip[0] : 0;
-  if (!world.drag || length == 0) return c;
+  if (!world.laws.drag || length == 0) return c;
   const Vector2d e = eccentricity(tip, 0.5 * length);
-  const DragCoefficients k = drag(*world.drag, world.annulus, e.norm(), length);
+  const DragCoefficients k = drag(*world.laws.drag, world.annulus, e.norm(), length);
   const Vector2d n = e.norm() > 0 ? Vector2d(e.normalized()) : Vector2d::UnitX();
   const Eigen::Matrix2d across =
       k.tangential * Eigen::Matrix2d::Identity() + (k.radial - k.tangential) * n * n.transpose();
@@ -58,7 +58,7 @@ int rates(double t, N_Vector y, N_Vector dy, void* data) {
   if (!tip.allFinite()) return 1;
   State state = p.start;
   state.tip = tip;
-  const Pose gradient = Potential(p.world, lag(p.world, state, p.hand(t), 0), tip).gradient.full();
+  const Pose gradient = Potential(p.world, freeze(p.world, state, p.hand(t), 0), tip).gradient.full();
   Eigen::Map<Pose> moving(N_VGetArrayPointer(dy));
   const Matrix5 c = damping(p.world, tip);
   if (!p.inertial) {
