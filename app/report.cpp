@@ -18,7 +18,7 @@ Plot gap_plot(const Scene& scene) {
   std::vector<ForceRow> rows;
   for (const double gap : parse_range("1:500:200:log", "gap")) {
     if (1e-9 * gap > scene.world.annulus.clearance()) break;
-    rows.push_back(force_row(scene.world, gap, 100, std::nullopt));
+    rows.push_back(force_row(scene.world, gap, 100, std::nullopt, 0, 0));
   }
   Plot plot = force_plot(rows, Sweep::gap, scene.name);
   plot.title = "Non-contact forces against the gap, 100 um inserted";
@@ -28,7 +28,7 @@ Plot gap_plot(const Scene& scene) {
 Plot depth_plot(const Scene& scene) {
   std::vector<ForceRow> rows;
   for (const double depth : parse_range("0:12:121", "depth"))
-    rows.push_back(force_row(scene.world, 0, 100, depth));
+    rows.push_back(force_row(scene.world, 0, 100, depth, 0, 0));
   Plot plot = force_plot(rows, Sweep::depth, scene.name);
   plot.title = "Forces at a closed contact against the penetration";
   return plot;
@@ -173,7 +173,7 @@ std::string demonstrations_section(const Report& r) {
                     escaped(r.shown) + "</code>.");
 }
 
-std::string law_section(const FitReport& fit) {
+std::string law_section(const LawFit& fit) {
   const LawFile& c = fit.controller;
   return "<h2>The fitted law</h2>\n<pre>" +
          escaped(

@@ -1,5 +1,3 @@
-#include "bench/reference.hpp"
-
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -9,6 +7,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "bench/reference.hpp"
 #include "sim/potential.hpp"
 
 namespace ferrule {
@@ -58,7 +57,8 @@ int rates(double t, N_Vector y, N_Vector dy, void* data) {
   if (!tip.allFinite()) return 1;
   State state = p.start;
   state.tip = tip;
-  const Pose gradient = Potential(p.world, freeze(p.world, state, p.hand(t), 0), tip).gradient.full();
+  const Pose gradient =
+      Potential(p.world, freeze(p.world, state, p.hand(t), 0), tip).gradient.full();
   Eigen::Map<Pose> moving(N_VGetArrayPointer(dy));
   const Matrix5 c = damping(p.world, tip);
   if (!p.inertial) {

@@ -96,7 +96,7 @@ void write_tables(const Writer& out, const Episode& episode, const Scene& scene)
   }
   for (const Table& table : derived_tables(episode, scene)) {
     const Handle set = out.table(table);
-    if (table.path != std::string(kDemo) + "/actions") continue;
+    if (!table.path.ends_with("/actions")) continue;
     out.attribute(set, "scale_m_s", action_scale(scene)[0]);
     out.attribute(set, "scale_rad_s", action_scale(scene)[4]);
   }

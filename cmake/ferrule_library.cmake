@@ -46,7 +46,8 @@ endfunction()
 # std::string (its bug 105329).
 function(ferrule_warnings target)
   target_compile_options(${target} PRIVATE
-    -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off $<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds>
+    -Wall -Wextra -Wpedantic -Wshadow -ffp-contract=off
+    "$<$<CXX_COMPILER_ID:GNU>:-Wno-array-bounds;-Wno-restrict;-Wno-stringop-overflow;-Wno-stringop-overread>"
     $<$<BOOL:${FERRULE_WERROR}>:-Werror>)
 endfunction()
 

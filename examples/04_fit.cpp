@@ -13,7 +13,7 @@ int main(int argc, char** argv) {
               demonstrations.unsuccessful);
 
   const std::uint64_t seed = 1;  // draws what is held out
-  const FitReport fit = fit_law(demonstrations, seed);
+  const LawFit fit = fit_law(demonstrations, seed);
   const LawFile& controller = fit.controller;
   const auto gains = gain_table(controller.kind);
   for (std::size_t i = 0; i < gains.size(); ++i)

@@ -101,7 +101,8 @@ DeviceRange device_range(const Scene& scene, double gain) noexcept {
 
 DriverSettings driver_settings(const Scene& scene, const State& start, double gain,
                                double full_force) noexcept {
-  return {device_range(scene, gain), full_force, scene_scaling(scene).motion_to_hand(start.command)};
+  return {device_range(scene, gain), full_force,
+          scene_scaling(scene).motion_to_hand(start.command)};
 }
 
 std::unique_ptr<Device> fake_hand(const Driver& driver, std::unique_ptr<FakeTransport> model,

@@ -17,8 +17,8 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   const auto wrench = sensed_wrench(episode, scene).relative;
   d.velocity = rows.middleCols<3>(kCommand.begin);
   for (Eigen::Index n = 0; n < rows.rows(); ++n)
-    d.observations.push_back({wrench.row(n).transpose(),
-                              std::max(0.0, -rows(n, kHandPose.begin)), rows(n, kTime.begin)});
+    d.observations.push_back({wrench.row(n).transpose(), std::max(0.0, -rows(n, kHandPose.begin)),
+                              rows(n, kTime.begin)});
   return d;
 }
 

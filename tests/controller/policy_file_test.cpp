@@ -3,8 +3,8 @@
 #include "controller/content_hash.hpp"
 #include "controller/controller_file.hpp"
 #include "tests/compare.hpp"
-#include "tests/refusal.hpp"
 #include "tests/policies.hpp"
+#include "tests/refusal.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace ferrule {

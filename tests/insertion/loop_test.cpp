@@ -170,7 +170,8 @@ TEST(Loop, PastSuccessTheHandSaysWhenItIsFinished) {
 TEST(Loop, ATrialWhoseTimeRunsOutSaysSo) {
   for (const char* limit : {"limits.time_s=5", "limits.time_s=10"}) {
     const Scene scene = quick({limit});
-    const Ended trial = run(scene, [](int, HandSample&) {}, false, 0);
+    const Ended trial = run(
+        scene, [](int, HandSample&) {}, false, 0);
     EXPECT_EQ(trial.end.outcome, Outcome::timeout);
     EXPECT_GE(trial.end.summary.time, scene.limits.time);
   }
