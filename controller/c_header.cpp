@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <functional>
 #include <string_view>
 
@@ -14,6 +15,17 @@ constexpr int kTwist = HandTwist::RowsAtCompileTime;
 constexpr std::span<const ObservationChannel> scalars() {
   return std::span(kObservation).subspan(kWrenchChannels);
 }
+
+// The names of the functions' own variables and other arguments.
+constexpr std::string_view kTaken[] = {
+    "s", "wrench", "velocity", "z",     "a",    "b",        "g",      "sum",    "speed", "i",
+    "k", "column", "f",        "since", "ramp", "approach", "slowed", "beyond", "size",  "outside"};
+static_assert(std::none_of(kObservation.begin(), kObservation.end(),
+                           [](const auto& c) {
+                             return std::find(std::begin(kTaken), std::end(kTaken), c.name) !=
+                                    std::end(kTaken);
+                           }),
+              "a channel has the name of a variable of the C header: give it another");
 
 // The lines about the arguments, in the header's first comment.
 std::string arguments_told() {
