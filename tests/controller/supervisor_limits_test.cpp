@@ -1,4 +1,4 @@
-// A supervisor keeps its limits whatever is commanded and observation.
+// A supervisor keeps its limits whatever is commanded and observed.
 #include "controller/supervisor.hpp"
 #include "insertion/watch.hpp"
 #include "sim/scene/draw.hpp"
@@ -176,7 +176,7 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
       unexplained += rise;
     }
     before = force.norm();
-    closed.misread = std::max(closed.misread, (before - observation.norm()) / limits.force);
+    closed.misread = std::max(closed.misread, (before - felt.norm()) / limits.force);
     closed.force = std::max(closed.force, before / limits.force);
     closed.caused = std::max(closed.caused, (before - unexplained) / limits.force);
     if (const auto outcome = watch.after(result)) {
