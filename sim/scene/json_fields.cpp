@@ -202,6 +202,10 @@ std::int64_t JsonFields::integer(const std::string& key, std::int64_t low, std::
   if (!value.is_number_integer() || value.get<std::int64_t>() < low ||
       value.get<std::int64_t>() > high)
     refuse(key, expected);
+  if (bound_) {  // it cannot be varied
+    const double whole = value.get<double>();
+    bound_->push_back({dotted(key), nullptr, 1, rule::between(whole, whole, expected)});
+  }
   return value.get<std::int64_t>();
 }
 

@@ -53,7 +53,7 @@ TEST(ElasticFibre, EulerLoadAndBendingStress) {
        {std::pair(3e-3, 237e-3), {5e-3, 85e-3}, {10e-3, 21e-3}, {20e-3, 5.3e-3}})
     EXPECT_CLOSE(silica(length).euler_load, load, 2e-2);
   // Pure bending to a radius of 6.5 mm is at the proof stress of 0.69 GPa.
-  const Holder holder = silica(10e-3, std::nullopt);
+  const Holder holder = silica(10e-3, GravityLaw{});
   Wrench moment = Wrench::Zero();
   moment[3] = kEI / 6.5e-3;
   const Pose tip = holder.stiffness.llt().solve(moment);
@@ -78,7 +78,7 @@ TEST(ElasticFibre, BendingStressOfItsWeightIsThatOfTheClosedForm) {
 // The first bending mode of a clamped-free beam: omega = 3.5160 sqrt(E I/(rho A L^4)).
 TEST(ElasticFibre, VibratesAtTheFrequencyOfACantilever) {
   const double length = 10e-3;
-  const Holder holder = silica(length, std::nullopt);
+  const Holder holder = silica(length, GravityLaw{});
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
       Eigen::MatrixXd(holder.stiffness), Eigen::MatrixXd(holder.mass));
   const double area = pi * kRadius * kRadius;
