@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "controller/campaign.hpp"
-#include "controller/load_controller.hpp"
+#include "controller/controller_file.hpp"
 #include "insertion/scene_scaling.hpp"
 
 using namespace ferrule;
