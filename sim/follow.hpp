@@ -5,8 +5,9 @@
 
 namespace ferrule {
 
-// Steps from `start` to commands(0) at once (over no time: the forces there), then to commands(1), ...,
-// commands(count - 1), each over `period` [s]. `each(n, result)` is shown every result; false ends it.
+// Steps from `start` to commands(0) at once (over no time: the forces there), then to commands(1),
+// ..., commands(count - 1), each over `period` [s]. `each(n, result)` is shown every result; false
+// ends it.
 template <class Commands, class Each>
 void follow(const World& world, const State& start, std::ptrdiff_t count, double period,
             const Commands& commands, const Each& each) {

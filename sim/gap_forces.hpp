@@ -30,8 +30,8 @@ struct GapForces {
   double operator[](Term term) const noexcept { return terms[static_cast<std::size_t>(term)]; }
 };
 
-// A liquid bridge is there up to its rupture. The corrected laws are integrated along a tilted fibre;
-// the printed ones, and drag, know the gap at its middle, gap + length tilt/2. That must not exceed
+// A liquid bridge is there up to its rupture. The corrected laws are integrated along a tilted
+// fibre; the printed ones, and drag, know the gap at its middle, gap + length tilt/2. That must not exceed
 // the clearance, or the gap would not be the smallest.
 GapForces gap_forces(const World& world, const Posture& posture);
 

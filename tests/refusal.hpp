@@ -9,7 +9,7 @@ namespace ferrule::testing {
 // one of FileTrouble after "trouble: ", or nothing.
 template <class Read>
 std::string refusal(const std::string& file, Json good, const char* pointer, const Json& value,
-                      const Read& read) {
+                    const Read& read) {
   good[Json::json_pointer(pointer)] = value;
   write_text(file, good.dump());
   try {
