@@ -17,7 +17,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct BenchArguments {
   std::string what, plot;
   bool json = false;
 };
@@ -108,7 +108,7 @@ void print_stepping(const std::vector<SteppingRow>& rows) {
                r.not_converged, r.halvings);
 }
 
-int speed_and_error(const Arguments& a) {
+int speed_and_error(const BenchArguments& a) {
   const std::vector<LawRow> laws = bench_laws();
   const std::vector<SteppingRow> stepping = bench_stepping();
   const std::vector<ControllerRow> controllers = bench_controllers();
@@ -141,7 +141,7 @@ Json hard_json(const HardRow& r) {
           {"status", status(r)}};
 }
 
-int hard(const Arguments& a) {
+int hard(const BenchArguments& a) {
   const std::vector<HardRow> rows = bench_hard();
   if (a.json) {
     print_json({{"rows", json_list(rows, hard_json)}});
@@ -183,7 +183,7 @@ void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
       rows.back().capture_clearances, wrong, rows.size());
 }
 
-int capture(const Arguments& a) {
+int capture(const BenchArguments& a) {
   const std::vector<CaptureRow> rows = bench_capture();
   std::size_t wrong = 0;
   for (const CaptureRow& r : rows) wrong += r.inserted != r.expected();
@@ -199,7 +199,7 @@ int capture(const Arguments& a) {
 void add_bench(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<BenchArguments>();
   verb->add_option("what", a->what,
                    "Nothing: laws, stepping and controllers; hard: the hard cases; capture: "
                    "clearance means clearance")

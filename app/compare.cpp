@@ -17,7 +17,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   SceneArguments scene;
   std::string folder, plot;
   std::vector<std::string> transfer, learners;
@@ -32,7 +32,7 @@ struct Arguments {
 constexpr const char* kTeacher = "simulated operator";
 
 // A learner with the settings that are compared.
-struct Chosen {
+struct ChosenLearner {
   const Learner* learner;
   const Learner::Variant* variant;
 };
@@ -54,7 +54,7 @@ struct Transfer {
   CampaignSummary alone, supervised;
 };
 
-std::vector<TrialResult> campaign(const Arguments& a, const Scene& scene,
+std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
                                   const MakeController& make, const std::string& what) {
   const auto begin = std::chrono::steady_clock::now();
   const std::vector<TrialResult> results = run_campaign(
@@ -64,8 +64,8 @@ std::vector<TrialResult> campaign(const Arguments& a, const Scene& scene,
   return results;
 }
 
-std::vector<Chosen> chosen_learners(const Arguments& a) {
-  std::vector<Chosen> chosen;
+std::vector<ChosenLearner> chosen_learners(const CompareArguments& a) {
+  std::vector<ChosenLearner> chosen;
   for (const Learner& learner : learners())
     for (const Learner::Variant& variant : learner.variants)
       if (a.learners.empty() ||
@@ -76,24 +76,25 @@ std::vector<Chosen> chosen_learners(const Arguments& a) {
 
 std::vector<std::string> learner_keys() {
   std::vector<std::string> keys;
-  for (const Chosen& c : chosen_learners({})) keys.push_back(c.variant->key);
+  for (const ChosenLearner& c : chosen_learners({})) keys.push_back(c.variant->key);
   return keys;
 }
 
-Candidate fitted(const Arguments& a, const Chosen& chosen, const DemonstrationSet& set) {
+Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
+                 const DemonstrationSet& set) {
   Candidate c = learned(*chosen.learner, *chosen.variant, set, a.fit_seed);
   fmt::print(stderr, "{}: fitted to {} demonstrations in {:.1f} s\n", c.name,
              set.demonstrations.size(), c.fit_seconds);
   return c;
 }
 
-CampaignSummary supervised_campaign(const Arguments& a, const Scene& scene,
+CampaignSummary supervised_campaign(const CompareArguments& a, const Scene& scene,
                                     const MakeController& make, const std::string& what) {
   const SupervisorLimits limits = supervisor_limits(scene, scene_scaling(scene));
   return summarise(campaign(a, scene, supervised(make, limits), what + ", supervised"));
 }
 
-Entry tried(const Arguments& a, const Scene& scene, const Candidate& c,
+Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
             const Demonstration& demonstration, const std::vector<Vector2d>& starts) {
   Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name), {}, {}, {}};
   e.alone = summarise(e.results);
@@ -204,7 +205,7 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
 }
 
 // Scenes that scale the hand otherwise are refused: what was learned means nothing there.
-std::vector<Scene> other_scenes(const Arguments& a, const Scene& scene) {
+std::vector<Scene> other_scenes(const CompareArguments& a, const Scene& scene) {
   const Scaling scaling = scene_scaling(scene);
   std::vector<Scene> others;
   for (const std::string& name : a.transfer) {
@@ -218,10 +219,10 @@ std::vector<Scene> other_scenes(const Arguments& a, const Scene& scene) {
 }
 
 // Appends what each learner made of the demonstrations; returns those that could.
-std::vector<Chosen> add_learned(const Arguments& a, const DemonstrationSet& set,
-                                std::vector<Candidate>& candidates) {
-  std::vector<Chosen> could;
-  for (const Chosen& chosen : chosen_learners(a)) {
+std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
+                                       std::vector<Candidate>& candidates) {
+  std::vector<ChosenLearner> could;
+  for (const ChosenLearner& chosen : chosen_learners(a)) {
     const std::string& name = chosen.variant->name;
     try {
       candidates.push_back(fitted(a, chosen, set));
@@ -234,7 +235,7 @@ std::vector<Chosen> add_learned(const Arguments& a, const DemonstrationSet& set,
   return could;
 }
 
-std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
+std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
                               const std::vector<Candidate>& candidates,
                               const Demonstration& demonstration,
                               const std::vector<Vector2d>& starts) {
@@ -249,9 +250,9 @@ std::vector<Entry> tried_here(const Arguments& a, const Scene& scene,
   return entries;
 }
 
-std::vector<Learning> from_fewer(const Arguments& a, const Scene& scene,
+std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
                                  const DemonstrationSet& set,
-                                 const std::vector<Chosen>& learned_by) {
+                                 const std::vector<ChosenLearner>& learned_by) {
   std::vector<Learning> learning;
   for (const std::size_t count : a.demonstrations) {
     if (count > set.demonstrations.size()) {
@@ -259,7 +260,7 @@ std::vector<Learning> from_fewer(const Arguments& a, const Scene& scene,
                  set.demonstrations.size());
       continue;
     }
-    for (const Chosen& chosen : learned_by) {
+    for (const ChosenLearner& chosen : learned_by) {
       try {
         const Candidate c = fitted(a, chosen, first_of(set, count));
         learning.push_back({c.name, count, summarise(campaign(a, scene, c.make, c.name))});
@@ -279,7 +280,7 @@ void print_learning(const std::vector<Learning>& learning) {
 }
 
 // What depends on the scene, as the operator does, is made for the other one.
-std::vector<Transfer> tried_there(const Arguments& a, const Scene& other,
+std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                                   const DemonstrationSet& set,
                                   const std::vector<Candidate>& candidates) {
   std::vector<Transfer> transfer;
@@ -325,7 +326,7 @@ Json json_rows(const std::vector<Row>& rows) {
   return all;
 }
 
-int compare_verb(const Arguments& a) {
+int compare_verb(const CompareArguments& a) {
   const Scene scene = a.scene.load();
   const DemonstrationSet set = load_demonstrations(a.folder);
   if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
@@ -333,7 +334,7 @@ int compare_verb(const Arguments& a) {
   if (!a.plot.empty()) make_plot_folder(a.plot);
 
   std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
-  const std::vector<Chosen> learned_by = add_learned(a, set, candidates);
+  const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
   std::vector<Vector2d> starts;
   for (std::size_t k = 0; k < a.trials; ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
@@ -377,7 +378,7 @@ int compare_verb(const Arguments& a) {
 void add_compare(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("compare", "Ways to insert on the same trials: baselines and learned");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<CompareArguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes to learn from")
       ->required()
       ->type_name("DIR");

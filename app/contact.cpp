@@ -8,7 +8,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct ContactArguments {
   double lambda = 4;
   std::string radius, plot;
   bool curve = false, json = false;
@@ -83,7 +83,7 @@ void print(const MaugisCurve& curve, const std::vector<MaugisPoint>& points) {
   fmt::print("largest attraction P = {:.6g} (-2 for DMT, -1.5 for JKR)\n", curve.pull_off_force());
 }
 
-int contact_verb(const Arguments& a) {
+int contact_verb(const ContactArguments& a) {
   const MaugisCurve curve(a.lambda);
   if (a.radius.empty() && !a.curve && a.plot.empty())
     throw BadInput("contact: give --radius, --curve or --plot");
@@ -105,7 +105,7 @@ int contact_verb(const Arguments& a) {
 
 void add_contact(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("contact", "Adhesion curve P(D), A and m for a lambda");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ContactArguments>();
   verb->add_option("--lambda", a->lambda, "Maugis parameter")
       ->capture_default_str()
       ->check(number_between(0.01, 100));

@@ -23,7 +23,7 @@ constexpr int kEpisodesPerSkill = 10;
 constexpr std::size_t kTrials = 500;
 constexpr const char* kMarker = ".ferrule-demo";
 
-struct Arguments {
+struct DemoArguments {
   SceneArguments scene;
   std::string out = "ferrule-demo";
   std::uint64_t seed = 1;
@@ -65,12 +65,12 @@ void tell(const std::string& text) {
   fmt::print(stderr, "{}\n", text);
 }
 
-std::string episodes_folder(const Arguments& a) {
+std::string episodes_folder(const DemoArguments& a) {
   return a.out + "/episodes";
 }
 
 // Episode `number`, by a simulated trainee.
-Recorded record(const Arguments& a, const Scene& scene, double skill, int number) {
+Recorded record(const DemoArguments& a, const Scene& scene, double skill, int number) {
   const std::string folder = episodes_folder(a);
   if (claim_episode(folder, number) != number)
     throw BadInput(folder + ": holds other episodes; choose another folder with --out");
@@ -83,7 +83,7 @@ Recorded record(const Arguments& a, const Scene& scene, double skill, int number
 }
 
 // False where Ctrl-C ended it.
-bool record_all(const Arguments& a, Report& report) {
+bool record_all(const DemoArguments& a, Report& report) {
   tell(fmt::format("1/4 recording {} episodes each of simulated trainees of skill {} and {}",
                    kEpisodesPerSkill, kSkills[0], kSkills[1]));
   const Clock clock;
@@ -102,7 +102,7 @@ bool record_all(const Arguments& a, Report& report) {
   return true;
 }
 
-void fit(const Arguments& a, Report& report) {
+void fit(const DemoArguments& a, Report& report) {
   tell("2/4 fitting the insertion law");
   const Clock clock;
   report.fit = fit_law(load_demonstrations(episodes_folder(a)), a.seed);
@@ -110,7 +110,7 @@ void fit(const Arguments& a, Report& report) {
   report.fit_seconds = clock.seconds();
 }
 
-void evaluate(const Arguments& a, Report& report) {
+void evaluate(const DemoArguments& a, Report& report) {
   tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
                    kTrials));
   const Clock clock;
@@ -141,7 +141,7 @@ std::string shown(const Report& report) {
   return file;
 }
 
-int demo_verb(const Arguments& a) {
+int demo_verb(const DemoArguments& a) {
   const Scene scene = a.scene.load();
   make_folder(a.out);
   const Clock clock;
@@ -174,7 +174,7 @@ int demo_verb(const Arguments& a) {
 void add_demo(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("demo", "Record, fit and evaluate on built-in defaults, with a report");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DemoArguments>();
   a->scene.add_to(*verb, "demo");
   verb->add_option("--out", a->out, "Folder for episodes, controller and report")
       ->capture_default_str()

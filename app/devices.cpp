@@ -16,7 +16,7 @@ namespace {
 constexpr double kPush = 0.1;  // of the device's force, while it is tested [-]
 constexpr const char* kAxisNames[] = {"X", "Y", "Z", "Rx", "Ry", "Rz"};
 
-struct Arguments {
+struct DevicesArguments {
   std::string device = "auto";
   double seconds = 0;
   bool test = false, json = false;
@@ -29,7 +29,7 @@ const char* state_name(const FoundDevice& device) {
                                    : "forbidden";
 }
 
-int list_verb(const Arguments& a) {
+int list_verb(const DevicesArguments& a) {
   const std::vector<FoundDevice> found = find_devices();
   Json list = Json::array();
   for (const FoundDevice& d : found) {
@@ -137,7 +137,7 @@ Json moved_axes(const Test& t) {
   return axes;
 }
 
-int test_verb(const Arguments& a) {
+int test_verb(const DevicesArguments& a) {
   using Clock = std::chrono::steady_clock;
   Test t = begun(a.device);
   if (!a.json) introduce(t);
@@ -184,7 +184,7 @@ Json device_json(const FoundDevice& device) {
 
 void add_devices(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("devices", "What is connected and usable; --test shows it live");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DevicesArguments>();
   auto* test = verb->add_option("--test", a->device,
                                 "Show axes, buttons, rate and forces of the first usable device, "
                                 "or of this one")

@@ -12,7 +12,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct DoctorArguments {
   SceneArguments scene;
   std::string device = "pen";
   double gain = 1, seconds = 1;
@@ -158,7 +158,7 @@ void print_verdict(const Rendering& felt) {
   for (const std::string& reason : felt.reasons) fmt::print("  {}\n", reason);
 }
 
-int doctor(const Arguments& a) {
+int doctor(const DoctorArguments& a) {
   if (a.device == "auto" || a.device.starts_with("fake:") || a.device.starts_with("/dev/hidraw"))
     throw BadInput("--device " + a.device +
                    ": must be a profile, \"pen\" or a file; devices that are connected are listed "
@@ -187,7 +187,7 @@ int doctor(const Arguments& a) {
 void add_doctor(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
       "doctor", "Can a scene be felt on a device: stability, loop rate, permissions");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<DoctorArguments>();
   a->scene.add_to(*verb, "demo");
   verb->add_option("--device", a->device, "Device profile, or the name of one that ships")
       ->capture_default_str()

@@ -11,7 +11,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct EvaluateArguments {
   SceneArguments scene;
   std::string controller, baseline;
   std::size_t trials = 1000;
@@ -20,7 +20,7 @@ struct Arguments {
   bool supervise = false, json = false;
 };
 
-int evaluate_verb(const Arguments& a) {
+int evaluate_verb(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty())
     throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
   const Scene scene = a.scene.load();
@@ -63,7 +63,7 @@ int evaluate_verb(const Arguments& a) {
 
 void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<EvaluateArguments>();
   verb->add_option("controller", a->controller, "Controller file")->type_name("FILE.json");
   a->scene.add_to(*verb, "demo");
   verb->add_option("--trials", a->trials, "How many")

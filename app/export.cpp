@@ -8,12 +8,12 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct ExportArguments {
   std::string controller, torchscript, header;
   bool json = false;
 };
 
-int export_verb(const Arguments& a) {
+int export_verb(const ExportArguments& a) {
   if (a.torchscript.empty() && a.header.empty())
     throw BadInput("export: give --torchscript FILE.pt, or --header FILE.h, or both");
   const ControllerFile controller = read_controller(a.controller);
@@ -43,7 +43,7 @@ int export_verb(const Arguments& a) {
 
 void add_export(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("export", "A controller as TorchScript or as a C header");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ExportArguments>();
   verb->add_option("controller", a->controller, "Controller file")
       ->required()
       ->type_name("FILE.json");

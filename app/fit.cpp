@@ -12,7 +12,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct FitArguments {
   std::string folder, method = "ceres", out, plot;
   std::map<std::string, std::string> options;  // of all learners, by flag
   std::uint64_t seed = 1;
@@ -61,7 +61,7 @@ void expect_place_for(const std::string& file) {
     throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
 }
 
-Learned fitted(const Learner& learner, const DemonstrationSet& set, const Arguments& a) {
+Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArguments& a) {
   const LearnerSettings settings{a.seed, a.options};
   std::optional<Progress> progress;
   if (const std::size_t steps = learner.steps(settings)) progress.emplace("training", steps);
@@ -82,7 +82,7 @@ void draw(const std::string& file, const DemonstrationSet& set, const Learned& r
   fmt::print(stderr, "wrote {}\n", file);
 }
 
-int fit_verb(const Arguments& a) {
+int fit_verb(const FitArguments& a) {
   const Learner& learner = chosen_learner(a.method);
   expect_place_for(a.out);
   if (!a.plot.empty()) expect_place_for(a.plot);
@@ -105,7 +105,7 @@ int fit_verb(const Arguments& a) {
 
 void add_fit(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("fit", "Fit a controller to demonstrations");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<FitArguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_option("--method", a->method, "How: a law with Ceres, or a policy with libtorch")
       ->capture_default_str()

@@ -8,7 +8,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct ForcesArguments {
   SceneArguments scene;
   std::string form, gap, length, depth, plot;
   double tilt_mrad = 0, speed_um_s = 10;
@@ -62,7 +62,7 @@ void check_fits(const World& world, double gap_nm, double length_um, double tilt
 }
 
 // Nothing is left out. The settings are those of the form asked for.
-Scene scene_in_form(const Arguments& a) {
+Scene scene_in_form(const ForcesArguments& a) {
   if (a.form.empty()) return load_scene(a.scene.scene, a.scene.settings);
   Scene scene = load_scene(a.scene.scene, {});
   for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
@@ -76,7 +76,7 @@ struct Grid {
   std::vector<double> gaps, inserted, depths;  // no depths: apart
 };
 
-Grid grid(const Arguments& a) {
+Grid grid(const ForcesArguments& a) {
   Grid g;
   if (!a.depth.empty()) g.depths = lengths(a.depth, "--depth-nm");
   // In contact the gap is closed, unless one is asked for.
@@ -85,7 +85,7 @@ Grid grid(const Arguments& a) {
   return g;
 }
 
-std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const Arguments& a) {
+std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const ForcesArguments& a) {
   for (const double gap : grid.gaps)
     for (const double length : grid.inserted) check_fits(world, gap, length, a.tilt_mrad);
   const double tilt = 1e-3 * a.tilt_mrad, speed = 1e-6 * a.speed_um_s;
@@ -107,7 +107,7 @@ Sweep swept(const Grid& grid) {
   return gap ? Sweep::gap : length ? Sweep::length : Sweep::depth;
 }
 
-int forces_verb(const Arguments& a) {
+int forces_verb(const ForcesArguments& a) {
   const Scene scene = scene_in_form(a);
   const Grid asked = grid(a);
   const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
@@ -124,7 +124,7 @@ int forces_verb(const Arguments& a) {
 
 void add_forces(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("forces", "Force curves against gap, length and penetration");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ForcesArguments>();
   a->scene.add_to(*verb, "paper");
   a->length = "100";
   verb->add_option("--form", a->form, "Form of all laws, instead of the scene's")

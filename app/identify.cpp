@@ -13,7 +13,7 @@ constexpr const char* kRecorded = "recorded";
 constexpr std::size_t kEpisodes = 4;
 constexpr double kNoted = 0.9;  // correlation that is noted
 
-struct Arguments {
+struct IdentifyArguments {
   SceneArguments scene;
   std::string folder;
   std::vector<std::string> parameters;
@@ -27,7 +27,7 @@ struct Chosen {
 };
 
 // Up to kEpisodes episodes of the folder, and the scene to start from.
-Chosen choose(const Arguments& a) {
+Chosen choose(const IdentifyArguments& a) {
   Chosen chosen;
   Json recorded;
   const std::vector<std::string> files = episode_files(a.folder);
@@ -62,7 +62,7 @@ void for_each_pair(const Identification& found, const Do& act) {
           found.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
 }
 
-Json to_json(const Arguments& a, const Chosen& chosen, const Identification& found) {
+Json to_json(const IdentifyArguments& a, const Chosen& chosen, const Identification& found) {
   Json parameters = Json::object(), correlations = Json::array();
   for (const IdentifiedParameter& p : found.parameters)
     parameters[p.key] = {{"told", name(p.told)},
@@ -117,7 +117,7 @@ void print(const Chosen& chosen, const Identification& found) {
              1e6 * found.residual);
 }
 
-int identify_verb(const Arguments& a) {
+int identify_verb(const IdentifyArguments& a) {
   const Chosen chosen = choose(a);
   Identification found;
   try {
@@ -137,7 +137,7 @@ int identify_verb(const Arguments& a) {
 void add_identify(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("identify", "Fit physical parameters of the scene to recorded forces");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<IdentifyArguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_option("--parameters", a->parameters, "Which: dotted keys of the scene, with commas")
       ->required()

@@ -11,7 +11,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct PlanArguments {
   SceneArguments scene;
   double tolerance = 0.01;
   std::string out;
@@ -70,7 +70,7 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       plan.error_bound, 1e6 * plan.force_scale, plan.tolerance, holds(plan) ? "" : ": NOT REACHED");
 }
 
-int plan_verb(const Arguments& a) {
+int plan_verb(const PlanArguments& a) {
   // The tolerance asked for here, whatever the scene says.
   const Scene scene = load_scene(a.scene.scene, a.scene.settings);
   const Plan plan = make_plan(scene, a.tolerance);
@@ -89,7 +89,7 @@ int plan_verb(const Arguments& a) {
 void add_plan(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
       "plan", "Which terms, fidelity, dynamics and step a scene needs for a tolerance");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<PlanArguments>();
   a->scene.add_to(*verb, "paper");
   verb->add_option(
           "--tolerance", a->tolerance,

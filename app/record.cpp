@@ -19,7 +19,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct RecordArguments {
   SceneArguments scene;
   std::string operator_ = "simulated", device, profile, out;
   double skill = 0.8, gain = 1;
@@ -29,7 +29,7 @@ struct Arguments {
 };
 
 // How a device with force renders the scene. Throws BadInput where it cannot.
-HandSettings hand_settings(const Arguments& a, const OpenDevice& device, const Scene& scene) {
+HandSettings hand_settings(const RecordArguments& a, const OpenDevice& device, const Scene& scene) {
   HandSettings settings;
   settings.gain = a.gain;
   const ForceDriver* const force = device.driver->force;
@@ -116,7 +116,7 @@ struct Holding {
   MakeController make;  // empty without a controller
 };
 
-Holding holding(const Arguments& a, const Scene& scene) {
+Holding holding(const RecordArguments& a, const Scene& scene) {
   Holding h;
   h.scaling = scene_scaling(scene);
   const bool simulated = !a.with_device && a.operator_ == "simulated";
@@ -147,7 +147,7 @@ struct Recordings {
 };
 
 // One episode. Empty: the operator ended the recording instead. Throws DeviceTrouble, FileTrouble.
-std::optional<Recorded> record_episode(const Arguments& a, const Holding& holding,
+std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& holding,
                                        const FeasibleTrial& drawn, int number,
                                        std::optional<Keys>& keys) {
   const Scene& scene = *drawn.scene;
@@ -167,7 +167,7 @@ std::optional<Recorded> record_episode(const Arguments& a, const Holding& holdin
   return record_one(scene, start, hand, place);
 }
 
-FeasibleTrial drawn_for(const Arguments& a, const Scene& toleranced, int number) {
+FeasibleTrial drawn_for(const RecordArguments& a, const Scene& toleranced, int number) {
   try {
     return feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
   } catch (const BadInput&) {
@@ -176,7 +176,7 @@ FeasibleTrial drawn_for(const Arguments& a, const Scene& toleranced, int number)
   }
 }
 
-void take_down(const Arguments& a, const Recorded& r, Recordings& all) {
+void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.lost = r.end.lost;
   all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
@@ -185,7 +185,7 @@ void take_down(const Arguments& a, const Recorded& r, Recordings& all) {
   std::fflush(stdout);
 }
 
-Recordings record_all(const Arguments& a, const Scene& toleranced, const Holding& holding,
+Recordings record_all(const RecordArguments& a, const Scene& toleranced, const Holding& holding,
                       int first) {
   Recordings all;
   std::optional<Keys> keys;
@@ -215,7 +215,7 @@ Recordings record_all(const Arguments& a, const Scene& toleranced, const Holding
   return all;
 }
 
-int record_verb(const Arguments& a) {
+int record_verb(const RecordArguments& a) {
   const Scene toleranced = a.scene.load();
   const Holding who = holding(a, toleranced);
   const int first = next_episode_number(a.out);
@@ -277,7 +277,7 @@ int recover_verb(const RecoverArguments& a) {
 
 void add_record(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("record", "Record demonstrations, one HDF5 file per episode");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<RecordArguments>();
   a->scene.add_to(*verb, "demo");
   auto* person = verb->add_option("--operator", a->operator_,
                                   "Who holds the fibre: \"simulated\", or a controller file")

@@ -10,7 +10,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct ReplayArguments {
   std::string file, plot;
   bool verify = false, json = false;
 };
@@ -49,7 +49,7 @@ void print_rows(const Episode& episode, double motion) {
   }
 }
 
-int replay_verb(const Arguments& a) {
+int replay_verb(const ReplayArguments& a) {
   const Episode episode = read_episode(a.file);
   const EpisodeInfo& info = episode.info;
   const Eigen::Index rows = episode.rows.rows();
@@ -85,7 +85,7 @@ int replay_verb(const Arguments& a) {
 
 void add_replay(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("replay", "Play a recorded episode again");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ReplayArguments>();
   verb->add_option("episode", a->file, "Episode file")->required()->type_name("FILE.h5");
   verb->add_flag("--verify", a->verify,
                  "Drive the simulator from the recorded hand and compare bit for bit; exit code 1 "

@@ -11,7 +11,7 @@
 namespace ferrule {
 namespace {
 
-struct Arguments {
+struct ScoreArguments {
   std::string folder, plot;
   bool json = false;
 };
@@ -86,7 +86,7 @@ void print_table(const std::vector<Scored>& all, const std::vector<Score>& score
     fmt::print("no episode succeeded: there is no best to score against\n");
 }
 
-int score_verb(const Arguments& a) {
+int score_verb(const ScoreArguments& a) {
   std::vector<Scored> all;
   std::vector<Measures> measures;
   for (const std::string& file : episode_files(a.folder)) {
@@ -115,7 +115,7 @@ int score_verb(const Arguments& a) {
 
 void add_score(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("score", "How good each recorded insertion was");
-  auto a = std::make_shared<Arguments>();
+  auto a = std::make_shared<ScoreArguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_option("--plot", a->plot, "Draw score and parts over the episodes")
       ->type_name("FILE.svg");

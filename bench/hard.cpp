@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/measure.hpp"
 #include "sim/potential.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/step.hpp"
@@ -13,7 +14,6 @@
 namespace ferrule {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
   Pose p;

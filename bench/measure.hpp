@@ -1,10 +1,13 @@
-// Timing for benchmarks.
+// Timing for benchmarks, and what stands for a figure that there is not.
 #pragma once
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 
 namespace ferrule {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 // Keeps the compiler from dropping what computes `value`.
 template <class T>

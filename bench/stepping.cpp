@@ -14,7 +14,6 @@
 namespace ferrule {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kFineStep = 1e-6;  // [s]
 
 struct Case {

@@ -28,7 +28,7 @@ function(ferrule_loaded_library name source)
   ferrule_warnings(${target})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   add_dependencies(ferrule_learn ${target})
-  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule)
+  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule COMPONENT ${name})
 endfunction()
 
 # The same for all libraries, or they could not share precompiled headers.

@@ -9,9 +9,9 @@
 //              g(f) = sign(f) h / (1 + s h),  h = max(0, |f| - f_0)
 //              phased where f_0 = 0 and s = 0
 //
-// axis by axis, in the hand's world: f is the observed force relative to that at rest [N], d the depth
-// of the hand past the entrance [m], >= 0. No answer to a force below the dead band f_0 [N]; the
-// answer to a large one tends to that to 1/s [N]. The lead-in cone is outside by this depth.
+// axis by axis, in the hand's world: f is the observed force relative to that at rest [N], d the
+// depth of the hand past the entrance [m], >= 0. No answer to a force below the dead band f_0 [N];
+// the answer to a large one tends to that to 1/s [N]. The lead-in cone is outside by this depth.
 #pragma once
 
 #include <Eigen/Core>

@@ -5,8 +5,8 @@
 //   v_y = A_y f_y + b_y + c_y d
 //   v_z = A_z f_z + b_z + c_z d
 //
-// in the hand's world, with f the observed force relative to that at rest [N], d the depth of the hand
-// past the entrance [m] and t the time since the start [s]. It speeds up after the start as a
+// in the hand's world, with f the observed force relative to that at rest [N], d the depth of the
+// hand past the entrance [m] and t the time since the start [s]. It speeds up after the start as a
 // minimum-jerk motion does (to its full speed at t_r), slows down towards the end depth d_e and
 // under force, and yields to force; b and c let it lean to one side, more so deeper inside
 // (operators press the fibre lightly onto the bore). With k = 0 and far from both ends it is the

@@ -3,8 +3,7 @@
 namespace ferrule {
 namespace {
 
-constexpr const char* kFormat = "ferrule controller";
-constexpr std::int64_t kFormatVersion = 2;  // in 1 the insertion law sped up otherwise
+constexpr std::int64_t kControllerFormatVersion = 2;  // in 1 the insertion law sped up otherwise
 
 double optional_number(JsonFields& fields, const std::string& key) {
   return fields.has(key) ? fields.number(key, rule::any())
@@ -73,8 +72,8 @@ void write_controller(const std::string& file, const LawFile& c) {
                             {"unit", table[i].unit},
                             {"low", number_or_null(c.gains[i].low)},
                             {"high", number_or_null(c.gains[i].high)}};
-  Json json = {{"format", kFormat},
-               {"format_version", kFormatVersion},
+  Json json = {{"format", kControllerFormat},
+               {"format_version", kControllerFormatVersion},
                {"method", "ceres"},
                {"world", "hand"},
                {"law", name(c.kind)},
@@ -96,8 +95,8 @@ LawFile read_law(const std::string& file) {
 LawFile parse_law(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   LawFile c;
-  fields.choice("format", {kFormat});
-  fields.integer("format_version", kFormatVersion, kFormatVersion);
+  fields.choice("format", {kControllerFormat});
+  fields.integer("format_version", kControllerFormatVersion, kControllerFormatVersion);
   fields.choice("method", {"ceres"});
   fields.choice("world", {"hand"});
   c.kind = kLaws[fields.choice("law", law_names())];

@@ -13,7 +13,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kFormat = "ferrule controller";
 constexpr std::int64_t kMostMembers = 100, kMostLayers = 8, kMostUnits = 1024;
 constexpr std::int64_t kMostSamples = 100, kMostSpacing = 10000;
 constexpr double kPeriod = 1e-3;                // of trials and recordings [s]
@@ -187,8 +186,8 @@ void write_controller(const std::string& file, const PolicyFile& p) {
   const Policy& policy = p.policy;
   const fs::path weights = weights_file(file);
   if (fs::is_directory(file)) throw FileTrouble(file + ": is a directory");
-  const std::string bytes =
-      safetensors_bytes(to_tensors(policy.members), {{"format", kFormat}, {"method", "torch"}});
+  const std::string bytes = safetensors_bytes(to_tensors(policy.members),
+                                              {{"format", kControllerFormat}, {"method", "torch"}});
 
   Json hidden = Json::array(), inputs = Json::array(), outputs = Json::array();
   Json training = Json::array(), rounds = Json::array();
@@ -210,7 +209,7 @@ void write_controller(const std::string& file, const PolicyFile& p) {
                       {"rows", r.rows},
                       {"held_out_loss", r.held_out_loss}});
   const Json json = {
-      {"format", kFormat},
+      {"format", kControllerFormat},
       {"format_version", 1},
       {"method", "torch"},
       {"world", "hand"},
@@ -247,7 +246,7 @@ PolicyFile read_policy(const std::string& file) {
 PolicyFile parse_policy(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   PolicyFile p;
-  fields.choice("format", {kFormat});
+  fields.choice("format", {kControllerFormat});
   fields.integer("format_version", 1, 1);
   fields.choice("method", {"torch"});
   fields.choice("world", {"hand"});

@@ -14,7 +14,7 @@ static_assert(std::endian::native == std::endian::little);
 
 constexpr std::size_t kLengthBytes = 8;
 constexpr std::uint64_t kLongestHeader = 1 << 20;
-constexpr std::uint64_t kMostBytes = 1 << 28;  // of one array
+constexpr std::uint64_t kMostElements = 1 << 28;  // and bytes of one array
 constexpr const char* kMetadata = "__metadata__";
 
 struct Range {
@@ -22,14 +22,14 @@ struct Range {
   std::string name;
 };
 
-// A list of whole numbers from 0 to kMostBytes.
+// A list of whole numbers from 0 to kMostElements.
 std::vector<std::uint64_t> whole_numbers(JsonFields& fields, const std::string& key) {
   const std::string expected = "must be a list of whole numbers, none above 2^28";
   const Json& list = fields.raw(key);
   if (!list.is_array() || list.size() > 8) fields.refuse(key, expected);
   std::vector<std::uint64_t> numbers;
   for (const Json& each : list) {
-    if (!each.is_number_unsigned() || each.get<std::uint64_t>() > kMostBytes)
+    if (!each.is_number_unsigned() || each.get<std::uint64_t>() > kMostElements)
       fields.refuse(key, expected);
     numbers.push_back(each);
   }
@@ -100,7 +100,7 @@ Tensors parse_safetensors(const std::string& bytes, const std::string& file) {
     std::uint64_t count = 1;
     for (const std::uint64_t extent : whole_numbers(fields, "shape")) {
       tensor.shape.push_back(extent);
-      if (extent > 0 && count > kMostBytes / extent)
+      if (extent > 0 && count > kMostElements / extent)
         fields.refuse("shape", "must be of at most 2^28 numbers");
       count *= extent;
     }

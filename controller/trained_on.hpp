@@ -1,4 +1,5 @@
-// What a controller was trained on: the object "trained_on" of its file.
+// What all controller files share: the format, and what the controller was trained on, the object
+// "trained_on".
 #pragma once
 
 #include <cstdint>
@@ -8,6 +9,8 @@
 #include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
+
+inline constexpr const char* kControllerFormat = "ferrule controller";
 
 struct TrainedEpisode {
   std::string file, sha1;  // and the hash of its bytes

@@ -13,7 +13,6 @@ constexpr double kTiltRate = 1e-3;           // [rad/s]; assumed
 constexpr double kRest = 0.3, kAfter = 0.5;  // of the fake hand, before and after [s]
 constexpr double kBriskness = 0.7;           // its peak speed, of the device's full speed
 constexpr double kCorrection = 0.1;          // time constant of what it corrects by eye [s]
-constexpr double kBeyond = 2e-6;             // past the success depth, at least [m]
 
 // Part of a minimum-jerk motion done at part q of its time, at rest before and after.
 double travelled(double q) {
@@ -33,8 +32,7 @@ class FakeHand : public Device {
     const DeviceRange range = device_range(scene, gain);
     // In free flight the end follows the hand.
     aligned_.tail<4>() -= scaling.motion_to_hand(start.tip).tail<4>();
-    const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
-    const double way = scaling.motion * (start.tip[0] + scene.success.depth + beyond);
+    const double way = scaling.motion * (start.tip[0] + scene.success.depth + overshoot(scene));
     inserted_ = aligned_;
     inserted_[0] -= way;
     const double speed = kBriskness * scaling.motion * scene.limits.speed;

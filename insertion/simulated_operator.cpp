@@ -8,18 +8,13 @@
 namespace ferrule {
 namespace {
 
-// How far past the success depth it means to go, at least: friction and the holder's give take some
-// tenths of a micrometre of it [m].
-constexpr double kBeyond = 2e-6;
-
 constexpr double kPress = 0.6;  // 0.7 uN at the tip with the paper's scaling [N]
 
 }  // namespace
 
 TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept {
   const Scaling scaling = scene_scaling(scene);
-  const double beyond = std::max(0.1 * scene.success.depth, kBeyond);
-  const double distance = scene.start.distance + scene.success.depth + beyond;
+  const double distance = scene.start.distance + scene.success.depth + overshoot(scene);
   return {scaling.motion_to_hand(start.command), scaling.motion * distance,
           scaling.motion * scene.limits.speed, kPress, period};
 }

@@ -7,7 +7,7 @@ namespace ferrule {
 namespace {
 
 constexpr std::size_t kFolds = 5;
-constexpr std::size_t kStride = 5;  // of rows that laws are fitted to
+constexpr std::size_t kFoldStride = 5;  // of rows that laws are fitted to
 
 // Errors of one law, episode by episode [m/s]; empty without a solution in some fold.
 std::vector<double> errors(LawKind kind, const std::vector<Samples>& episodes,
@@ -17,7 +17,7 @@ std::vector<double> errors(LawKind kind, const std::vector<Samples>& episodes,
   for (std::size_t fold = 0; fold < folds; ++fold) {
     std::vector<Samples> others;
     for (std::size_t e = 0; e < episodes.size(); ++e)
-      if (e % folds != fold) others.push_back(thinned(episodes[e], kStride));
+      if (e % folds != fold) others.push_back(thinned(episodes[e], kFoldStride));
     const LawSolution solution = solve_law(kind, others, scales, Effort::rough);
     if (!std::isfinite(solution.cost)) return {};
     const Law law(kind, solution.gains);

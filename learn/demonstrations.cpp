@@ -1,5 +1,7 @@
 #include "learn/demonstrations.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 #include "controller/content_hash.hpp"
@@ -61,6 +63,14 @@ std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstrati
   std::sort(episodes.begin(), episodes.end(),
             [](const auto& a, const auto& b) { return a.file < b.file; });
   return episodes;
+}
+
+void refuse_too_few(const DemonstrationSet& set) {
+  constexpr std::size_t kFewest = 3;
+  if (set.demonstrations.size() < kFewest)
+    throw BadInput(fmt::format(
+        "too few demonstrations: {} successful ({} unsuccessful left out); {} are needed",
+        set.demonstrations.size(), set.unsuccessful, kFewest));
 }
 
 }  // namespace ferrule

@@ -41,6 +41,9 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
 // scalings.
 DemonstrationSet load_demonstrations(const std::string& folder);
 
+// Throws BadInput if there are fewer successful demonstrations than a fit needs, three.
+void refuse_too_few(const DemonstrationSet& set);
+
 // For the file of what was learned from them, sorted by file.
 std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstration*>& set);
 

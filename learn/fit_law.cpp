@@ -9,7 +9,6 @@
 namespace ferrule {
 namespace {
 
-constexpr std::size_t kFewestEpisodes = 3;
 constexpr const char* kLawOption = "--law";
 
 std::vector<Samples> samples_of(const std::vector<const Demonstration*>& demonstrations,
@@ -104,11 +103,7 @@ Learned learn_law(const DemonstrationSet& set, const LearnerSettings& settings,
 }  // namespace
 
 LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<LawKind> kind) {
-  if (set.demonstrations.size() < kFewestEpisodes)
-    throw BadInput(
-        fmt::format("too few demonstrations: {} successful ({} unsuccessful left out); {} are "
-                    "needed",
-                    set.demonstrations.size(), set.unsuccessful, kFewestEpisodes));
+  refuse_too_few(set);
   const Split parts = split(set.demonstrations, seed);
 
   LawFit report;

@@ -13,9 +13,7 @@ namespace {
 
 using Demonstrations = std::vector<const Demonstration*>;
 
-constexpr std::size_t kFewestEpisodes = 3;
 constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger";  // options
-constexpr Eigen::Index kFewestRows = 300;
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
 
@@ -216,10 +214,7 @@ Eigen::MatrixXd policy_velocities(const Policy& policy, const Eigen::MatrixXd& i
 
 PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings,
                      const PolicyProgress& progress) {
-  if (set.demonstrations.size() < kFewestEpisodes)
-    throw BadInput(fmt::format(
-        "too few demonstrations: {} successful ({} unsuccessful left out); {} are needed",
-        set.demonstrations.size(), set.unsuccessful, kFewestEpisodes));
+  refuse_too_few(set);
   auto [training, held_out] = split(set.demonstrations, settings.seed);
   PolicyFit fit = begun(set, settings, training, held_out);
   PolicyFile& f = fit.file;
@@ -229,7 +224,7 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
   RawRows train;
   for (std::size_t round = 0;; ++round) {
     train = rows_of(training, f.reaction_time, f.policy);
-    if (train.input.cols() < kFewestRows || test.input.cols() == 0)
+    if (train.input.cols() < Eigen::Index{kFewestRows} || test.input.cols() == 0)
       throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed",
                                  train.input.cols(), kFewestRows));
     const auto rows = static_cast<std::size_t>(train.input.cols());

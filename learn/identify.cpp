@@ -18,11 +18,11 @@ using Eigen::VectorXd;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 constexpr std::size_t kFewestRecordings = 3;
-constexpr double kHuber = 0.005;        // of the force limit
-constexpr double kStep = 0.02;          // of numeric differences, in the coordinate
-constexpr double kJump = 0.5 * kHuber;  // of the second difference: no derivative there
+constexpr double kForceHuber = 0.005;        // of the force limit
+constexpr double kDifference = 0.02;         // of numeric differences, in the coordinate
+constexpr double kJump = 0.5 * kForceHuber;  // of the second difference: no derivative there
 constexpr double kRange = SceneNumber::kRange;
-constexpr double kNothing = 1e-6;         // change of force, of the force limit
+constexpr double kNoChange = 1e-6;        // change of force, of the force limit
 constexpr double kReplaceable = 0.99;     // correlation of two that stand for each other
 constexpr std::size_t kRandomPoints = 6;  // per parameter
 constexpr std::size_t kStarts = 3;
@@ -30,7 +30,7 @@ constexpr std::size_t kStarts = 3;
 // Half the sum of squares of all rows times this is the sum of Huber's loss.
 double robust_scale(const Wrench& row) noexcept {
   const double size = row.norm();
-  return size > kHuber ? std::sqrt(kHuber * (2 * size - kHuber)) / size : 1;
+  return size > kForceHuber ? std::sqrt(kForceHuber * (2 * size - kForceHuber)) / size : 1;
 }
 
 void make_robust(MatrixXd& residuals) {
@@ -45,8 +45,8 @@ MatrixXd difference_points(const VectorXd& x, const std::vector<Eigen::Index>& f
   MatrixXd points = x.replicate(1, 1 + 2 * static_cast<Eigen::Index>(free.size()));
   for (std::size_t k = 0; k < free.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(1 + 2 * k);
-    points(free[k], column) += kStep;
-    points(free[k], column + 1) -= kStep;
+    points(free[k], column) += kDifference;
+    points(free[k], column + 1) -= kDifference;
   }
   return points;
 }
@@ -54,7 +54,7 @@ MatrixXd difference_points(const VectorXd& x, const std::vector<Eigen::Index>& f
 MatrixXd central_differences(const MatrixXd& residuals) {
   MatrixXd jacobian(residuals.rows(), (residuals.cols() - 1) / 2);
   for (Eigen::Index k = 0; k < jacobian.cols(); ++k)
-    jacobian.col(k) = (residuals.col(1 + 2 * k) - residuals.col(2 + 2 * k)) / (2 * kStep);
+    jacobian.col(k) = (residuals.col(1 + 2 * k) - residuals.col(2 + 2 * k)) / (2 * kDifference);
   return jacobian;
 }
 
@@ -93,7 +93,8 @@ class ReplayCost : public ceres::CostFunction {
       // So that its product with the scaled residuals is the gradient of Huber's loss.
       for (Eigen::Index row = 0; row < all.rows(); row += 5) {
         const Wrench error = all.block<5, 1>(row, 0);
-        jacobian.middleRows<5>(row) *= huber_weight(error.norm(), kHuber) / robust_scale(error);
+        jacobian.middleRows<5>(row) *=
+            huber_weight(error.norm(), kForceHuber) / robust_scale(error);
       }
       Eigen::Map<RowMajor>(jacobians[0], all.rows(), n) = jacobian;
     }
@@ -144,14 +145,14 @@ std::vector<Eigen::Index> free_parameters(const Replays& replays, Eigen::Index p
   std::vector<Eigen::Index> free;
   for (Eigen::Index i = 0; i < parameters; ++i) {
     MatrixXd points = MatrixXd::Zero(parameters, 5), all;
-    points.row(i) << 0, -kRange, -kStep, kStep, kRange;
+    points.row(i) << 0, -kRange, -kDifference, kDifference, kRange;
     // The bounds themselves may not go with the other parameters.
     if (!replays.residuals(points, Replays::coarse, all)) {
-      points.row(i) << 0, -2 * kStep, -kStep, kStep, 2 * kStep;
+      points.row(i) << 0, -2 * kDifference, -kDifference, kDifference, 2 * kDifference;
       if (!replays.residuals(points, Replays::coarse, all)) continue;
     }
     const MatrixXd change = all.rightCols(4).colwise() - all.col(0);
-    if (change.cwiseAbs().maxCoeff() > kNothing) free.push_back(i);
+    if (change.cwiseAbs().maxCoeff() > kNoChange) free.push_back(i);
   }
   return free;
 }
@@ -192,7 +193,7 @@ Precision precision_at(const Replays& replays, std::size_t recordings, const Vec
     for (Eigen::Index n = 5 * first; n < 5 * (first + count); n += 5) {
       const auto j = jacobian.middleRows<5>(n);
       const Wrench error = all.block<5, 1>(n, 0);
-      const double weight = huber_weight(error.norm(), kHuber);
+      const double weight = huber_weight(error.norm(), kForceHuber);
       sums.back().information += weight * j.transpose() * j;
       sums.back().score += weight * j.transpose() * error;
     }
@@ -268,7 +269,7 @@ Identification identify(const std::vector<Recording>& recordings, const Scene& s
   if (free.empty()) return result;
 
   std::vector<bool> at_bound;
-  for (const Eigen::Index i : free) at_bound.push_back(std::abs(best.x[i]) > kRange - kStep);
+  for (const Eigen::Index i : free) at_bound.push_back(std::abs(best.x[i]) > kRange - kDifference);
   const Precision p = precision_at(replays, recordings.size(), best.x, free, at_bound);
   for (std::size_t k = 0; k < free.size(); ++k) {
     const auto i = static_cast<std::size_t>(free[k]);

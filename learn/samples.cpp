@@ -14,7 +14,6 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kLongestReaction = 0.4;  // [s]
-constexpr std::size_t kFewestRows = 300;
 constexpr double kLeastForce = 0.001;  // standard deviation of felt force that tells anything [N]
 
 // Share of the lateral velocities that is left after regression on what the law has for them: the

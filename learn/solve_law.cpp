@@ -9,8 +9,8 @@
 namespace ferrule {
 namespace {
 
-constexpr double kHuber = 0.2;      // of the speed scale
-constexpr std::size_t kStride = 5;  // of rows that tell starts apart
+constexpr double kVelocityHuber = 0.2;   // of the speed scale
+constexpr std::size_t kStartStride = 5;  // of rows that tell starts apart
 
 // Unit that a gain of order one is multiplied by, and bounds of the scaled gain. Slowing and
 // yielding are not negative: a law that goes faster where it is pushed back is not passive.
@@ -132,7 +132,7 @@ LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
                        bool bounded, Effort effort) {
   LawSolution s{{}, start.scaled, INFINITY, {}, 0};
   ceres::Problem problem;
-  auto* loss = new ceres::HuberLoss(kHuber);
+  auto* loss = new ceres::HuberLoss(kVelocityHuber);
   for (const Samples& episode : episodes)
     for (const Sample& sample : episode)
       problem.AddResidualBlock(row_cost(kind, sample, gains, speed), loss, s.scaled.data());
@@ -179,7 +179,7 @@ EpisodeSums sums(LawKind kind, const Samples& episode, const std::vector<Scaled>
     const double* parameters[] = {scaled.data()};
     double* jacobians[] = {jacobian.data()};
     cost->Evaluate(parameters, residual.data(), jacobians);
-    const double weight = huber_weight(residual.norm(), kHuber);
+    const double weight = huber_weight(residual.norm(), kVelocityHuber);
     all.information += weight * jacobian.transpose() * jacobian;
     all.score += weight * jacobian.transpose() * residual;
   }
@@ -202,7 +202,7 @@ LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const 
   } else {
     // Fewer rows suffice to compare the starts.
     std::vector<Samples> fewer;
-    for (const Samples& episode : episodes) fewer.push_back(thinned(episode, kStride));
+    for (const Samples& episode : episodes) fewer.push_back(thinned(episode, kStartStride));
     const LawSolution rough = solve_law(kind, fewer, scales, Effort::rough);
     if (!std::isfinite(rough.cost)) return rough;
     best = solve_from(kind, episodes, gains, scales.speed, {rough.scaled, true}, true, effort);

@@ -31,8 +31,8 @@ struct GapForces {
 };
 
 // A liquid bridge is there up to its rupture. The corrected laws are integrated along a tilted
-// fibre; the printed ones, and drag, know the gap at its middle, gap + length tilt/2. That must not exceed
-// the clearance, or the gap would not be the smallest.
+// fibre; the printed ones, and drag, know the gap at its middle, gap + length tilt/2. That must not
+// exceed the clearance, or the gap would not be the smallest.
 GapForces gap_forces(const World& world, const Posture& posture);
 
 // Mean over the inserted length of a corrected force per length that ends at the gap `reach` [m].

@@ -8,7 +8,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double euler(double bending_stiffness, double length) noexcept {
   return 0.25 * pi * pi * bending_stiffness / (length * length);

@@ -210,55 +210,55 @@ class Touching {
   Moments yy_, yz_, zz_;
 };
 
-void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law,
-                     const PoseVector& tip, SurfaceGradients& by_term) noexcept {
-  constexpr std::array<SurfaceTerm, 2> terms = {kVanDerWaals, kElectrostatic};
-  const double length = inserted(world, tip);
-  const Vector2d tilt = tip.t;
-  const double widest = law.clearance - std::max(world.annulus.roughness, kInteratomicDistance);
-  const Apart free = apart(tip, length, widest);
+constexpr std::array<SurfaceTerm, 2> kInClosedForm = {kVanDerWaals, kElectrostatic};
 
-  const LocalLaw end(law, widest * widest);
-  const double thinnest = law.clearance - widest;
+// The parts of the fibre nearer the wall than its roughness, before and after the free one.
+void add_touching_parts(Energy& total, SurfaceGradients& by_term, const LocalLaw& end,
+                        double widest, double thinnest, const PoseVector& tip, double length,
+                        const Apart& free) noexcept {
   const double at_edge = widest * (end.per_e[0] + end.per_e[1]);
-  if (at_edge != 0 && (free.from > 0 || free.to < length)) {
-    Touching touching(widest, thinnest, at_edge, end.value[0] + end.value[1]);
-    if (free.from > 0) touching.add(tip, 0, free.from);
-    if (free.to < length) touching.add(tip, free.to, length);
-    touching.add_to(total);
-    const double per_edge = widest / at_edge;
-    for (std::size_t i = 0; i < 2; ++i) {
-      const double share = per_edge * end.per_e[i];
-      by_term[terms[i]].e += share * touching.pull();
-      by_term[terms[i]].t += share * touching.turn();
-    }
+  if (at_edge == 0 || !(free.from > 0 || free.to < length)) return;
+  Touching touching(widest, thinnest, at_edge, end.value[0] + end.value[1]);
+  if (free.from > 0) touching.add(tip, 0, free.from);
+  if (free.to < length) touching.add(tip, free.to, length);
+  touching.add_to(total);
+  const double per_edge = widest / at_edge;
+  for (std::size_t i = 0; i < kInClosedForm.size(); ++i) {
+    const double share = per_edge * end.per_e[i];
+    by_term[kInClosedForm[i]].e += share * touching.pull();
+    by_term[kInClosedForm[i]].t += share * touching.turn();
   }
-  if (free.to > free.from) {
-    const double part = free.to - free.from;
-    // The mean over the part of the laws times its length.
-    const LineMean mean = line_mean({law.clearance, part * law.cubed, part * law.single},
-                                    eccentricity(tip, free.from), eccentricity(tip, free.to));
-    for (std::size_t i = 0; i < 2; ++i) {
-      const Vector2d across = mean.by_a[i] + mean.by_b[i];
-      const Vector2d turn = free.from * mean.by_a[i] + free.to * mean.by_b[i];
-      by_term[terms[i]].e += across;
-      by_term[terms[i]].t += turn;
-      total.gradient.e += across;
-      total.gradient.t += turn;
-      total.value += mean.value[i];
-      total.value_scale -= mean.value[i];
-      total.force_scale += across.norm();
-    }
-    const Matrix2d to_a = mean.aa + mean.ba, to_b = mean.ab + mean.bb;  // columns by e_a, by e_b
-    total.hessian.ee += to_a + to_b;
-    total.hessian.et += free.from * to_a + free.to * to_b;
-    total.hessian.tt += free.from * (free.from * mean.aa + free.to * mean.ab) +
-                        free.to * (free.from * mean.ba + free.to * mean.bb);
-  }
+}
 
-  // A longer overlap gains the energy per length at the mouth.
-  const double slope = inserted_slope(world, tip);
-  if (slope == 0) return;
+// The part of the fibre that is free of the wall.
+void add_free_part(Energy& total, SurfaceGradients& by_term, const TiltedAnnulus& law,
+                   const PoseVector& tip, const Apart& free) noexcept {
+  const double part = free.to - free.from;
+  // The mean over the part of the laws times its length.
+  const LineMean mean = line_mean({law.clearance, part * law.cubed, part * law.single},
+                                  eccentricity(tip, free.from), eccentricity(tip, free.to));
+  for (std::size_t i = 0; i < kInClosedForm.size(); ++i) {
+    const Vector2d across = mean.by_a[i] + mean.by_b[i];
+    const Vector2d turn = free.from * mean.by_a[i] + free.to * mean.by_b[i];
+    by_term[kInClosedForm[i]].e += across;
+    by_term[kInClosedForm[i]].t += turn;
+    total.gradient.e += across;
+    total.gradient.t += turn;
+    total.value += mean.value[i];
+    total.value_scale -= mean.value[i];
+    total.force_scale += across.norm();
+  }
+  const Matrix2d to_a = mean.aa + mean.ba, to_b = mean.ab + mean.bb;  // columns by e_a, by e_b
+  total.hessian.ee += to_a + to_b;
+  total.hessian.et += free.from * to_a + free.to * to_b;
+  total.hessian.tt += free.from * (free.from * mean.aa + free.to * mean.ab) +
+                      free.to * (free.from * mean.ba + free.to * mean.bb);
+}
+
+// A longer overlap gains the energy per length at the mouth.
+void add_closed_form_mouth(Energy& total, SurfaceGradients& by_term, const TiltedAnnulus& law,
+                           const LocalLaw& end, double widest, double thinnest,
+                           const PoseVector& tip, double length, double slope) noexcept {
   const Vector2d e = eccentricity(tip, length);
   const double radius2 = e.squaredNorm(), limit2 = widest * widest;
   const bool touches = radius2 > limit2;
@@ -266,19 +266,34 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
   if (touches) {
     const double radius = std::sqrt(radius2), over = radius - widest, part = over / thinnest;
     const double more = widest * over * (1 - 0.5 * part), less = widest / radius * (1 - part);
-    for (std::size_t i = 0; i < 2; ++i) {
+    for (std::size_t i = 0; i < kInClosedForm.size(); ++i) {
       mouth.value[i] += mouth.per_e[i] * more;
       mouth.per_e[i] *= less;
     }
   }
-  for (std::size_t i = 0; i < 2; ++i) by_term[terms[i]].x += slope * mouth.value[i];
+  for (std::size_t i = 0; i < kInClosedForm.size(); ++i)
+    by_term[kInClosedForm[i]].x += slope * mouth.value[i];
   const double value = mouth.value[0] + mouth.value[1];
   const Vector2d force = (mouth.per_e[0] + mouth.per_e[1]) * e;
   total.gradient.x += slope * value;
   total.force_scale += std::abs(slope * value);
-  total.hessian.xx += force.dot(tilt);
+  total.hessian.xx += force.dot(tip.t);
   total.hessian.xe += slope * force;
   total.hessian.xt += slope * length * force;
+}
+
+void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law,
+                     const PoseVector& tip, SurfaceGradients& by_term) noexcept {
+  const double length = inserted(world, tip);
+  const double widest = law.clearance - std::max(world.annulus.roughness, kInteratomicDistance);
+  const double thinnest = law.clearance - widest;
+  const Apart free = apart(tip, length, widest);
+  const LocalLaw end(law, widest * widest);
+  add_touching_parts(total, by_term, end, widest, thinnest, tip, length, free);
+  if (free.to > free.from) add_free_part(total, by_term, law, tip, free);
+  const double slope = inserted_slope(world, tip);
+  if (slope != 0)
+    add_closed_form_mouth(total, by_term, law, end, widest, thinnest, tip, length, slope);
 }
 
 }  // namespace

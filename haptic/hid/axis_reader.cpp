@@ -7,9 +7,9 @@ namespace ferrule {
 namespace {
 
 constexpr std::uint32_t kDesktop = 0x1u << 16, kButtons = 0x9u << 16;
-constexpr std::uint32_t kX = 0x30;
+constexpr std::uint32_t kUsageX = 0x30;
 constexpr std::size_t kMostButtons = 32;
-constexpr int kMostWaiting = 256;      // reports per poll: more than any kernel keeps
+constexpr int kMostReports = 256;      // reports per poll: more than any kernel keeps
 constexpr int kSpaceMouseLimit = 350;  // declared by all of them [counts]
 
 }  // namespace
@@ -17,7 +17,7 @@ constexpr int kSpaceMouseLimit = 350;  // declared by all of them [counts]
 AxisReader::AxisReader(const HidDescriptor& descriptor) : numbered_(descriptor.numbered) {
   const std::uint32_t within = describes(descriptor, kMultiAxis) ? kMultiAxis : 0;
   for (std::size_t axis = 0; axis < kRawAxes; ++axis) {
-    const auto usage = kDesktop | (kX + static_cast<std::uint32_t>(axis));
+    const auto usage = kDesktop | (kUsageX + static_cast<std::uint32_t>(axis));
     const HidField* field = find_field(descriptor, HidReportType::input, usage, within);
     if (!field || !field->variable || field->logical_max <= field->logical_min) continue;
     if (field->logical_max > std::numeric_limits<std::int32_t>::max()) continue;
@@ -93,7 +93,7 @@ int AxisReader::take(std::span<const std::uint8_t> report) noexcept {
 
 bool AxisReader::poll(HidTransport& transport, double t) noexcept {
   std::array<std::uint8_t, 256> report;
-  for (int i = 0; i < kMostWaiting; ++i) {
+  for (int i = 0; i < kMostReports; ++i) {
     const int length = transport.read(report, 0);
     if (length < 0) return false;
     if (length == 0) break;

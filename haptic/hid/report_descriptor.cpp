@@ -7,7 +7,7 @@ namespace ferrule {
 namespace {
 
 constexpr std::size_t kMostBytes = 4096, kMostFields = 4096, kMostUsages = 256;
-constexpr std::size_t kDeepest = 16;  // collections and pushed states
+constexpr std::size_t kMostNested = 16;  // collections and pushed states
 constexpr std::uint32_t kMostReportBits = 8 * 4096 - 1;
 
 // Items, their size bits taken off.
@@ -34,7 +34,7 @@ enum Item : std::uint8_t {
   kUsageMax = 0x28,
   kLongItem = 0xFE,
 };
-enum Flag : std::uint32_t { kConstant = 1, kVariable = 2, kRelative = 4 };
+enum Flag : std::uint32_t { kConstantField = 1, kVariable = 2, kRelative = 4 };
 
 struct Value {
   std::uint32_t bits = 0;
@@ -91,6 +91,12 @@ class Parser {
   }
 
   void take(std::uint8_t item, const Value& value, std::size_t size) {
+    take_main(item, value);
+    take_global(item, value);
+    take_local(item, value, size);
+  }
+
+  void take_main(std::uint8_t item, const Value& value) {
     switch (item) {
       case kInput:
         return main(HidReportType::input, value.bits);
@@ -104,6 +110,13 @@ class Parser {
         if (collections_.empty()) refuse("no collection to end");
         collections_.pop_back();
         return forget_usages();
+      default:
+        return;
+    }
+  }
+
+  void take_global(std::uint8_t item, const Value& value) {
+    switch (item) {
       case kUsagePage:
         g_.page = value.bits & 0xFFFFu;
         return;
@@ -138,7 +151,7 @@ class Parser {
         result_.numbered = true;
         return;
       case kPush:
-        if (stack_.size() == kDeepest) refuse("too many pushed states");
+        if (stack_.size() == kMostNested) refuse("too many pushed states");
         stack_.push_back(g_);
         return;
       case kPop:
@@ -146,6 +159,13 @@ class Parser {
         g_ = stack_.back();
         stack_.pop_back();
         return;
+      default:
+        return;
+    }
+  }
+
+  void take_local(std::uint8_t item, const Value& value, std::size_t size) {
+    switch (item) {
       case kUsage:
         add_usage(full(value, size));
         return;
@@ -178,7 +198,7 @@ class Parser {
   }
 
   void begin_collection(std::uint32_t kind) {
-    if (collections_.size() == kDeepest) refuse("collections are nested too deeply");
+    if (collections_.size() == kMostNested) refuse("collections are nested too deeply");
     const std::uint32_t usage = usages_.empty() ? 0 : usages_.front();
     if (kind == 1 && result_.usage == 0) result_.usage = usage;
     collections_.push_back(usage);
@@ -189,7 +209,7 @@ class Parser {
     std::uint16_t& end = result_.bits[static_cast<std::size_t>(type)][g_.report];
     const std::uint64_t length = std::uint64_t{g_.size} * g_.count;
     if (end + length > kMostReportBits) refuse("a report is longer than 4 kB");
-    if (length > 0 && !(flags & kConstant)) add_fields(type, flags, end);
+    if (length > 0 && !(flags & kConstantField)) add_fields(type, flags, end);
     end = static_cast<std::uint16_t>(end + length);
     forget_usages();
   }

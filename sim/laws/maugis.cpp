@@ -13,7 +13,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTableEnds = 1e4;  // in D; beyond, the equations are solved at each call
 constexpr double kSmallestS = 1e-9, kLargestS = 1e9;

@@ -15,14 +15,14 @@ namespace {
 constexpr std::uint64_t kProbeSeed = 20;
 constexpr double kLongest = 16, kLongestWithDrag = 30, kLongestInertial = 2;  // of a probe [s]
 // Of a probe [m].
-constexpr double kDeepest = 100e-6, kDeepestWithDrag = 20e-6, kDeepestInertial = 5e-6;
+constexpr double kDepth = 100e-6, kDepthWithDrag = 20e-6, kDepthInertial = 5e-6;
 constexpr double kMostLean = 0.03;  // [rad]
 constexpr double kMouth = 2e-6;     // so far outside, a fibre is out of the bore [m]
 
 double deepest(const World& world) noexcept {
-  return world.dynamics == Dynamics::inertial ? kDeepestInertial
-         : world.laws.drag                    ? kDeepestWithDrag
-                                              : kDeepest;
+  return world.dynamics == Dynamics::inertial ? kDepthInertial
+         : world.laws.drag                    ? kDepthWithDrag
+                                              : kDepth;
 }
 
 double longest(const World& world) noexcept {

@@ -14,7 +14,7 @@
 namespace ferrule {
 namespace {
 
-constexpr int kDeepest = 32;  // levels of a JSON document; what prints one needs stack for each
+constexpr int kMostLevels = 32;  // levels of a JSON document; what prints one needs stack for each
 
 // The text of a value in a message: one line, cut where it is long.
 std::string shown(const Json& value) {
@@ -59,7 +59,7 @@ Json parse_json(const std::string& text, const std::string& file) {
   std::vector<std::set<std::string>> open;  // keys of the objects that are being read
   std::string twice;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
-    if (depth > kDeepest) throw BadInput(file + ": nested deeper than any document read here");
+    if (depth > kMostLevels) throw BadInput(file + ": nested deeper than any document read here");
     if (event == Json::parse_event_t::object_start) open.emplace_back();
     if (event == Json::parse_event_t::object_end) open.pop_back();
     if (event == Json::parse_event_t::key && !open.back().insert(value).second)

@@ -5,13 +5,13 @@
 
 #include "sim/scene/shipped_files.hpp"
 #include "sim/scene/terms.hpp"
+#include "sim/scene/units.hpp"
 
 namespace ferrule {
 namespace {
 
 constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 
-constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
 constexpr double kFarthest = 1e6;  // of a start [um]
 constexpr int kUsualNodes = 5;     // of the quadrature along the insertion
 

@@ -1,14 +1,12 @@
 #include "sim/scene/terms.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "sim/scene/units.hpp"
 #include "sim/surface_forces.hpp"
 
 namespace ferrule {
 namespace {
-
-constexpr double nano = 1e-9, micro = 1e-6, degree = std::numbers::pi / 180;
 
 bool read_printed(JsonFields& law) {
   return law.choice("form", {"printed", "corrected"}) == 0;

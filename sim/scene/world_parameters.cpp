@@ -2,13 +2,11 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <numbers>
+
+#include "sim/scene/units.hpp"
 
 namespace ferrule {
 namespace {
-
-constexpr double nano = 1e-9, micro = 1e-6, milli = 1e-3, giga = 1e9;
-constexpr double degree = std::numbers::pi / 180;
 
 FerruleProfile profile(const FerruleParameters& ferrule, const Annulus& annulus) noexcept {
   FerruleProfile profile{annulus.bore_radius, 0, 0, milli * ferrule.length_mm};
