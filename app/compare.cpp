@@ -57,8 +57,8 @@ struct Transfer {
 std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
                                   const MakeController& make, const std::string& what) {
   const auto begin = std::chrono::steady_clock::now();
-  const std::vector<TrialResult> results = run_campaign(
-      scene, scene_scaling(scene), make, a.seed, a.trials, a.threads, Progress(what, a.trials));
+  std::vector<TrialResult> results = run_campaign(scene, scene_scaling(scene), make, a.seed,
+                                                  a.trials, a.threads, Progress(what, a.trials));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, a.trials, took.count());
   return results;

@@ -103,7 +103,7 @@ void introduce(const Test& t) {
 // One tick.
 HandSample pushed_and_read(Test& t) {
   if (t.device.fake) move_fake(*t.device.fake, t.time);
-  const HandSample sample = t.driver->read(t.time);
+  HandSample sample = t.driver->read(t.time);
   t.lost = sample.lost;
   t.low = t.low.cwiseMin(sample.counts);
   t.high = t.high.cwiseMax(sample.counts);

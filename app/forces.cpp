@@ -16,7 +16,7 @@ struct ForcesArguments {
 };
 
 std::vector<double> lengths(const std::string& text, const std::string& option) {
-  const std::vector<double> values = parse_range(text, option);
+  std::vector<double> values = parse_range(text, option);
   for (const double v : values)
     if (v < 0) throw BadInput(option + " " + text + ": must not be negative");
   return values;

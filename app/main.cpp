@@ -74,7 +74,7 @@ int exit_code(const Run& run) {
 }  // namespace
 }  // namespace ferrule
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): only without memory
   using namespace ferrule;
   CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
                "ferrule");

@@ -164,7 +164,7 @@ std::string forces_section(const Scene& scene) {
 }
 
 std::string demonstrations_section(const Report& r) {
-  const std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
+  std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
   if (r.shown.empty()) return html;
   return html +
          figure(demonstration_plot(read_episode(r.shown), *r.scene),

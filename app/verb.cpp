@@ -56,7 +56,7 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
 }
 
 Scene SceneArguments::load() const {
-  const Scene loaded = planned(load_scene(scene, settings));
+  Scene loaded = planned(load_scene(scene, settings));
   const auto number = [&](const char* key) { return loaded.document.value(key, 0.0); };
   if (const double bound = number("planned_error_bound"); bound > number("planned_accuracy"))
     fmt::print(stderr,

@@ -188,11 +188,11 @@ Case two_contacts_with_friction() {
 
 // An elastic fibre in air, plucked by its holder.
 Case vibration() {
+  const std::string holder =
+      R"(holder={"type": "elastic_fibre", "free_length_mm": 10, "gripper_stiffness_N_m": 1000})";
   const World world =
       load_scene("paper", {"laws={}", "fibre.density_kg_m3=2200", "fibre.young_GPa=72",
-                           "dynamics=inertial", "start.distance_um=400",
-                           "holder={\"type\":\"elastic_fibre\",\"free_length_mm\":10,"
-                           "\"gripper_stiffness_N_m\":1000}"})
+                           "dynamics=inertial", "start.distance_um=400", holder})
           .world;
   Case c{"vibration", world, {}, {}, 0.02, every(0.001, 0.02), {}};
   Pose from = Pose::Zero();

@@ -19,7 +19,7 @@ class DeviceController : public Controller {
   HandTwist command(const Observation& observation) noexcept override {
     device_->render(observation.wrench);
     const HandSample next = device_->read(static_cast<double>(++ticks_) * period_);
-    const HandTwist velocity =
+    HandTwist velocity =
         next.finished ? HandTwist(HandTwist::Zero()) : HandTwist((next.pose - pose_) / period_);
     pose_ = next.pose;
     return velocity;

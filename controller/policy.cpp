@@ -27,7 +27,7 @@ HandTwist PolicyController::command(const Observation& observation) noexcept {
   };
   now_ = now_ + 1 < past_.cols() ? now_ + 1 : 0;
   for (int i = 0; i < kPastChannels; ++i) past_(i, now_) = scaled(static_cast<std::size_t>(i));
-  for (int k = 0; k < policy_.samples; ++k) {
+  for (Eigen::Index k = 0; k < policy_.samples; ++k) {
     const Eigen::Index column = now_ - k * policy_.spacing;
     input_.segment<kPastChannels>(k * kPastChannels) =
         past_.col(column >= 0 ? column : column + past_.cols());

@@ -155,7 +155,7 @@ std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
       fields.refuse("hidden", expected);
     widths.push_back(each);
   }
-  widths.push_back(2 * kVelocity);
+  widths.push_back(std::size_t{2} * kVelocity);
   return widths;
 }
 

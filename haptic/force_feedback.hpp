@@ -75,7 +75,7 @@ class ForceFeedback {
     wanted.head<3>() = motors_.cwiseProduct(wanted.head<3>());
     const HandWrench allowed = guard_.pass(now, now - age, hand_, wanted);
     if (!fault_) fault_ = guard_.why();
-    const HandWrench acts = fault_ || taring ? HandWrench(HandWrench::Zero()) : allowed;
+    HandWrench acts = fault_ || taring ? HandWrench(HandWrench::Zero()) : allowed;
     passivity_.acts(acts.head<3>());
     return acts;
   }

@@ -47,7 +47,7 @@ class FakeHand : public Device {
     model_->deflect(counts(t));
     model_->press(t > kRest + aligning_ + pushing_ + kAfter ? 1 : 0);
     model_->advance(t);
-    const HandSample sample = device_->read(t);
+    HandSample sample = device_->read(t);
     pose_ = sample.pose;
     return sample;
   }

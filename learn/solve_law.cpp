@@ -203,7 +203,7 @@ LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const 
     // Fewer rows suffice to compare the starts.
     std::vector<Samples> fewer;
     for (const Samples& episode : episodes) fewer.push_back(thinned(episode, kStartStride));
-    const LawSolution rough = solve_law(kind, fewer, scales, Effort::rough);
+    LawSolution rough = solve_law(kind, fewer, scales, Effort::rough);
     if (!std::isfinite(rough.cost)) return rough;
     best = solve_from(kind, episodes, gains, scales.speed, {rough.scaled, true}, true, effort);
     if (!std::isfinite(best.cost)) return best;

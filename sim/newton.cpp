@@ -8,7 +8,7 @@ namespace ferrule {
 PoseVector newton_direction(const World& world, const Energy& here) noexcept {
   Eliminated hessian;
   if (hessian.of(here.hessian)) {
-    const PoseVector newton = hessian.solve(here.gradient);
+    PoseVector newton = hessian.solve(here.gradient);
     const double slope = newton.dot(here.gradient);
     if (slope < 0 && std::isfinite(slope)) return newton;
   }

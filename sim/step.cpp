@@ -301,7 +301,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   update_contacts(frozen, now, state);
   state.bridge = now.bridge;
   const Energy& bore = found.there.bore;
-  state.linearization.emplace(tip, bore.gradient, bore.hessian, found.curvature);
+  state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
   if (result.substeps > 0) result.forces = {};
   forces(world, frozen, found.tip, found.there, result.forces);
   ++result.substeps;

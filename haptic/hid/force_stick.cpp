@@ -8,7 +8,7 @@
 namespace ferrule {
 
 AxisReader force_stick_axes(const HidInfo& info) {
-  const AxisReader axes(parse_report_descriptor(info.descriptor));
+  AxisReader axes(parse_report_descriptor(info.descriptor));
   const auto& places = axes.places();
   if (std::none_of(places.begin(), places.begin() + 3, [](const AxisPlace& p) { return p.there; }))
     throw DeviceTrouble(info.path + ": its report descriptor names no axis X, Y or Z");

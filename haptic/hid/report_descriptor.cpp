@@ -99,11 +99,11 @@ class Parser {
   void take_main(std::uint8_t item, const Value& value) {
     switch (item) {
       case kInput:
-        return main(HidReportType::input, value.bits);
+        return main_item(HidReportType::input, value.bits);
       case kOutput:
-        return main(HidReportType::output, value.bits);
+        return main_item(HidReportType::output, value.bits);
       case kFeature:
-        return main(HidReportType::feature, value.bits);
+        return main_item(HidReportType::feature, value.bits);
       case kCollection:
         return begin_collection(value.bits);
       case kEndCollection:
@@ -205,7 +205,7 @@ class Parser {
     forget_usages();
   }
 
-  void main(HidReportType type, std::uint32_t flags) {
+  void main_item(HidReportType type, std::uint32_t flags) {
     std::uint16_t& end = result_.bits[static_cast<std::size_t>(type)][g_.report];
     const std::uint64_t length = std::uint64_t{g_.size} * g_.count;
     if (end + length > kMostReportBits) refuse("a report is longer than 4 kB");

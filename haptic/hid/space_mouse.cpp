@@ -43,7 +43,7 @@ bool never_a_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept {
 AxisReader space_mouse_axes(const HidInfo& info) {
   if (!info.descriptor.empty()) {
     try {
-      const AxisReader reader(parse_report_descriptor(info.descriptor));
+      AxisReader reader(parse_report_descriptor(info.descriptor));
       if (reader.axes() == static_cast<int>(kRawAxes)) return reader;
     } catch (const DeviceTrouble&) {
       // The table may still know it.

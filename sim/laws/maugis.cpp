@@ -314,9 +314,10 @@ MaugisCurve::Value MaugisCurve::jump(double D, int branch) const noexcept {
 std::vector<MaugisPoint> MaugisCurve::points(std::size_t count) const {
   std::vector<MaugisPoint> all;
   const double touch = maugis_touching_disc(lambda_);
-  for (std::size_t i = 0; i < count / 3; ++i)
+  const std::size_t apart = count / 3;
+  for (std::size_t i = 0; i < apart; ++i)
     all.push_back(
-        maugis_apart(lambda_, touch * static_cast<double>(i) / static_cast<double>(count / 3)));
+        maugis_apart(lambda_, touch * static_cast<double>(i) / static_cast<double>(apart)));
   const double first = std::log(1e4);
   double last = 0;
   while (D_at(true, last) < 6) last -= 0.1;

@@ -42,7 +42,7 @@ struct PlannedTerm {
   State state;            // where it was largest: what a benchmark of its cost evaluates
 };
 
-struct Plan {
+struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves without one
   double tolerance;
   // Those of the scene, in the order of the table of terms, then inertia, unless the scene says
   // that it is quasi-static.

@@ -156,7 +156,7 @@ void read_scaling(JsonFields f, ScalingRanges& scaling) {
 
 // Of all numbers of a scene.
 std::optional<Inconsistency> inconsistency(const Scene& scene) {
-  if (const auto found = inconsistency(scene.parameters)) return found;
+  if (auto found = inconsistency(scene.parameters)) return found;
   if (scene.success.depth > milli * scene.parameters.ferrule.length_mm)
     return {{"success.depth_um", "must not exceed the ferrule's length (ferrule.length_mm)"}};
   const ScalingRanges& r = scene.scaling;

@@ -23,7 +23,7 @@ std::string ShippedFiles::find(const std::string& name_or_file) const {
   const bool bare = name_or_file.find('/') == std::string::npos &&
                     name_or_file.find(".json") == std::string::npos;
   if (!bare || fs::is_regular_file(name_or_file)) return name_or_file;
-  const std::string shipped = place() + "/" + name_or_file + ".json";
+  std::string shipped = place() + "/" + name_or_file + ".json";
   if (fs::exists(shipped)) return shipped;
   std::string message =
       name_or_file + ": no such " + file + ", and no shipped " + one + " of that name:";
