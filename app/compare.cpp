@@ -255,11 +255,7 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
                                  const std::vector<ChosenLearner>& learned_by) {
   std::vector<Learning> learning;
   for (const std::size_t count : a.demonstrations) {
-    if (count > set.demonstrations.size()) {
-      fmt::print(stderr, "note: {} demonstrations asked for, {} are there\n", count,
-                 set.demonstrations.size());
-      continue;
-    }
+    if (count > set.demonstrations.size()) continue;
     for (const ChosenLearner& chosen : learned_by) {
       try {
         const Candidate c = fitted(a, chosen, first_of(set, count));
@@ -326,10 +322,22 @@ Json json_rows(const std::vector<Row>& rows) {
   return all;
 }
 
+// What cannot be compared is said before anything is.
+void expect_comparable(const CompareArguments& a, const DemonstrationSet& set) {
+  if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
+  for (auto each = a.learners.begin(); each != a.learners.end(); ++each)
+    if (std::find(a.learners.begin(), each, *each) != each)
+      throw BadInput("--learners: " + *each + " is there twice");
+  for (const std::size_t count : a.demonstrations)
+    if (count > set.demonstrations.size())
+      fmt::print(stderr, "note: {} demonstrations asked for, {} are there\n", count,
+                 set.demonstrations.size());
+}
+
 int compare_verb(const CompareArguments& a) {
   const Scene scene = a.scene.load();
   const DemonstrationSet set = load_demonstrations(a.folder);
-  if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
+  expect_comparable(a, set);
   const std::vector<Scene> others = other_scenes(a, scene);
   if (!a.plot.empty()) make_plot_folder(a.plot);
 
@@ -402,9 +410,7 @@ void add_compare(CLI::App& app, Run& run) {
       ->check(number_between(0, 1));
   add_seed(*verb, a->seed, "Seed of the trials");
   verb->add_option("--fit-seed", a->fit_seed, "Seed of the fits")->capture_default_str();
-  verb->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 4096));
+  add_threads(*verb, a->threads);
   verb->add_option("--plot", a->plot,
                    "Folder for plots: success against misalignment and number "
                    "of demonstrations, maps of where each fails")

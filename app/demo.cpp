@@ -72,14 +72,15 @@ std::string episodes_folder(const DemoArguments& a) {
 // Episode `number`, by a simulated trainee.
 Recorded record(const DemoArguments& a, const Scene& scene, double skill, int number) {
   const std::string folder = episodes_folder(a);
-  if (claim_episode(folder, number) != number)
+  EpisodeClaim claim(folder, number);
+  if (claim.number() != number)
     throw BadInput(folder + ": holds other episodes; choose another folder with --out");
   const auto [drawn, trial, infeasible] =
       feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
   const State start = draw_start(*drawn, a.seed, trial);
   const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
   return record_one(*drawn, start, *device,
-                    {fmt::format("simulated, skill {}", skill), folder, number, a.seed, trial});
+                    {fmt::format("simulated, skill {}", skill), std::move(claim), a.seed, trial});
 }
 
 // False where Ctrl-C ended it.
@@ -93,7 +94,8 @@ bool record_all(const DemoArguments& a, Report& report) {
     for (int i = 0; i < kEpisodesPerSkill; ++i) {
       report.recorded.push_back({skill, record(a, *report.scene, skill, ++number)});
       if (interrupted()) {
-        tell("stopped by Ctrl-C; episodes so far are in " + episodes_folder(a));
+        tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
+                         episodes_folder(a)));
         return false;
       }
       progress(static_cast<std::size_t>(number));

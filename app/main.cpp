@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <optional>
+#include <system_error>
 
+#include "app/standard_streams.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "haptic/trouble.hpp"
@@ -30,7 +33,8 @@ void add_verbs(CLI::App& app, Run& run) {
 }
 
 int refused(const std::string& why, ExitCode code) {
-  fmt::print(stderr, "ferrule: {}\n", why);
+  constexpr std::size_t kLongest = 1000;
+  fmt::print(stderr, "ferrule: {}\n", printable(why, kLongest));
   return code;
 }
 
@@ -58,12 +62,18 @@ int exit_code(const Run& run) {
     const int code = run();
     std::cout.flush();
     if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
-      return refused("standard output cannot be written", kFileTrouble);
+      return refused("standard output cannot be written",
+                     interrupted() ? kInterrupted : kFileTrouble);
     return code;
   } catch (const BadInput& error) {
     return refused(error.what(), kBadInput);
   } catch (const DeviceTrouble& trouble) {
     return refused(trouble.what(), kDeviceTrouble);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return refused(error.what(), kFileTrouble);
+  } catch (const std::system_error& error) {  // of fmt, which prints; a closed terminal ends it too
+    return refused(fmt::format("standard output cannot be written: {}", error.code().message()),
+                   interrupted() ? kInterrupted : kFileTrouble);
   } catch (const std::bad_alloc&) {
     return refused("out of memory", kFileTrouble);
   } catch (const std::exception& error) {  // FileTrouble, and what nobody foresaw
@@ -76,6 +86,7 @@ int exit_code(const Run& run) {
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): only without memory
   using namespace ferrule;
+  secure_standard_streams();
   CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
                "ferrule");
   app.set_version_flag("--version", program_version() + " (" + program_build() + ")");

@@ -141,6 +141,7 @@ Holding holding(const RecordArguments& a, const Scene& scene) {
 // What was recorded so far.
 struct Recordings {
   Json list = Json::array();
+  std::size_t kept = 0;  // not discarded
   std::size_t inserted = 0, infeasible = 0;
   bool lost = false;           // the device
   std::exception_ptr trouble;  // with the device, after the first episode
@@ -148,36 +149,28 @@ struct Recordings {
 
 // One episode. Empty: the operator ended the recording instead. Throws DeviceTrouble, FileTrouble.
 std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& holding,
-                                       const FeasibleTrial& drawn, int number,
+                                       const FeasibleTrial& drawn, EpisodeClaim claim,
                                        std::optional<Keys>& keys) {
   const Scene& scene = *drawn.scene;
   const State start = draw_start(scene, a.seed, drawn.trial);
-  const EpisodePlace place{holding.name, a.out, number, a.seed, drawn.trial};
+  EpisodePlace place{holding.name, std::move(claim), a.seed, drawn.trial};
   if (holding.device)
-    return record_by_hand(*holding.device, holding.settings, scene, start, place, *keys);
+    return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
   if (!holding.make) {
     const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
-    return record_one(scene, start, *hand, place);
+    return record_one(scene, start, *hand, std::move(place));
   }
   const Scaling& scaling = holding.scaling;
   const std::unique_ptr<Controller> controller = holding.make(drawn.trial);
   ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
                       1.1 * scaling.motion * scene.success.depth);
-  return record_one(scene, start, hand, place);
-}
-
-FeasibleTrial drawn_for(const RecordArguments& a, const Scene& toleranced, int number) {
-  try {
-    return feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-  } catch (const BadInput&) {
-    unclaim(a.out, number);
-    throw;
-  }
+  return record_one(scene, start, hand, std::move(place));
 }
 
 void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.lost = r.end.lost;
+  all.kept += !r.file.empty();
   all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
   all.list.push_back(episode_json(r));
@@ -194,12 +187,14 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
   int next = first;
   for (int i = 0; i < a.episodes && !interrupted() && !all.lost;) {
-    const int number = claim_episode(a.out, next);
-    const FeasibleTrial drawn = drawn_for(a, toleranced, number);
+    EpisodeClaim claim(a.out, next);
+    const int number = claim.number();
+    const FeasibleTrial drawn =
+        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
     std::optional<Recorded> r;
     try {
-      r = record_episode(a, holding, drawn, number, keys);
+      r = record_episode(a, holding, drawn, std::move(claim), keys);
     } catch (const DeviceTrouble&) {
       if (all.list.empty()) throw;
       all.trouble = std::current_exception();  // what there is already is printed first
@@ -231,7 +226,7 @@ int record_verb(const RecordArguments& a) {
                 {"episodes", all.list},
                 {"infeasible_pairs", all.infeasible}});
   else
-    fmt::print("{} of {} episodes inserted\n", all.inserted, all.list.size());
+    fmt::print("{} of {} episodes inserted\n", all.inserted, all.kept);
   if (all.infeasible > 0 && !a.json)
     fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
   if (all.trouble) std::rethrow_exception(all.trouble);
@@ -239,9 +234,8 @@ int record_verb(const RecordArguments& a) {
     throw DeviceTrouble(who.device->transport->info().path +
                         ": the device was lost; the running episode was ended and kept");
   if (!interrupted()) return kDone;
-  fmt::print(stderr,
-             "stopped by Ctrl-C: the running episode was ended and kept; {} of {} are there\n",
-             all.list.size(), a.episodes);
+  fmt::print(stderr, "stopped by {}: the running episode was ended and kept; {} of {} are there\n",
+             stopped_by(), all.kept, a.episodes);
   return kInterrupted;
 }
 

@@ -2,6 +2,7 @@
 #include "capture/replay.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/demonstration_plot.hpp"
 #include "app/verb.hpp"
@@ -10,26 +11,61 @@
 namespace ferrule {
 namespace {
 
+// What only inputs_sha1 covers.
+constexpr const char* kNotCovered[] = {"operator", "build",   "version",  "why",       "rating",
+                                       "loop",     "mapping", "coupling", "raw counts"};
+
 struct ReplayArguments {
   std::string file, plot;
+  double tolerance = 0;
   bool verify = false, json = false;
 };
 
-// What the first difference says of the recording, at length.
-std::string verdict(const std::optional<Difference>& d, const Episode& episode) {
+std::string told(const Difference& d, double period) {
+  const auto text = [](const Json& value) {
+    return value.is_null() ? std::string("not there")
+           : value.is_number_float()
+               ? fmt::format("{:.17g}", value.get<double>())
+               : printable(value.dump(-1, ' ', false, Json::error_handler_t::replace), 100);
+  };
+  return fmt::format("row {} (t = {:.3f} s): {} is {}, expected {}", d.row,
+                     static_cast<double>(d.row) * period, printable(d.column, 200),
+                     text(d.recorded), text(d.expected));
+}
+
+std::string makers(const EpisodeInfo& info) {
+  return fmt::format("recorded by ferrule {} ({}), this is {} ({})", printable(info.version, 40),
+                     printable(info.build, 80), program_version(), program_build());
+}
+
+// What the comparison says of the recording, at length.
+std::string verdict(const Verification& c, const Episode& episode) {
   const EpisodeInfo& info = episode.info;
-  if (!d) return fmt::format("identical: {} rows, every bit", episode.rows.rows());
-  std::string text =
-      fmt::format("differs first at row {} (t = {:.3f} s): {} is {:.17g}, expected {:.17g}", d->row,
-                  static_cast<double>(d->row) * info.period, d->column, d->recorded, d->expected);
-  if (info.build != program_build() || info.version != program_version())
-    text += fmt::format("; recorded by ferrule {} ({}), this is {} ({})", info.version, info.build,
-                        program_version(), program_build());
+  std::string text;
+  if (c.first)
+    text = "differs first at " + told(*c.first, info.period);
+  else if (c.largest)
+    text = fmt::format("within {:g}: {} rows, and all that is beside them", c.tolerance,
+                       episode.rows.rows());
+  else
+    text = fmt::format("identical: {} rows, every bit, and all that is beside them",
+                       episode.rows.rows());
+  if (c.tolerance > 0 && c.largest)
+    text += fmt::format("; the largest difference is {:.2g} of the largest number, at {}",
+                        c.largest->relative, told(*c.largest, info.period));
+  if (info.inputs_sha1.empty())
+    text += fmt::format("; not covered, as the recording has no hash of them: {}",
+                        fmt::join(kNotCovered, ", "));
+  if (c.first || c.largest) text += "; " + makers(info);
   return text;
 }
 
 Json to_json(const Difference& d) {
-  return {{"row", d.row}, {"column", d.column}, {"recorded", d.recorded}, {"expected", d.expected}};
+  return {{"row", d.row},
+          {"column", d.column},
+          {"recorded", d.recorded},
+          {"expected", d.expected},
+          {"relative", number_or_null(d.relative)}};
 }
 
 // Some forty rows, at the tip's scale.
@@ -56,8 +92,9 @@ int replay_verb(const ReplayArguments& a) {
   const double time = rows ? episode.rows(rows - 1, kTime.begin) : 0.0;
   const Scene scene = recorded_scene(episode, a.file);
   if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(episode, scene));
-  std::optional<Difference> different;
-  if (a.verify && !(different = verify(episode))) different = derived_difference(a.file, episode);
+  Verification compared{a.tolerance, {}, {}};
+  if (a.verify) verify(episode, compared);
+  if (a.verify && !compared.over()) compare_file(a.file, episode, compared);
   if (a.json) {
     Json json = {{"file", a.file},
                  {"scene", scene.name},
@@ -67,18 +104,24 @@ int replay_verb(const ReplayArguments& a) {
                  {"time_s", time},
                  {"version", info.version},
                  {"build", info.build}};
-    if (a.verify) json["identical"] = !different.has_value();
-    if (different) json["difference"] = to_json(*different);
+    if (a.verify) {
+      json["identical"] = !compared.first && !compared.largest;
+      json["tolerance"] = a.tolerance;
+      json["within_tolerance"] = !compared.first;
+      json["not_covered"] = info.inputs_sha1.empty() ? Json(kNotCovered) : Json::array();
+    }
+    if (compared.first) json["difference"] = to_json(*compared.first);
+    if (compared.largest) json["largest_difference"] = to_json(*compared.largest);
     print_json(json);
   } else {
-    fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s\n", a.file, scene.name, info.operator_,
-               name(info.outcome), rows, time);
+    fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s\n", a.file, printable(scene.name, 60),
+               printable(info.operator_, 100), name(info.outcome), rows, time);
     if (a.verify)
-      fmt::print("{}\n", verdict(different, episode));
+      fmt::print("{}\n", verdict(compared, episode));
     else
       print_rows(episode, scene_scaling(scene).motion);
   }
-  return different ? kFailed : kDone;
+  return compared.first ? kFailed : kDone;
 }
 
 }  // namespace
@@ -87,9 +130,15 @@ void add_replay(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("replay", "Play a recorded episode again");
   auto a = std::make_shared<ReplayArguments>();
   verb->add_option("episode", a->file, "Episode file")->required()->type_name("FILE.h5");
-  verb->add_flag("--verify", a->verify,
-                 "Drive the simulator from the recorded hand and compare bit for bit; exit code 1 "
-                 "at a difference");
+  auto* verify = verb->add_flag(
+      "--verify", a->verify,
+      "Drive the simulator from the recorded hand and compare bit for bit; exit code 1 "
+      "at a difference");
+  verb->add_option("--tolerance", a->tolerance,
+                   "How far numbers may be apart, of the largest of their unit: for recordings of "
+                   "another build or compiler")
+      ->needs(verify)
+      ->check(number_between(0, 1));
   verb->add_option("--plot", a->plot, "Draw velocity and forces over time")->type_name("FILE.svg");
   add_json(*verb, a->json);
   verb->callback([a, &run] { run = [a] { return replay_verb(*a); }; });

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <iostream>
 #include <mutex>
+#include <thread>
 
 #include "app/keys.hpp"
 #include "sim/plan/plan.hpp"
@@ -19,15 +20,15 @@ namespace {
 // Ctrl-C, kill, a terminal that was closed, Ctrl-backslash.
 constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
-std::atomic<bool> g_interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free);  // for the signal handler
+std::atomic<int> g_interrupted = 0;                    // the signal
+static_assert(std::atomic<int>::is_always_lock_free);  // for the signal handler
 
-void on_interrupt(int) {
+void on_interrupt(int which) {
   if (g_interrupted) {
     restore_terminal();
     ::_exit(kInterrupted);
   }
-  g_interrupted = true;
+  g_interrupted = which;
 }
 
 double parse_number(const std::string& text, const std::string& option) {
@@ -79,8 +80,19 @@ void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help) {
 }
 
 void add_threads(CLI::App& verb, int& threads) {
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const auto at_most_cores = [cores](std::string& text) {
+    int wanted = 0;
+    if (CLI::detail::lexical_cast(text, wanted) && wanted > cores) {
+      fmt::print(stderr, "note: --threads {}: this machine has {}, which are used\n", wanted,
+                 cores);
+      text = std::to_string(cores);
+    }
+    return std::string();
+  };
   verb.add_option("--threads", threads, "0: all cores; the result does not depend on it")
       ->capture_default_str()
+      ->transform(CLI::Validator(at_most_cores, ""))
       ->check(CLI::Range(0, 4096));
 }
 
@@ -124,7 +136,15 @@ void watch_for_interrupt() {
 }
 
 bool interrupted() noexcept {
-  return g_interrupted;
+  return g_interrupted != 0;
+}
+
+const char* stopped_by() noexcept {
+  const int which = g_interrupted;
+  return which == SIGTERM   ? "SIGTERM"
+         : which == SIGHUP  ? "SIGHUP (the terminal was closed)"
+         : which == SIGQUIT ? "SIGQUIT"
+                            : "Ctrl-C";
 }
 
 void stop_watching_for_interrupt() {

@@ -11,7 +11,7 @@
 namespace ferrule {
 
 // Exit codes (README): 0 done, 1 a stated criterion failed, 2 bad usage or input, 3 file trouble,
-// 4 device trouble, 130 stopped by Ctrl-C.
+// 4 device trouble, 130 stopped by Ctrl-C or another signal.
 enum ExitCode {
   kDone = 0,
   kFailed = 1,
@@ -79,6 +79,8 @@ std::string number_or(const char* otherwise, const char* format, double x);
 // the second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;  // from any thread
+// What ended it: "Ctrl-C", "SIGTERM" ...
+const char* stopped_by() noexcept;
 // Ctrl-C ends the program at once again.
 void stop_watching_for_interrupt();
 

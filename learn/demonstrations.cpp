@@ -4,8 +4,8 @@
 
 #include <algorithm>
 
-#include "controller/content_hash.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "sim/content_hash.hpp"
 
 namespace ferrule {
 

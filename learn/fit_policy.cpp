@@ -261,7 +261,7 @@ Learner policy_learner() {
                        {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
           .files =
               [](const std::string& file) {
-                return std::vector{file, weights_file(file)};
+                return std::vector{file, weights_file(file, "")};
               },
           .steps =
               [](const LearnerSettings& s) {
