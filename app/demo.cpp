@@ -79,7 +79,7 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
   const State start = draw_start(*drawn, a.seed, trial);
   const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
   return record_one(*drawn, start, *device,
-                    {fmt::format("simulated, skill {}", skill), folder, number, a.seed, trial});
+                    {simulated_operator_name(skill), folder, number, a.seed, trial});
 }
 
 // False where Ctrl-C ended it.
@@ -118,7 +118,7 @@ void evaluate(const DemoArguments& a, Report& report) {
   const Scaling scaling = scene_scaling(scene);
   const auto campaign = [&](const MakeController& make, const char* what) {
     return run_campaign(scene, scaling, make, report.trial_seed(), kTrials, a.threads,
-                        Progress(what, kTrials));
+                        Progress(what, kTrials), interrupted);
   };
   report.learned = campaign(controller_maker(report.fit.controller.law()), "learned");
   report.baseline =
@@ -142,29 +142,32 @@ std::string shown(const Report& report) {
 }
 
 int demo_verb(const DemoArguments& a) {
-  const Scene scene = a.scene.load();
+  const ChosenScene chosen = a.scene.choose();
+  const Scene& scene = chosen.scene;
   make_folder(a.out);
   const Clock clock;
   Report report;
   report.scene = &scene;
-  report.scene_arguments = "--scene " + a.scene.scene;
+  report.scene_arguments = "--scene " + a.scene.name();
   for (const std::string& setting : a.scene.settings)
     report.scene_arguments += " --set '" + setting + "'";
   report.seed = a.seed;
 
   watch_for_interrupt();
+  report.provenance.in(chosen).seed("demonstrations", a.seed).seed("trials", report.trial_seed());
   if (!record_all(a, report)) return kInterrupted;
-  stop_watching_for_interrupt();
   fit(a, report);
+  if (interrupted()) throw Stopped{"episodes and controller are in " + a.out};
   evaluate(a, report);
+  if (interrupted()) throw Stopped{"episodes and controller are in " + a.out};
   tell("4/4 writing the report");
   const std::string file = a.out + "/report.html";
   report.shown = shown(report);
   write_report(file, report);
   if (a.json)
-    print_json(report_json(report));
+    print_json(report_json(report), report.provenance);
   else
-    fmt::print("{}", report_text(report));
+    fmt::print("{}{}{}", report.provenance.head(), report_text(report), report.provenance.foot());
   tell(fmt::format("{:.0f} s in all; open {}", clock.seconds(), fs::absolute(file).string()));
   return kDone;
 }
@@ -182,6 +185,7 @@ void add_demo(CLI::App& app, Run& run) {
   add_seed(*verb, a->seed, "Seed of everything");
   add_threads(*verb, a->threads);
   add_json(*verb, a->json);
+  add_examples(*verb, {"demo", "demo --scene bench --seed 2 --out bench-demo"});
   verb->callback([a, &run] { run = [a] { return demo_verb(*a); }; });
 }
 

@@ -5,9 +5,11 @@
 #include <filesystem>
 
 #include "app/law_plot.hpp"
+#include "app/trained.hpp"
 #include "app/training_plot.hpp"
 #include "app/verb.hpp"
 #include "learn/candidates.hpp"
+#include "learn/fit_warnings.hpp"
 
 namespace ferrule {
 namespace {
@@ -62,14 +64,15 @@ void expect_place_for(const std::string& file) {
 }
 
 Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArguments& a) {
-  const LearnerSettings settings{a.seed, a.options};
-  std::optional<Progress> progress;
-  if (const std::size_t steps = learner.steps(settings)) progress.emplace("training", steps);
+  Progress progress("fitting", 1);
   try {
-    return learner.learn(set, settings, [&](std::size_t done, const std::string& note) {
-      if (progress) (*progress)(done, note);
-    });
+    return learner.learn(set, {a.seed, a.options},
+                         [&](std::size_t done, std::size_t all, const std::string& note) {
+                           progress(done, note, all);
+                           return !interrupted();
+                         });
   } catch (const BadInput& error) {
+    if (interrupted()) throw Stopped();
     throw BadInput(a.folder + ": " + error.what());
   }
 }
@@ -82,23 +85,45 @@ void draw(const std::string& file, const DemonstrationSet& set, const Learned& r
   fmt::print(stderr, "wrote {}\n", file);
 }
 
+// The line before the fit: which scenes the episodes are of.
+std::string scenes_told(const DemonstrationSet& set) {
+  const auto of = [](const Json& document) {
+    return scene_text(document, changes_from_shipped(document));
+  };
+  if (set.undrawn_documents.size() == 1)
+    return "scene " + of(set.undrawn_documents.front()) + ", of all episodes\n";
+  return fmt::format("episodes of {} different scenes: {}\n", set.undrawn_documents.size(),
+                     fmt::join(set.scenes, ", "));
+}
+
 int fit_verb(const FitArguments& a) {
   const Learner& learner = chosen_learner(a.method);
   expect_place_for(a.out);
   if (!a.plot.empty()) expect_place_for(a.plot);
   for (const std::string& file : learner.files(a.out)) expect_place_for(file);
-  const DemonstrationSet set = load_demonstrations(a.folder);
+  watch_for_interrupt();
+  const DemonstrationSet set = load_demonstrations(a.folder, Loading());
   const Learned result = fitted(learner, set, a);
   if (set.scenes.size() > 1)
     fmt::print(stderr, "note: the episodes are of {} different scenes: {}\n", set.scenes.size(),
                fmt::join(set.scenes, ", "));
   write_controller(a.out, result.controller);
   if (!a.plot.empty()) draw(a.plot, set, result);
+  std::string notes;
+  for (const std::string& warning : fit_warnings(set, result.controller))
+    notes += "warning: " + warning + "\n";
+  if (a.json) fmt::print(stderr, "{}", notes);
+  Provenance provenance;
+  provenance.seed("split and fit", a.seed);
+  for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
+  const bool partial = trained_on(result.controller).partial;
+  if (partial) provenance.partial("the best of the fit so far");
   if (a.json)
-    print_json(parse_json(read_text(a.out), a.out));
+    print_json(parse_json(read_text(a.out), a.out), provenance);
   else
-    fmt::print("{}wrote {}\n", result.report, a.out);
-  return kDone;
+    fmt::print("{}{}{}wrote {}\n{}", scenes_told(set), result.report, notes, a.out,
+               provenance.foot());
+  return partial ? kInterrupted : kDone;
 }
 
 }  // namespace
@@ -116,6 +141,9 @@ void add_fit(CLI::App& app, Run& run) {
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
   verb->add_flag("--json", a->json, "The controller file on stdout as well");
+  add_examples(*verb,
+               {"fit episodes --out controller.json",
+                "fit episodes --method torch --dagger 3 --plot training.svg --out policy.json"});
   verb->callback([a, verb, &run] {
     refuse_others(*verb, chosen_learner(a->method));
     run = [a] { return fit_verb(*a); };

@@ -12,6 +12,7 @@ namespace {
 
 void add_verbs(CLI::App& app, Run& run) {
   add_demo(app, run);
+  add_scene(app, run);
   add_forces(app, run);
   add_contact(app, run);
   add_plan(app, run);
@@ -60,6 +61,8 @@ int exit_code(const Run& run) {
     if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
       return refused("standard output cannot be written", kFileTrouble);
     return code;
+  } catch (const Stopped& stopped) {
+    return refused("stopped before the end: " + stopped.kept, kInterrupted);
   } catch (const BadInput& error) {
     return refused(error.what(), kBadInput);
   } catch (const DeviceTrouble& trouble) {
@@ -80,6 +83,7 @@ int main(int argc, char** argv) {
                "ferrule");
   app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
   app.require_subcommand(1);
+  remember_command(argc, argv);
   Run run;
   add_verbs(app, run);
   if (const std::optional<int> code = parse(app, argc, argv)) return *code;

@@ -6,6 +6,7 @@
 
 #include "controller/content_hash.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 
@@ -13,6 +14,9 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   const Rows& rows = episode.rows;
   Demonstration d;
   d.file = file;
+  d.operator_ = episode.info.operator_;
+  d.seed = episode.info.seed;
+  d.trial = episode.info.trial;
   d.outcome = episode.info.outcome;
   d.period = episode.info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
@@ -24,26 +28,37 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   return d;
 }
 
-DemonstrationSet load_demonstrations(const std::string& folder) {
+DemonstrationSet load_demonstrations(
+    const std::string& folder, const std::function<void(std::size_t, std::size_t)>& progress) {
   DemonstrationSet set;
-  Scaling first{};
   std::string first_file;
-  for (const std::string& file : episode_files(folder)) {
+  std::size_t read = 0;
+  const std::vector<std::string> files = episode_files(folder);
+  for (const std::string& file : files) {
+    if (progress) progress(read++, files.size());
     const Episode episode = read_episode(file);
     const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
     const Scaling scaling = scene_scaling(scene);
-    if (first_file.empty()) {
+    if (!set.scaling) {
       first_file = file;
-      first = scaling;
+      set.scaling = scaling;
+      set.force_limit = scene.limits.force;
     }
-    if (std::find(set.documents.begin(), set.documents.end(), scene.document) ==
-        set.documents.end()) {
-      set.documents.push_back(scene.document);
+    const auto add_new = [](std::vector<Json>& documents, const Json& document) {
+      const bool is_new =
+          std::find(documents.begin(), documents.end(), document) == documents.end();
+      if (is_new) documents.push_back(document);
+      return is_new;
+    };
+    add_new(set.undrawn_documents, undrawn(scene.document));
+    if (add_new(set.documents, scene.document)) {
       if (std::find(set.scenes.begin(), set.scenes.end(), scene.name) == set.scenes.end())
         set.scenes.push_back(scene.name);
     }
     set.speed_scale = std::max(set.speed_scale, scaling.motion * scene.limits.speed);
-    if (scaling.motion != first.motion || scaling.force != first.force)
+    set.speed_limit = std::max(set.speed_limit, scene.limits.speed);
+    set.force_limit = std::min(set.force_limit, scene.limits.force);
+    if (scaling.motion != set.scaling->motion || scaling.force != set.scaling->force)
       throw BadInput(file + ": was recorded with another scaling than " + first_file +
                      "; a law is learned in one hand's world");
     if (episode.info.outcome == Outcome::inserted) {
@@ -57,12 +72,25 @@ DemonstrationSet load_demonstrations(const std::string& folder) {
   return set;
 }
 
-std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstration*>& set) {
-  std::vector<TrainedEpisode> episodes;
-  for (const Demonstration* d : set) episodes.push_back({d->file, d->sha1});
-  std::sort(episodes.begin(), episodes.end(),
-            [](const auto& a, const auto& b) { return a.file < b.file; });
-  return episodes;
+TrainedOn trained_on(const DemonstrationSet& set, const std::vector<const Demonstration*>& training,
+                     const std::vector<const Demonstration*>& held_out, std::uint64_t seed) {
+  const auto episodes = [](const std::vector<const Demonstration*>& part) {
+    std::vector<TrainedEpisode> list;
+    for (const Demonstration* d : part) list.push_back({d->file, d->sha1, d->seed, d->trial});
+    std::sort(list.begin(), list.end(),
+              [](const auto& a, const auto& b) { return a.file < b.file; });
+    return list;
+  };
+  TrainedOn t;
+  t.scenes = set.scenes;
+  t.episodes = episodes(training);
+  t.held_out = episodes(held_out);
+  t.seed = seed;
+  t.scaling = set.scaling;
+  t.speed_limit = set.speed_limit;
+  t.force_limit = set.force_limit;
+  if (set.undrawn_documents.size() == 1) t.scene = set.undrawn_documents.front();
+  return t;
 }
 
 void refuse_too_few(const DemonstrationSet& set) {
