@@ -14,6 +14,7 @@
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
+#include "learn/record_again.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -21,7 +22,7 @@ namespace {
 
 struct CompareArguments {
   SceneArguments scene;
-  std::string folder, plot, trials_out;
+  std::string folder, plot, trials_out, seeds;
   std::vector<std::string> transfer, learners;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
@@ -49,6 +50,14 @@ struct Entry {
   std::vector<Ring> rings{};
   std::optional<Comparison>
       against_teacher{};  // empty for the teacher, and without feasible trials
+};
+
+// Of one learner, by one seed of recording and fitting.
+struct BySeed {
+  std::string name;
+  std::uint64_t seed;
+  std::size_t demonstrations, rollouts;
+  CampaignSummary summary;
 };
 
 // In another scene.
@@ -89,7 +98,8 @@ std::string rollouts_text(std::size_t rollouts) {
   return rollouts ? fmt::format(" and {} labelled rollouts", rollouts) : std::string();
 }
 
-Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen, const DemonstrationSet& set) {
+Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
+                 const DemonstrationSet& set) {
   Progress progress(chosen.variant->name, 1);
   Candidate c = learned(*chosen.learner, *chosen.variant, set, a.fit_seed,
                         [&](std::size_t done, std::size_t all, const std::string& note) {
@@ -130,18 +140,18 @@ std::string success_text(const CampaignSummary& s) {
 }
 
 std::string outcome_columns(const CampaignSummary& s) {
-  return fmt::format("{:>23}{:>9}{:>10}", success_text(s), cell(s.time.median, 2),
+  return fmt::format(" {:>22} {:>8} {:>9}", success_text(s), cell(s.time.median, 2),
                      cell(1e6 * s.peak_force.median, 2));
 }
 constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
 
 void print_alone(const std::vector<Entry>& entries) {
-  fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8}{}{:>10}\n", "", "param.", "fit [s]", "held out", "ns",
+  fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9}\n", "", "param", "fit [s]", "held out", "ns",
              kOutcomeColumns, "loss [dB]");
   for (const Entry& e : entries) {
     const Candidate& c = e.candidate;
     const bool learned = c.parameters > 0;
-    fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8.0f}{}{:>10}\n", c.name,
+    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9}\n", c.name,
                learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
                cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
                cell(e.alone.loss_dB.median, 4));
@@ -153,21 +163,23 @@ void print_alone(const std::vector<Entry>& entries) {
 
 void print_supervised(const std::vector<Entry>& entries) {
   fmt::print(
-      "the same under the supervisor, and how often it intervened\n{:<26}{}{:>8}{:>8}{:>8}{:>9}\n",
+      "the same under the supervisor, and how often it intervened\n{:<26}{} {:>7} {:>7} {:>7} "
+      "{:>8}\n",
       "", kOutcomeColumns, "held", "jam", "retreat", "gave up");
   for (const Entry& e : entries) {
     if (!e.supervised.interventions) continue;
     const auto count = [&](Intervention kind) {
       return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
     };
-    fmt::print("{:<26}{}{:>8}{:>8}{:>8}{:>9}\n", e.candidate.name, outcome_columns(e.supervised),
-               count(Intervention::held), count(Intervention::jam), count(Intervention::retreat),
+    fmt::print("{:<26}{} {:>7} {:>7} {:>7} {:>8}\n", e.candidate.name,
+               outcome_columns(e.supervised), count(Intervention::held), count(Intervention::jam),
+               count(Intervention::retreat),
                e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
   }
 }
 
 void print_against_teacher(const std::vector<Entry>& entries) {
-  fmt::print("\n{:<26}{:>27}{:>10}{:>24}{:>24}\n", fmt::format("minus {}", kTeacher),
+  fmt::print("\n{:<26} {:>26} {:>9} {:>23} {:>23}\n", fmt::format("minus {}", kTeacher),
              "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");
   for (const Entry& e : entries) {
     if (!e.against_teacher) continue;
@@ -176,7 +188,7 @@ void print_against_teacher(const std::vector<Entry>& entries) {
       return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
                          cell(unit * p.interval.high, 2));
     };
-    fmt::print("{:<26}{:>27}{:>10.2g}{:>24}{:>24}\n", e.candidate.name,
+    fmt::print("{:<26} {:>26} {:>9.2g} {:>23} {:>23}\n", e.candidate.name,
                fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
                            100 * d.interval.high),
                d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
@@ -233,7 +245,7 @@ std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSe
 
 // Appends what each learner made of the demonstrations; returns those that could.
 std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
-                                std::vector<Candidate>& candidates) {
+                                       std::vector<Candidate>& candidates) {
   std::vector<ChosenLearner> could;
   for (const ChosenLearner& chosen : chosen_learners(a)) {
     const std::string& name = chosen.variant->name;
@@ -292,11 +304,65 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
   return learning;
 }
 
+// Each learner, on demonstrations that are recorded anew and fits that are drawn anew by each seed.
+std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
+                             const DemonstrationSet& set,
+                             const std::vector<ChosenLearner>& learned_by) {
+  std::vector<BySeed> all;
+  if (a.seeds.empty()) return all;
+  for (const std::uint64_t seed : parse_seeds(a.seeds)) {
+    if (interrupted()) break;
+    const DemonstrationSet again = record_again(set, seed, end_if_interrupted);
+    CompareArguments with = a;
+    with.fit_seed = seed;
+    for (const ChosenLearner& chosen : learned_by) {
+      if (interrupted()) break;
+      try {
+        const Candidate c = fitted(with, chosen, again);
+        const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
+        if (results.size() == a.trials)
+          all.push_back(
+              {c.name, seed, again.demonstrations.size(), c.rollouts, summarise(results)});
+      } catch (const BadInput& error) {
+        end_if_interrupted();
+        fmt::print(stderr, "note: seed {}: {} is left out: {}\n", seed, chosen.variant->name,
+                   error.what());
+      }
+    }
+  }
+  return all;
+}
+
+// Lowest, median and highest over the seeds.
+void print_by_seeds(const std::vector<BySeed>& all) {
+  if (all.empty()) return;
+  fmt::print("\n{:<26} {:>5} {:>31} {:>29}\n", "over seeds", "seeds",
+             "inserted [%], median (range)", "time [s], median (range)");
+  std::vector<std::string> names;
+  for (const BySeed& each : all)
+    if (std::find(names.begin(), names.end(), each.name) == names.end()) names.push_back(each.name);
+  for (const std::string& name : names) {
+    std::vector<double> inserted, time;
+    for (const BySeed& each : all)
+      if (each.name == name) {
+        inserted.push_back(100 * each.summary.success_rate);
+        time.push_back(each.summary.time.median);
+      }
+    const auto spread = [](const std::vector<double>& v, int digits) {
+      return fmt::format("{} ({} to {})", cell(quantile(v, 0.5), digits),
+                         cell(quantile(v, 0), digits), cell(quantile(v, 1), digits));
+    };
+    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", name, inserted.size(), spread(inserted, 1),
+               spread(time, 2));
+  }
+  fmt::print("demonstrations recorded anew and fits drawn anew by each seed; the same trials\n");
+}
+
 void print_learning(const std::vector<Learning>& learning) {
   if (learning.empty()) return;
-  fmt::print("\n{:<26}{:>8}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
+  fmt::print("\n{:<26} {:>7}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
   for (const Learning& l : learning)
-    fmt::print("{:<26}{:>8}{}\n", l.name,
+    fmt::print("{:<26} {:>7}{}\n", l.name,
                l.rollouts ? fmt::format("{}+{}", l.demonstrations, l.rollouts)
                           : std::to_string(l.demonstrations),
                outcome_columns(l.summary));
@@ -341,6 +407,15 @@ Json to_json(const Learning& l) {
   return row;
 }
 
+Json to_json(const BySeed& s) {
+  Json row = {{"controller", s.name},
+              {"seed", s.seed},
+              {"demonstrations", s.demonstrations},
+              {"labelled_rollouts", s.rollouts}};
+  row.update(to_json(s.summary));
+  return row;
+}
+
 Json to_json(const Transfer& t) {
   Json row = {
       {"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}};
@@ -365,12 +440,13 @@ std::vector<const Demonstration*> pointers(const DemonstrationSet& set) {
 struct Found {
   std::vector<Entry> entries;
   std::vector<Learning> learning;
+  std::vector<BySeed> by_seeds;
   std::vector<Transfer> transfer;
 };
 
 // Why it is partial, if it is.
-void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candidates, const Found& found,
-                  Provenance& provenance) {
+void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candidates,
+                  const Found& found, Provenance& provenance) {
   if (!interrupted()) return;
   const auto whole = [&](const Entry& e) { return e.supervised_results.size() == a.trials; };
   std::string text = fmt::format("{} of {} controllers are whole",
@@ -380,7 +456,7 @@ void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candi
     if (!whole(e))
       text += fmt::format("; {}: {} of {} trials alone, {} supervised", e.candidate.name,
                           e.results.size(), a.trials, e.supervised_results.size());
-  if (!a.demonstrations.empty() || !a.transfer.empty())
+  if (!a.demonstrations.empty() || !a.transfer.empty() || !a.seeds.empty())
     text += "; what follows the first tables is cut";
   provenance.partial(text);
 }
@@ -396,6 +472,7 @@ Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationS
            supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene))},
           {"rows", json_rows(found.entries)},
           {"by_demonstrations", json_rows(found.learning)},
+          {"by_seeds", json_rows(found.by_seeds)},
           {"transfer", json_rows(found.transfer)}};
 }
 
@@ -409,6 +486,21 @@ void write_trials(const CompareArguments& a, const Found& found, const Provenanc
   write_text(a.trials_out, csv_text(rows, provenance));
 }
 
+// What is asked for beside the first tables. Throws Stopped where Ctrl-C ends a fit.
+void follow_up(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+               const std::vector<ChosenLearner>& learned_by, const std::vector<Scene>& others,
+               const std::vector<Candidate>& candidates, Found& found) {
+  found.learning = from_fewer(a, scene, set, learned_by);
+  if (a.output.text()) print_learning(found.learning);
+  found.by_seeds = by_seeds(a, scene, set, learned_by);
+  if (a.output.text()) print_by_seeds(found.by_seeds);
+  for (const Scene& other : others) {
+    const std::vector<Transfer> there = tried_there(a, other, set, candidates);
+    if (a.output.text()) print_transfer(there);
+    found.transfer.insert(found.transfer.end(), there.begin(), there.end());
+  }
+}
+
 int compare_verb(const CompareArguments& a) {
   watch_for_interrupt();
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
@@ -418,6 +510,7 @@ int compare_verb(const CompareArguments& a) {
   refuse_other_scaling(set.scaling, a.folder, scene, a.other_scaling);
   const std::vector<Scene> others = other_scenes(a, set);
   if (!a.plot.empty()) make_plot_folder(a.plot);
+  if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is done
   Provenance provenance;
   provenance.in(chosen).seed("trials", a.seed).seed("fits", a.fit_seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
@@ -444,12 +537,9 @@ int compare_verb(const CompareArguments& a) {
     print_supervised(found.entries);
     print_against_teacher(found.entries);
   }
-  found.learning = from_fewer(a, scene, set, learned_by);
-  if (a.output.text()) print_learning(found.learning);
-  for (const Scene& other : others) {
-    const std::vector<Transfer> there = tried_there(a, other, set, candidates);
-    if (a.output.text()) print_transfer(there);
-    found.transfer.insert(found.transfer.end(), there.begin(), there.end());
+  try {
+    follow_up(a, scene, set, learned_by, others, candidates, found);
+  } catch (const Stopped&) {  // what is found so far is told
   }
   tell_partial(a, candidates, found, provenance);
   if (!a.plot.empty() && !interrupted()) {
@@ -492,6 +582,9 @@ void add_compare(CLI::App& app, Run& run) {
       ->check(number_between(0, 1));
   add_seed(*verb, a->seed, "Seed of the trials");
   add_seed(*verb, a->fit_seed, "Seed of the fits", "--fit-seed");
+  add_seeds(*verb, a->seeds,
+            "Record the simulated demonstrations anew and fit anew with each: how much a learner "
+            "owes to chance");
   verb->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")
       ->capture_default_str()
       ->check(CLI::Range(0, 4096));

@@ -51,7 +51,7 @@ void make_folder(const std::string& folder) {
              "made by ferrule demo, which replaces its own files here when it runs again\n");
 }
 
-class Clock {
+class Stopwatch {
  public:
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
@@ -86,7 +86,7 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
 bool record_all(const DemoArguments& a, Report& report) {
   tell(fmt::format("1/4 recording {} episodes each of simulated trainees of skill {} and {}",
                    kEpisodesPerSkill, kSkills[0], kSkills[1]));
-  const Clock clock;
+  const Stopwatch clock;
   Progress progress("recording", std::size(kSkills) * kEpisodesPerSkill);
   int number = 0;
   for (const double skill : kSkills)
@@ -104,7 +104,7 @@ bool record_all(const DemoArguments& a, Report& report) {
 
 void fit(const DemoArguments& a, Report& report) {
   tell("2/4 fitting the insertion law");
-  const Clock clock;
+  const Stopwatch clock;
   report.fit = fit_law(load_demonstrations(episodes_folder(a)), a.seed);
   write_controller(a.out + "/controller.json", report.fit.controller);
   report.fit_seconds = clock.seconds();
@@ -113,7 +113,7 @@ void fit(const DemoArguments& a, Report& report) {
 void evaluate(const DemoArguments& a, Report& report) {
   tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
                    kTrials));
-  const Clock clock;
+  const Stopwatch clock;
   const Scene& scene = *report.scene;
   const Scaling scaling = scene_scaling(scene);
   const auto campaign = [&](const MakeController& make, const char* what) {
@@ -145,7 +145,7 @@ int demo_verb(const DemoArguments& a) {
   const ChosenScene chosen = a.scene.choose();
   const Scene& scene = chosen.scene;
   make_folder(a.out);
-  const Clock clock;
+  const Stopwatch clock;
   Report report;
   report.scene = &scene;
   report.scene_arguments = "--scene " + a.scene.name();

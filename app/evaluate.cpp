@@ -82,7 +82,8 @@ Json to_json(const EvaluateArguments& a, const Scene& scene, const LearnedFile& 
 }
 
 // Both controllers to be tried, the first one first.
-std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned, const Scene& scene) {
+std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned,
+                          const Scene& scene) {
   std::vector<Tried> all;
   if (learned.file) all.push_back({a.controller, maker(*learned.file)});
   const double speed = scene_scaling(scene).motion * scene.limits.speed;

@@ -120,11 +120,20 @@ int identify_verb(const IdentifyArguments& a) {
   Provenance provenance;
   const Chosen chosen = choose(a, provenance);
   Identification found;
+  std::optional<Progress> progress_shown(std::in_place, "identifying", 1);
+  Progress& progress = *progress_shown;
   try {
-    found = identify(chosen.recordings, chosen.scene.scene, a.parameters, a.seed);
+    found = identify(chosen.recordings, chosen.scene.scene, a.parameters, a.seed,
+                     [&](std::size_t done, std::size_t all) {
+                       progress(done, "", all);
+                       return !interrupted();
+                     });
   } catch (const BadInput& error) {
+    end_if_interrupted();
     throw BadInput(a.folder + ": " + error.what());
   }
+  progress_shown.reset();
+  if (found.partial) provenance.partial("the best of the identification so far");
   if (a.output.text()) {
     fmt::print("{}", provenance.head());
     print(chosen, found);
@@ -137,7 +146,7 @@ int identify_verb(const IdentifyArguments& a) {
     json["rows"].push_back(row);
   }
   print_result(a.output, json, "rows", provenance);
-  return kDone;
+  return found.partial ? kInterrupted : kDone;
 }
 
 }  // namespace

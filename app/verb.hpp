@@ -58,9 +58,15 @@ struct SceneArguments {
   ChosenScene choose(const BroughtScene& brought = {}) const;
 };
 
+// A whole number from 0 to 2^63 - 1, the rule of every seed.
+CLI::Validator seed_rule();
 // --seed, or another flag: a whole number from 0 to 2^63 - 1.
 void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help,
               const char* flag = "--seed");
+// --seeds: "1..5" or "1,2,7".
+void add_seeds(CLI::App& verb, std::string& seeds, const std::string& help);
+// Throws BadInput.
+std::vector<std::uint64_t> parse_seeds(const std::string& text);
 
 // --threads of a campaign. 0: all cores.
 void add_threads(CLI::App& verb, int& threads);

@@ -28,47 +28,53 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   return d;
 }
 
+namespace {
+
+bool add_new(std::vector<Json>& documents, const Json& document) {
+  const bool is_new = std::find(documents.begin(), documents.end(), document) == documents.end();
+  if (is_new) documents.push_back(document);
+  return is_new;
+}
+
+}  // namespace
+
+void DemonstrationSet::add(const Episode& episode, const std::string& file,
+                           const std::string& hash) {
+  const Scene scene = recorded_scene(episode, file);
+  const Scaling its = scene_scaling(scene);
+  if (!scaling) {
+    scaling = its;
+    force_limit = scene.limits.force;
+  }
+  if (its.motion != scaling->motion || its.force != scaling->force)
+    throw BadInput(file +
+                   ": was recorded with another scaling than the episodes before it; a law is "
+                   "learned in one hand's world");
+  add_new(undrawn_documents, undrawn(scene.document));
+  if (add_new(documents, scene.document) &&
+      std::find(scenes.begin(), scenes.end(), scene.name) == scenes.end())
+    scenes.insert(std::upper_bound(scenes.begin(), scenes.end(), scene.name), scene.name);
+  speed_scale = std::max(speed_scale, its.motion * scene.limits.speed);
+  speed_limit = std::max(speed_limit, scene.limits.speed);
+  force_limit = std::min(force_limit, scene.limits.force);
+  operators.push_back(episode.info.operator_);
+  if (episode.info.outcome != Outcome::inserted) {
+    ++unsuccessful;
+    return;
+  }
+  demonstrations.push_back(demonstration(episode, scene, file));
+  demonstrations.back().sha1 = hash;
+}
+
 DemonstrationSet load_demonstrations(
     const std::string& folder, const std::function<void(std::size_t, std::size_t)>& progress) {
   DemonstrationSet set;
-  std::string first_file;
   std::size_t read = 0;
   const std::vector<std::string> files = episode_files(folder);
   for (const std::string& file : files) {
     if (progress) progress(read++, files.size());
-    const Episode episode = read_episode(file);
-    const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
-    const Scaling scaling = scene_scaling(scene);
-    if (!set.scaling) {
-      first_file = file;
-      set.scaling = scaling;
-      set.force_limit = scene.limits.force;
-    }
-    const auto add_new = [](std::vector<Json>& documents, const Json& document) {
-      const bool is_new =
-          std::find(documents.begin(), documents.end(), document) == documents.end();
-      if (is_new) documents.push_back(document);
-      return is_new;
-    };
-    add_new(set.undrawn_documents, undrawn(scene.document));
-    if (add_new(set.documents, scene.document)) {
-      if (std::find(set.scenes.begin(), set.scenes.end(), scene.name) == set.scenes.end())
-        set.scenes.push_back(scene.name);
-    }
-    set.speed_scale = std::max(set.speed_scale, scaling.motion * scene.limits.speed);
-    set.speed_limit = std::max(set.speed_limit, scene.limits.speed);
-    set.force_limit = std::min(set.force_limit, scene.limits.force);
-    if (scaling.motion != set.scaling->motion || scaling.force != set.scaling->force)
-      throw BadInput(file + ": was recorded with another scaling than " + first_file +
-                     "; a law is learned in one hand's world");
-    if (episode.info.outcome == Outcome::inserted) {
-      set.demonstrations.push_back(demonstration(episode, scene, file));
-      set.demonstrations.back().sha1 = sha1(read_text(file));
-    } else {
-      ++set.unsuccessful;
-    }
+    set.add(read_episode(file), file, sha1(read_text(file)));
   }
-  std::sort(set.scenes.begin(), set.scenes.end());
   return set;
 }
 

@@ -39,7 +39,11 @@ struct DemonstrationSet {
   double speed_scale = 0;  // of the hand: the scene's speed limit, scaled up, largest [m/s]
   std::optional<Scaling> scaling{};  // of all; empty where there is no episode
   double speed_limit = 0,
-         force_limit = 0;  // of the scenes at the tip: largest, smallest [m/s], [N]
+         force_limit = 0;                // of the scenes at the tip: largest, smallest [m/s], [N]
+  std::vector<std::string> operators{};  // of all episodes, the unsuccessful ones too
+
+  // Throws BadInput where the episode was recorded with another scaling than those before.
+  void add(const Episode& episode, const std::string& file, const std::string& hash);
 };
 
 // From the row layout of one episode.

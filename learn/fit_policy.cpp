@@ -14,7 +14,9 @@ namespace {
 
 using Demonstrations = std::vector<const Demonstration*>;
 
-constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger";  // options
+constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger",
+                     *kNetworkSeed = "--network-seed";  // options
+constexpr const char* kAsSplit = "as --seed";
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
 
@@ -135,12 +137,12 @@ void train_members(PolicyFit& fit, const RawRows& train, const RawRows& test,
   for (std::size_t m = 0; m < settings.members; ++m) {
     const std::size_t before = (round * settings.members + m) * epochs;
     bool stopped = false;
-    const TrainedNetwork trained =
-        train_network(train_scaled, test_scaled, settings.training, settings.seed + m,
-                      [&](std::size_t epoch, const Epoch& e) {
-                        stopped = progress && !progress(before + epoch, e);
-                        return !stopped;
-                      });
+    const TrainedNetwork trained = train_network(
+        train_scaled, test_scaled, settings.training,
+        settings.network_seed.value_or(settings.seed) + m, [&](std::size_t epoch, const Epoch& e) {
+          stopped = progress && !progress(before + epoch, e);
+          return !stopped;
+        });
     if (trained.network.empty())
       throw BadInput("the training diverged: its loss was never a finite number");
     f.policy.members.push_back(trained.network);
@@ -212,6 +214,8 @@ Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
   settings.members = chosen.number(kEnsemble);
   settings.dagger_rounds = chosen.number(kDagger);
   settings.seed = chosen.seed;
+  if (chosen.options.at(kNetworkSeed) != kAsSplit)
+    settings.network_seed = std::stoull(chosen.options.at(kNetworkSeed));
   const std::size_t all = (settings.dagger_rounds + 1) * settings.members *
                           static_cast<std::size_t>(settings.training.epochs);
   const PolicyFit fit = fit_policy(set, settings, [&](std::size_t done, const Epoch& e) {
@@ -275,24 +279,32 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
 }
 
 Learner policy_learner() {
-  return {.name = "policy",
-          .method = "torch",
-          .options = {{kEnsemble, "With torch: how many networks", "1", {}, 1, 100},
-                      {kDagger,
-                       "With torch: rounds of letting the policy insert and asking the simulated "
-                       "operator what it would have done",
-                       "0",
-                       {},
-                       0,
-                       100}},
-          .variants = {{"torch", "torch", {}},
-                       {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
-                       {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
-          .files =
-              [](const std::string& file) {
-                return std::vector{file, weights_file(file)};
-              },
-          .learn = learn_policy};
+  return {
+      .name = "policy",
+      .method = "torch",
+      .options = {{kEnsemble, "With torch: how many networks", "1", {}, 1, 100},
+                  {kNetworkSeed,
+                   "With torch: seed of the networks' first weights and batches, apart from that "
+                   "of the split",
+                   kAsSplit,
+                   {},
+                   0,
+                   LearnerOption::kSeed},
+                  {kDagger,
+                   "With torch: rounds of letting the policy insert and asking the simulated "
+                   "operator what it would have done",
+                   "0",
+                   {},
+                   0,
+                   100}},
+      .variants = {{"torch", "torch", {}},
+                   {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
+                   {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
+      .files =
+          [](const std::string& file) {
+            return std::vector{file, weights_file(file)};
+          },
+      .learn = learn_policy};
 }
 
 }  // namespace ferrule

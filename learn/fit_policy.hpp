@@ -24,6 +24,7 @@ struct PolicySettings {
   double spacing = 0.04;    // between them [s]
   std::size_t dagger_rounds = 0;
   std::uint64_t seed = 1;  // of the split, of the members and of the trials of DAgger
+  std::optional<std::uint64_t> network_seed{};  // of the members, apart from the others
 };
 
 struct PolicyFit {

@@ -2,6 +2,7 @@
 // each is one row of the table in learn/candidates.cpp.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -20,6 +21,7 @@ struct LearnerOption {
   std::string value;                 // unless it is given
   std::vector<std::string> choices;  // what it may be; empty: a whole number from `least` to `most`
   std::size_t least = 0, most = 0;
+  static constexpr std::size_t kSeed = INT64_MAX;  // as `most`: it is a seed
 };
 
 struct LearnerSettings {
