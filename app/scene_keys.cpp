@@ -25,6 +25,7 @@ void add_keys(const Json& schema, const Json& object, const std::string& path,
   if (!object.contains("properties")) return;
   for (const auto& item : object["properties"].items()) {
     const std::string key = path.empty() ? item.key() : path + "." + item.key();
+    if (key == "drawn_from") continue;  // recordings state it; it changes nothing
     const std::string told = item.value().value("description", about);
     const bool known =
         std::any_of(keys.begin(), keys.end(), [&](const SceneKey& k) { return k.key == key; });
