@@ -105,7 +105,7 @@ Replayed replayed(const ReplayArguments& a, const std::string& file) {
 
 double recorded_time(const Episode& episode) {
   const Eigen::Index rows = episode.rows.rows();
-  return rows ? episode.rows(rows - 1, kTime.begin) : 0.0;
+  return rows ? episode.rows(rows - 1, kStates.begin + 10) : 0.0;  // the time of the state
 }
 
 Json to_json(const ReplayArguments& a, const Replayed& r) {

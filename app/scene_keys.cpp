@@ -63,7 +63,10 @@ std::string closest(const std::string& key, const std::vector<SceneKey>& keys) {
                     (its.starts_with(mine) ? 1 : 2 * distance(mine, its)) + 1);
   };
   return std::min_element(keys.begin(), keys.end(),
-                          [&](const SceneKey& a, const SceneKey& b) { return far(a) < far(b); })
+                          [&](const SceneKey& a, const SceneKey& b) {
+                            return std::pair(far(a), distance(key, a.key)) <
+                                   std::pair(far(b), distance(key, b.key));
+                          })
       ->key;
 }
 
