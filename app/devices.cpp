@@ -194,6 +194,7 @@ void add_devices(CLI::App& app, Run& run) {
       ->needs(test)
       ->check(number_between(0.01, 1e6));
   verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_examples(*verb, {"devices", "devices --test fake:spacemouse"});
   verb->callback([a, test, &run] {
     a->test = test->count() > 0;
     if (a->device.empty()) a->device = "auto";

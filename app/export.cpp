@@ -55,6 +55,8 @@ void add_export(CLI::App& app, Run& run) {
   verb->add_option("--header", a->header, "C99, for a machine's own controller")
       ->type_name("FILE.h");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_examples(*verb, {"export controller.json --header controller.h",
+                       "export policy.json --torchscript policy.pt"});
   verb->callback([a, &run] { run = [a] { return export_verb(*a); }; });
 }
 

@@ -15,6 +15,7 @@ namespace {
 
 void add_verbs(CLI::App& app, Run& run) {
   add_demo(app, run);
+  add_scene(app, run);
   add_forces(app, run);
   add_contact(app, run);
   add_plan(app, run);
@@ -65,6 +66,8 @@ int exit_code(const Run& run) {
       return refused("standard output cannot be written",
                      interrupted() ? kInterrupted : kFileTrouble);
     return code;
+  } catch (const Stopped& stopped) {
+    return refused("stopped before the end: " + stopped.kept, kInterrupted);
   } catch (const BadInput& error) {
     return refused(error.what(), kBadInput);
   } catch (const DeviceTrouble& trouble) {
@@ -91,6 +94,7 @@ int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): only wi
                "ferrule");
   app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
   app.require_subcommand(1);
+  remember_command(argc, argv);
   Run run;
   add_verbs(app, run);
   if (const std::optional<int> code = parse(app, argc, argv)) return *code;

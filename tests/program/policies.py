@@ -5,13 +5,15 @@ import json
 import os
 import random
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 
 import h5py
 import numpy
 
-from case import Case, ferrule, main
+from case import PROGRAM, Case, ferrule, main
 
 
 class Policies(Case):
@@ -254,6 +256,32 @@ int main(void) {
         self.assertEqual(told["trials"], 10)
         self.assertGreater(told["rows"], 1000)
         self.assertEqual(controller["trained_on"]["rows"], before + told["rows"])
+        self.assertEqual(controller["trained_on"]["rollouts"], 10)
+
+    # Nobody asks a person, nor a controller, what he would have done.
+    def test_dagger_needs_a_simulated_teacher(self):
+        self.needs_torch()
+        by_law = self.path("by_law")
+        self.done("record", "--operator", self.law, "--episodes", 4, "--out", by_law)
+        self.refused(2, "fit", by_law, "--method", "torch", "--dagger", 1, "--out",
+                     self.path("x.json"), says=["--dagger", "controller"])
+
+    def test_a_fit_that_is_stopped_leaves_what_it_has(self):
+        self.needs_torch()
+        out = self.path("p.json")
+        process = subprocess.Popen([PROGRAM, "fit", self.episodes, "--method", "torch", "--ensemble",
+                                    "20", "--out", out], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        time.sleep(6)
+        process.send_signal(signal.SIGINT)
+        told, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertFalse(os.path.exists(out))
+        if "PARTIAL" in told:  # else it was still reading
+            part = json.load(open(self.path("p.partial.json")))
+            self.assertTrue(part["trained_on"]["partial"])
+            self.assertIn("whose fit was stopped",
+                          self.done("evaluate", self.path("p.partial.json"), "--trials", 1).stdout)
 
     def test_refusals(self):
         self.refused(2, "fit", self.episodes, "--ensemble", 2, "--out", self.path("x.json"),

@@ -79,6 +79,7 @@ class Recording(Case):
             out = self.path(f"out{delay}")
             process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
                                         "--out", out], stdout=subprocess.PIPE, text=True)
+            self.assertTrue(process.stdout.readline().startswith("scene paper"))
             first = process.stdout.readline()
             self.assertIn("episode_0001.h5", first)
             time.sleep(delay)
@@ -106,6 +107,7 @@ class Recording(Case):
         process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
                                     "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)
+        process.stdout.readline()  # the scene
         process.stdout.readline()
         time.sleep(0.2)
         process.send_signal(signal.SIGINT)
@@ -174,6 +176,7 @@ class Recording(Case):
         out = self.path("out")
         first = subprocess.Popen([PROGRAM, "record", "--scene", "paper", *QUICK, "--episodes", "6",
                                   "--seed", "1", "--out", out], stdout=subprocess.PIPE, text=True)
+        first.stdout.readline()  # the scene
         first.stdout.readline()
         second = self.done("record", "--scene", "paper", *QUICK, "--episodes", 6, "--seed", 99,
                            "--out", out, "--append").stdout
@@ -212,6 +215,7 @@ class Recording(Case):
         out = self.path("out")
         process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
                                     "--out", out], stdout=subprocess.PIPE)
+        process.stdout.readline()  # the scene
         process.stdout.readline()
         time.sleep(0.05)
         process.kill()
