@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "capture/episode.hpp"
-#include "controller/content_hash.hpp"
+#include "sim/content_hash.hpp"
 
 namespace ferrule {
 namespace {

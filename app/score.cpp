@@ -8,7 +8,7 @@
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
-#include "controller/content_hash.hpp"
+#include "sim/content_hash.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
