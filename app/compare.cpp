@@ -525,14 +525,14 @@ int compare_verb(const CompareArguments& a) {
   const std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
   const std::string notes = trained_starts_note(seen, a.trials) +
                             supervisor_note(supervisor_limits(scene, scene_scaling(scene)));
+
+  std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
+  const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
   if (a.output.text())
     fmt::print("{}{}", provenance.head(), notes);
   else
     fmt::print(stderr, "{}", notes);
   std::fflush(stdout);
-
-  std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
-  const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
   std::vector<Vector2d> starts;
   for (std::size_t k = 0; k < a.trials; ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));

@@ -143,9 +143,9 @@ int identify_verb(const IdentifyArguments& a) {
   for (const auto& [key, value] : json["parameters"].items()) {
     Json row = {{"parameter", key}};
     row.update(value);
-    json["rows"].push_back(row);
+    json["table"].push_back(row);
   }
-  print_result(a.output, json, "rows", provenance);
+  print_result(a.output, json, "table", provenance);
   return found.partial ? kInterrupted : kDone;
 }
 
