@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::string_view kBeside = ".XXXXXX.tmp";  // of mkstemps
-constexpr std::string_view kEnd = ".tmp";
+constexpr std::string_view kTemporary = ".tmp";
 
 [[noreturn]] void cannot_write(const std::string& file, int error) {
   throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
@@ -35,7 +35,7 @@ bool to_be_written_at_once(const std::string& name) {
 int open_beside(std::string& beside, const std::string& file) {
   for (;;) {
     beside = file + std::string(kBeside);
-    const int fd = ::mkstemps(beside.data(), static_cast<int>(kEnd.size()));
+    const int fd = ::mkstemps(beside.data(), static_cast<int>(kTemporary.size()));
     struct stat now {};
     if (fd < 0 || (::flock(fd, LOCK_EX) == 0 && ::fstat(fd, &now) == 0 && now.st_nlink > 0))
       return fd;
@@ -98,7 +98,7 @@ void remove_half_written(const std::string& folder,
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string beside = entry.path().filename().string();
-    if (!beside.ends_with(kEnd) || beside.size() <= kBeside.size() ||
+    if (!beside.ends_with(kTemporary) || beside.size() <= kBeside.size() ||
         beside[beside.size() - kBeside.size()] != '.' ||
         !wanted(beside.substr(0, beside.size() - kBeside.size())))
       continue;
