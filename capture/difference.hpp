@@ -2,9 +2,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <bit>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -50,7 +51,7 @@ void compare_numbers(const Eigen::Ref<const Eigen::RowVectorXd>& recorded,
                      Verification& comparison) {
   for (Eigen::Index c = 0; c < recorded.size() && !comparison.over(); ++c) {
     const double a = recorded[c], b = expected[c], difference = std::abs(a - b);
-    if (std::memcmp(&a, &b, sizeof(double)) != 0)
+    if (std::bit_cast<std::uint64_t>(a) != std::bit_cast<std::uint64_t>(b))
       comparison.add({row, column(c), a, b, difference == 0 ? 0 : difference / scale[c]});
   }
 }

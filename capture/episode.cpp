@@ -192,7 +192,7 @@ EpisodeInfo read_info(const Reader& in, const std::string& file) {
 
 // The rows' times, one after the other: that there are as many as the file says.
 Matrix read_times(const Reader& in, double period, const std::string& file) {
-  const Matrix times = in.table(rows_path(kTime), 1, -1).values;
+  Matrix times = in.table(rows_path(kTime), 1, -1).values;
   for (Eigen::Index n = 0; n < times.rows(); ++n)
     if (!(std::abs(times(n, 0) - static_cast<double>(n) * period) <= 0.5 * period))
       throw FileTrouble(fmt::format("{}: damaged: {} at row {} is {:g}, with a period of {:g} s",
@@ -261,7 +261,7 @@ Json receive(Child& child, const std::string& file) {
   child.receive(&size, sizeof size);
   std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(size, fs::file_size(file) + (1 << 20)));
   child.receive(bytes.data(), bytes.size());
-  const Json json = Json::from_cbor(bytes, true, false);
+  Json json = Json::from_cbor(bytes, true, false);
   if (json.is_discarded()) throw FileTrouble(file + ": damaged: reading it fails");
   return json;
 }

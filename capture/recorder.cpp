@@ -300,10 +300,11 @@ std::string Recorder::finish(Outcome outcome) {
   flush();
   episode_.info.outcome = outcome;
   episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
-  std::memcpy(episode_.rows.data(), rows_.data(), rows_.size() * sizeof(RowVector));
+  for (std::size_t n = 0; n < rows_.size(); ++n)
+    episode_.rows.row(static_cast<Eigen::Index>(n)) = rows_[n];
   episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
-  if (!counts_.empty())
-    std::memcpy(episode_.counts.data(), counts_.data(), counts_.size() * sizeof(RawCounts));
+  for (std::size_t n = 0; n < counts_.size(); ++n)
+    episode_.counts.row(static_cast<Eigen::Index>(n)) = counts_[n].transpose();
   claim_.write(episode_);
   return claim_.file();
 }

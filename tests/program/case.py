@@ -49,7 +49,8 @@ class Case(unittest.TestCase):
         with open(SOURCE + "/data/" + name) as file:
             schema = json.load(file)
         jsonschema.Draft202012Validator.check_schema(schema)
-        return jsonschema.Draft202012Validator(schema)
+        files = jsonschema.RefResolver("file://" + os.path.abspath(SOURCE + "/data/" + name), schema)
+        return jsonschema.Draft202012Validator(schema, resolver=files)
 
     def record(self, out, *more, episodes=3):
         self.done("record", "--scene", "paper", *QUICK, "--episodes", episodes, "--out", out, *more)

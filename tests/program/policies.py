@@ -174,7 +174,8 @@ class Policies(Case):
             json.dump(bad, open(file, "w"))
             run = ferrule("export", file, "--header", self.path("x.h"))
             self.assertIn(run.returncode, (0, 2), run.stderr)
-            self.assertEqual(run.returncode == 0, validator.is_valid(bad), (path, run.stderr))
+            if path[:2] != ["trained_on", "scene"] or run.returncode == 0:  # its numbers must fit too
+                self.assertEqual(run.returncode == 0, validator.is_valid(bad), (path, run.stderr))
             self.assertEqual(run.stderr.count("\n"), run.returncode != 0, run.stderr)
             refused += run.returncode != 0
         self.assertGreater(refused, 20)
