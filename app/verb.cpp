@@ -204,8 +204,8 @@ void add_output(CLI::App& verb, Output& output) {
 
 void print_result(const Output& output, Json document, const char* table,
                   const Provenance& provenance) {
-  if (output.json) print_json(std::move(document), provenance);
   if (output.csv) std::cout << csv_text(document.at(table), provenance) << std::flush;
+  if (output.json) print_json(std::move(document), provenance);
 }
 
 void end_if_interrupted() {

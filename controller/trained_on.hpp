@@ -21,7 +21,6 @@ struct TrainedEpisode {
   bool operator==(const TrainedEpisode&) const = default;
 };
 
-// NOLINTNEXTLINE(bugprone-exception-escape): a Json that is moved throws nothing
 struct TrainedOn {
   std::vector<std::string> scenes;  // names of the scenes of the episodes
   std::vector<TrainedEpisode> episodes;

@@ -148,10 +148,10 @@ class StabilityOfAWall : public ::testing::TestWithParam<Wall> {};
 // Let go on a wall with a damper B, with `margin` less damping than the bound and as much more, for
 // so many times m/b.
 void fades_above_and_grows_below(const Wall& wall, double B, double margin, double decays) {
-  const auto [K, period, delay] = wall;
-  const double bound = damping_needed(device(K, period, delay, 0), K, B);
+  const auto of_damping = [&](double b) { return device(wall.K, wall.period, wall.delay, b); };
+  const double K = wall.K, bound = damping_needed(of_damping(0), K, B);
   const auto ends = [&](double share) {
-    const DeviceProfile d = device(K, period, delay, share * bound);
+    const DeviceProfile d = of_damping(share * bound);
     return let_go(d, K, B, decays * d.mass / bound);
   };
   const Ends above = ends(1 + margin), below = ends(1 - margin);
