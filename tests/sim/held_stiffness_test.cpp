@@ -47,7 +47,7 @@ State somewhere(const Scene& scene, std::uint64_t trial) {
   const Pose from = state.command;
   for (int i = 1; i <= 400; ++i)
     state = step(world, state, from + i / 400.0 * (goal - from), 1e-3).state;
-  for (int i = 0; i < 5; ++i) state = step(world, state, goal, 1.0).state;
+  for (int i = 0; i < 5; ++i) state = step(world, state, goal, 1e3).state;  // drag lets it creep
   return state;
 }
 
