@@ -206,6 +206,9 @@ class Recording(Case):
         while b"rates it" not in told:
             told += os.read(terminal, 1000)
         os.write(terminal, b"4")
+        with self.assertRaises(OSError):  # what it says until it has ended
+            while True:
+                os.read(terminal, 1000)
         first.communicate(timeout=60)
         os.close(terminal)
         self.assertEqual(first.returncode, 0)

@@ -12,7 +12,7 @@
 namespace ferrule {
 namespace {
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(FERRULE_SANITIZE)
 constexpr std::uint64_t kScenes = 8;  // the same code, many times slower
 #else
 constexpr std::uint64_t kScenes = 200;
