@@ -30,7 +30,8 @@ TEST(RecordAgain, IsTheRecordingOfThatSeed) {
   EXPECT_EQ(again.speed_scale, set.speed_scale);
   EXPECT_EQ(again.documents, set.documents);
   ASSERT_FALSE(other.demonstrations.empty());
-  EXPECT_NE(other.demonstrations[0].velocity, set.demonstrations[0].velocity);
+  EXPECT_FALSE(other.demonstrations[0].velocity.row(0) == set.demonstrations[0].velocity.row(0) &&
+               other.demonstrations[0].velocity.rows() == set.demonstrations[0].velocity.rows());
 }
 
 TEST(RecordAgain, AsksNobodyButSimulatedOperators) {
