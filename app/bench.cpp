@@ -19,8 +19,28 @@ namespace {
 
 struct BenchArguments {
   std::string what, plot;
-  bool json = false;
+  Output output;
 };
+
+// Every benchmark makes its own scenes of one that ships. Partial where Ctrl-C ended it.
+Provenance provenance_of_bench() {
+  Provenance provenance;
+  provenance.read(scene_file("paper"));
+  if (interrupted()) provenance.partial("the cases as far as they were run");
+  return provenance;
+}
+
+// Progress of a benchmark, which Ctrl-C ends between two cases.
+GoOn watched(const std::string& what) {
+  return [progress = std::make_shared<Progress>(what, 1)](std::size_t done, std::size_t all) {
+    (*progress)(done, "", all);
+    return !interrupted();
+  };
+}
+
+int ended(bool passed) {
+  return interrupted() ? kInterrupted : passed ? kDone : kFailed;
+}
 
 // Error and cost of everything with a name, one line for each name.
 template <class Row, class Name, class Error, class Cost>
@@ -108,17 +128,8 @@ void print_stepping(const std::vector<SteppingRow>& rows) {
                r.not_converged, r.halvings);
 }
 
-int speed_and_error(const BenchArguments& a) {
-  const std::vector<LawRow> laws = bench_laws();
-  const std::vector<SteppingRow> stepping = bench_stepping();
-  const std::vector<ControllerRow> controllers = bench_controllers();
-  if (!a.plot.empty()) draw(a.plot, laws, stepping);
-  if (a.json) {
-    print_json({{"laws", json_list(laws, law_json)},
-                {"stepping", json_list(stepping, stepping_json)},
-                {"controllers", json_list(controllers, controller_json)}});
-    return kDone;
-  }
+void print(const std::vector<LawRow>& laws, const std::vector<SteppingRow>& stepping,
+           const std::vector<ControllerRow>& controllers) {
   print_heading("law", "fidelity");
   for (const LawRow& r : laws) print_line(r.name, r.fidelity, r.ns, r.relative_error);
   fmt::print("\n");
@@ -126,7 +137,30 @@ int speed_and_error(const BenchArguments& a) {
   fmt::print("\n");
   print_heading("controller", "shape");
   for (const ControllerRow& r : controllers) print_line(r.name, r.shape, r.ns, r.relative_error);
-  return kDone;
+}
+
+int speed_and_error(const BenchArguments& a) {
+  const std::vector<LawRow> laws = bench_laws(watched("laws"));
+  const std::vector<SteppingRow> stepping = bench_stepping(watched("stepping"));
+  const std::vector<ControllerRow> controllers = bench_controllers(watched("controllers"));
+  if (!a.plot.empty() && !interrupted()) draw(a.plot, laws, stepping);
+  const Provenance provenance = provenance_of_bench();
+  Json json = {{"laws", json_list(laws, law_json)},
+               {"stepping", json_list(stepping, stepping_json)},
+               {"controllers", json_list(controllers, controller_json)}};
+  if (a.output.text()) {
+    print(laws, stepping, controllers);
+    fmt::print("{}", provenance.foot());
+  } else if (a.output.csv) {  // the three tables in one
+    json["table"] = Json::array();
+    for (const char* of : {"laws", "stepping", "controllers"})
+      for (const Json& row : json[of]) {
+        json["table"].push_back({{"of", of}});
+        json["table"].back().update(row);
+      }
+  }
+  print_result(a.output, json, "table", provenance);
+  return ended(true);
 }
 
 const char* status(const HardRow& r) {
@@ -142,16 +176,17 @@ Json hard_json(const HardRow& r) {
 }
 
 int hard(const BenchArguments& a) {
-  const std::vector<HardRow> rows = bench_hard();
-  if (a.json) {
-    print_json({{"rows", json_list(rows, hard_json)}});
-  } else {
+  const std::vector<HardRow> rows = bench_hard(watched("hard cases"));
+  const Provenance provenance = provenance_of_bench();
+  if (a.output.text()) {
     fmt::print("{:<62} {:>8} {:>9} {:<7} {}\n", "case", "step [s]", "error", "status", "result");
     for (const HardRow& r : rows)
       fmt::print("{:<62} {:>8} {:9.2g} {:<7} {}\n", r.name, number_or("-", "{:g}", r.step_s),
                  r.error, status(r), r.result);
+    fmt::print("{}", provenance.foot());
   }
-  return std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)) ? kDone : kFailed;
+  print_result(a.output, {{"rows", json_list(rows, hard_json)}}, "rows", provenance);
+  return ended(std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)));
 }
 
 Json capture_json(const CaptureRow& r) {
@@ -177,21 +212,24 @@ void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
     fmt::print("{:<12} {:>10.5g} {:>12} {:>12}\n", std::get<0>(key) ? "lead-in" : "sharp",
                std::get<1>(key), std::get<2>(key) ? "yes" : "no",
                fmt::format("{} of {}", count.first, count.second));
-  fmt::print(
-      "offsets in clearances; a sharp bore takes those below 1, a lead-in those below {:.5g}, its "
-      "rim\n{} of {} wrong\n",
-      rows.back().capture_clearances, wrong, rows.size());
+  fmt::print("offsets in clearances; a sharp bore takes those below 1");
+  if (!rows.empty() && rows.back().lead_in)
+    fmt::print(", a lead-in those below {:.5g}, its rim", rows.back().capture_clearances);
+  fmt::print("\n{} of {} wrong\n", wrong, rows.size());
 }
 
 int capture(const BenchArguments& a) {
-  const std::vector<CaptureRow> rows = bench_capture();
+  const std::vector<CaptureRow> rows = bench_capture(watched("capture"));
+  const Provenance provenance = provenance_of_bench();
   std::size_t wrong = 0;
   for (const CaptureRow& r : rows) wrong += r.inserted != r.expected();
-  if (a.json)
-    print_json({{"rows", json_list(rows, capture_json)}, {"wrong", wrong}});
-  else
+  if (a.output.text()) {
     print_capture(rows, wrong);
-  return wrong ? kFailed : kDone;
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, capture_json)}, {"wrong", wrong}}, "rows",
+               provenance);
+  return ended(wrong == 0);
 }
 
 }  // namespace
@@ -205,7 +243,7 @@ void add_bench(CLI::App& app, Run& run) {
                    "clearance means clearance")
       ->check(CLI::IsMember({"hard", "capture"}));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
-  add_json(*verb, a->json);
+  add_output(*verb, a->output);
   add_examples(*verb, {"bench --plot pictures", "bench hard --json"});
   verb->callback([a, &run] {
     run = [a] {

@@ -237,7 +237,7 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
 std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set) {
   std::vector<Scene> others;
   for (const std::string& name : a.transfer) {
-    others.push_back(load_scene(name));
+    others.push_back(planned_with_progress(load_scene(name)));
     refuse_other_scaling(set.scaling, a.folder, others.back(), a.other_scaling);
   }
   return others;
@@ -510,7 +510,6 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
 }
 
 int compare_verb(const CompareArguments& a) {
-  watch_for_interrupt();
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
   expect_comparable(a, set);
   const ChosenScene chosen = a.scene.choose(brought_by(set, a.folder));
@@ -569,7 +568,7 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes to learn from")
       ->required()
       ->type_name("DIR");
-  a->scene.add_to(*verb, "", "the episodes");
+  a->scene.add_to(*verb, "that of the episodes");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many, for each")
       ->capture_default_str()

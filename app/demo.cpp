@@ -35,8 +35,8 @@ struct DemoArguments {
 void make_folder(const std::string& folder) {
   const fs::path marker = fs::path(folder) / kMarker;
   std::error_code error;
-  if (fs::exists(folder) && !fs::is_empty(folder, error)) {
-    if (error || !fs::exists(marker))
+  if (fs::exists(folder, error) && !fs::is_empty(folder, error)) {
+    if (error || !fs::exists(marker, error))
       throw BadInput(folder + ": exists and was not made by a demo; choose another with --out");
     for (const char* name : {"controller.json", "report.html"})
       fs::remove(fs::path(folder) / name, error);
@@ -155,7 +155,6 @@ int demo_verb(const DemoArguments& a) {
     report.scene_arguments += " --set '" + setting + "'";
   report.seed = a.seed;
 
-  watch_for_interrupt();
   report.provenance.in(chosen).seed("demonstrations", a.seed).seed("trials", report.trial_seed());
   if (!record_all(a, report)) return kInterrupted;
   fit(a, report);
@@ -180,7 +179,7 @@ void add_demo(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("demo", "Record, fit and evaluate on built-in defaults, with a report");
   auto a = std::make_shared<DemoArguments>();
-  a->scene.add_to(*verb, "demo");
+  a->scene.add_to(*verb);
   verb->add_option("--out", a->out, "Folder for episodes, controller and report")
       ->capture_default_str()
       ->type_name("DIR");

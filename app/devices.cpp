@@ -19,7 +19,8 @@ constexpr const char* kAxisNames[] = {"X", "Y", "Z", "Rx", "Ry", "Rz"};
 struct DevicesArguments {
   std::string device = "auto";
   double seconds = 0;
-  bool test = false, json = false;
+  bool test = false;
+  Output output;
 };
 
 const char* state_name(const FoundDevice& device) {
@@ -34,7 +35,7 @@ int list_verb(const DevicesArguments& a) {
   Json list = Json::array();
   for (const FoundDevice& d : found) {
     list.push_back(device_json(d));
-    if (a.json) continue;
+    if (!a.output.text()) continue;
     fmt::print("{}  {}  {:<11}  {:<10}  {}\n", d.info.path, list.back()["id"].get<std::string>(),
                d.driver ? d.driver->name : "-", state_name(d), d.info.name);
     if (d.forbidden())
@@ -45,10 +46,10 @@ int list_verb(const DevicesArguments& a) {
     if (!d.missing.empty()) fmt::print("  cannot be used: {}\n", d.missing);
     if (d.never) fmt::print("  {}: left alone\n", d.never);
   }
-  if (a.json)
-    print_json({{"devices", list}});
-  else if (found.empty())
+  if (a.output.text() && found.empty())
     fmt::print("no device is connected; --device {} tries without one\n", fake_names(" or "));
+  if (a.output.text()) fmt::print("{}", Provenance().foot());
+  print_result(a.output, {{"devices", list}}, "devices", {});
   return kDone;
 }
 
@@ -140,8 +141,7 @@ Json moved_axes(const Test& t) {
 int test_verb(const DevicesArguments& a) {
   using SteadyClock = std::chrono::steady_clock;
   Test t = begun(a.device);
-  if (!a.json) introduce(t);
-  watch_for_interrupt();
+  if (a.output.text()) introduce(t);
   const bool terminal = ::isatty(STDOUT_FILENO);
   const double between = terminal ? 0.1 : 1.0;  // shown [s]
   const auto begin = SteadyClock::now();
@@ -149,18 +149,23 @@ int test_verb(const DevicesArguments& a) {
     t.time = std::chrono::duration<double>(SteadyClock::now() - begin).count();
     if (a.seconds > 0 && t.time >= a.seconds) break;
     const HandSample sample = pushed_and_read(t);
-    if (!a.json && t.time - t.shown >= between && !show(t, sample, terminal)) break;
+    if (a.output.text() && t.time - t.shown >= between && !show(t, sample, terminal)) break;
     std::this_thread::sleep_until(begin + std::chrono::milliseconds(tick + 1));
   }
   t.driver.reset();  // without force before anything is said
-  if (a.json)
-    print_json({{"device", t.name},
-                {"time_s", t.time},
-                {"axes_moved", moved_axes(t)},
-                {"buttons", t.pressed},
-                {"lost", t.lost}});
-  else
-    fmt::print("{}", terminal ? "\n" : "");
+  if (a.output.text()) fmt::print("{}{}", terminal ? "\n" : "", Provenance().foot());
+  Json json = {{"device", t.name},
+               {"time_s", t.time},
+               {"axes_moved", moved_axes(t)},
+               {"buttons", t.pressed},
+               {"lost", t.lost}};
+  json["table"] = Json::array();
+  for (const auto& [axis, range] : json["axes_moved"].items()) {
+    Json row = {{"axis", axis}};
+    row.update(range);
+    json["table"].push_back(row);
+  }
+  print_result(a.output, json, "table", {});
   if (t.lost) throw DeviceTrouble(t.device.transport->info().path + ": the device was lost");
   return kDone;
 }
@@ -193,7 +198,7 @@ void add_devices(CLI::App& app, Run& run) {
   verb->add_option("--seconds", a->seconds, "End the test by itself")
       ->needs(test)
       ->check(number_between(0.01, 1e6));
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_output(*verb, a->output);
   add_examples(*verb, {"devices", "devices --test fake:spacemouse"});
   verb->callback([a, test, &run] {
     a->test = test->count() > 0;

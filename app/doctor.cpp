@@ -168,7 +168,6 @@ int doctor(const DoctorArguments& a) {
   provenance.in(chosen);
   Findings f{a.gain, chosen.scene, at_gain(load_device_profile(a.device), a.gain), {}, {}, {}};
   f.felt = rendering(f.scene, f.device);
-  watch_for_interrupt();
   f.loop = time_loop(f.scene, f.felt.tip.stiffest, f.device.period, a.seconds, interrupted);
   if (interrupted()) return kInterrupted;
   f.connected = find_devices();
@@ -193,7 +192,7 @@ void add_doctor(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
       "doctor", "Can a scene be felt on a device: stability, loop rate, permissions");
   auto a = std::make_shared<DoctorArguments>();
-  a->scene.add_to(*verb, "demo");
+  a->scene.add_to(*verb);
   verb->add_option("--device", a->device, "Device profile, or the name of one that ships")
       ->capture_default_str()
       ->type_name("NAME|FILE");

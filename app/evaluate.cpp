@@ -116,7 +116,6 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
   std::fflush(stdout);  // the trials take long
 
-  watch_for_interrupt();
   std::vector<Tried> all = to_try(a, learned, scene);
   for (Tried& tried : all) run(a, scene, tried);
   if (interrupted()) {
@@ -147,7 +146,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
   verb->add_option("controller", a->controller, "Controller file")->type_name("FILE.json");
-  a->scene.add_to(*verb, "demo", "the controller's training");
+  a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many")
       ->capture_default_str()

@@ -36,9 +36,14 @@ int export_verb(const ExportArguments& a) {
     written.push_back(file);
   }
   for (const auto& file : files) file->commit();
-  for (const auto& file : written)
-    if (!a.json) fmt::print("wrote {}\n", file.get<std::string>());
-  if (a.json) print_json({{"controller", a.controller}, {"written", written}});
+  Provenance provenance;
+  provenance.read(a.controller);  // it names its weights by their hash
+  if (a.json) {
+    print_json({{"controller", a.controller}, {"written", written}}, provenance);
+  } else {
+    for (const auto& file : written) fmt::print("wrote {}\n", file.get<std::string>());
+    fmt::print("{}", provenance.foot());
+  }
   return kDone;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "app/law_plot.hpp"
@@ -19,7 +20,7 @@ struct FitArguments {
   std::string folder, method = "ceres", out, plot, seeds;
   std::map<std::string, std::string> options;  // of all learners, by flag
   std::uint64_t seed = 1;
-  bool json = false;
+  Output output;
 };
 
 std::vector<std::string> methods() {
@@ -100,34 +101,50 @@ std::string scenes_told(const DemonstrationSet& set) {
                      fmt::join(set.scenes, ", "));
 }
 
+// A number of a fit.
+struct FitNumber {
+  std::string name, unit;
+  double value, low = NAN, high = NAN;  // 95 % interval, where there is one
+};
+
+// Residuals, and the gains of a law.
+std::vector<FitNumber> fit_numbers(const ControllerFile& controller) {
+  std::vector<FitNumber> all;
+  std::visit(
+      [&](const auto& c) {
+        all = {{"residual", "m/s", c.residual}, {"held_out_residual", "m/s", c.held_out_residual}};
+      },
+      controller);
+  const auto* law = std::get_if<LawFile>(&controller);
+  for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
+    const auto& [value, low, high] = law->gains[i];
+    all.push_back({gain_table(law->kind)[i].name, gain_table(law->kind)[i].unit, value, low, high});
+  }
+  return all;
+}
+
 // A number of a fit under several seeds.
 struct OverSeeds {
-  std::string name;
+  std::string name, unit;
   std::vector<double> values;
 };
 
-// What each seed of --seeds makes of the same demonstrations: held-out residual, and gains of a
-// law.
+// What each seed of --seeds makes of the same demonstrations.
 std::vector<OverSeeds> over_seeds(const Learner& learner, const DemonstrationSet& set,
                                   const FitArguments& a) {
   std::vector<OverSeeds> all;
   if (a.seeds.empty()) return all;
-  const auto add = [&](const std::string& name, double value) {
-    const auto place =
-        std::find_if(all.begin(), all.end(), [&](const OverSeeds& o) { return o.name == name; });
-    (place == all.end() ? all.emplace_back(OverSeeds{name, {}}) : *place).values.push_back(value);
+  const auto add = [&](const FitNumber& number) {
+    const auto place = std::find_if(all.begin(), all.end(),
+                                    [&](const OverSeeds& o) { return o.name == number.name; });
+    (place == all.end() ? all.emplace_back(OverSeeds{number.name, number.unit, {}}) : *place)
+        .values.push_back(number.value);
   };
   for (const std::uint64_t seed : parse_seeds(a.seeds)) {
     if (interrupted()) break;
     const Learned result = fitted(learner, set, a, seed);
     if (trained_on(result.controller).partial) break;
-    add("held-out residual [mm/s]",
-        1e3 * std::visit([](const auto& c) { return c.held_out_residual; }, result.controller));
-    const auto* law = std::get_if<LawFile>(&result.controller);
-    for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
-      const Gain& gain = gain_table(law->kind)[i];
-      add(fmt::format("{} [{}]", gain.name, gain.unit), law->gains[i].value);
-    }
+    for (const FitNumber& number : fit_numbers(result.controller)) add(number);
   }
   return all;
 }
@@ -137,10 +154,30 @@ std::string to_text(const std::vector<OverSeeds>& all) {
   if (!all.empty())
     text = fmt::format("{:<32} {:>5} {:>12} {:>12} {:>12}\n", "over seeds of split and fit",
                        "seeds", "lowest", "median", "highest");
-  for (const auto& [name, values] : all)
-    text += fmt::format("{:<32} {:>5} {:>12.5g} {:>12.5g} {:>12.5g}\n", name, values.size(),
-                        quantile(values, 0), quantile(values, 0.5), quantile(values, 1));
+  for (const auto& [name, unit, values] : all)
+    text += fmt::format("{:<32} {:>5} {:>12.5g} {:>12.5g} {:>12.5g}\n",
+                        fmt::format("{} [{}]", name, unit), values.size(), quantile(values, 0),
+                        quantile(values, 0.5), quantile(values, 1));
   return text;
+}
+
+// For --csv: every number of the fit, and how far it spreads over the seeds.
+Json table(const ControllerFile& controller, const std::vector<OverSeeds>& spread) {
+  Json rows = Json::array();
+  for (const FitNumber& number : fit_numbers(controller)) {
+    Json& row = rows.emplace_back(Json{{"name", number.name},
+                                       {"unit", number.unit},
+                                       {"value", number.value},
+                                       {"low", number_or_null(number.low)},
+                                       {"high", number_or_null(number.high)}});
+    for (const auto& [name, unit, values] : spread)
+      if (name == number.name)
+        row["over_seeds"] = {{"seeds", values.size()},
+                             {"lowest", quantile(values, 0)},
+                             {"median", quantile(values, 0.5)},
+                             {"highest", quantile(values, 1)}};
+  }
+  return rows;
 }
 
 // Where a fit goes that Ctrl-C stopped: never over one that is whole.
@@ -153,7 +190,6 @@ int fit_verb(const FitArguments& a) {
   expect_place_for(a.out);
   if (!a.plot.empty()) expect_place_for(a.plot);
   for (const std::string& file : learner.files(a.out)) expect_place_for(file);
-  watch_for_interrupt();
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
   if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is fitted
   const Learned result = fitted(learner, set, a, a.seed);
@@ -167,20 +203,21 @@ int fit_verb(const FitArguments& a) {
   std::string notes;
   for (const std::string& warning : fit_warnings(set, result.controller))
     notes += "warning: " + warning + "\n";
-  if (a.json) fmt::print(stderr, "{}", notes);
+  if (!a.output.text()) fmt::print(stderr, "{}", notes);
   Provenance provenance;
   provenance.seed("split and fit", a.seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
   const std::vector<OverSeeds> spread = over_seeds(learner, set, a);
   if (partial) provenance.partial("the best of the fit so far, in " + out);
   if (!partial && interrupted()) provenance.partial("the first of --seeds");
-  if (a.json) {
-    Json json = parse_json(read_text(out), out);
-    for (const auto& [name, values] : spread) json["over_seeds"][name] = values;
-    print_json(json, provenance);
-  } else {
+  if (a.output.text()) {
     fmt::print("{}{}{}{}{}wrote {}\n{}", scenes_told(set), provenance.head(), result.report,
                to_text(spread), notes, out, provenance.foot());
+  } else {
+    Json json = parse_json(read_text(out), out);
+    for (const auto& [name, unit, values] : spread) json["over_seeds"][name] = values;
+    if (a.output.csv) json["table"] = table(result.controller, spread);
+    print_result(a.output, json, "table", provenance);
   }
   return interrupted() ? kInterrupted : kDone;
 }
@@ -202,7 +239,7 @@ void add_fit(CLI::App& app, Run& run) {
   add_seeds(*verb, a->seeds,
             "Fit with each of these too, and say how far results and gains spread; the file is of "
             "--seed");
-  verb->add_flag("--json", a->json, "The controller file on stdout as well");
+  add_output(*verb, a->output);
   add_examples(*verb,
                {"fit episodes --out controller.json",
                 "fit episodes --method torch --dagger 3 --plot training.svg --out policy.json"});

@@ -131,7 +131,7 @@ int forces_verb(const ForcesArguments& a) {
 void add_forces(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("forces", "Force curves against gap, length and penetration");
   auto a = std::make_shared<ForcesArguments>();
-  a->scene.add_to(*verb, "paper");
+  a->scene.add_to(*verb);
   a->length = "100";
   verb->add_option("--form", a->form, "Form of all laws, instead of the scene's")
       ->check(CLI::IsMember({"printed", "corrected"}));

@@ -116,7 +116,6 @@ void print(const Chosen& chosen, const Identification& found) {
 }
 
 int identify_verb(const IdentifyArguments& a) {
-  watch_for_interrupt();
   Provenance provenance;
   const Chosen chosen = choose(a, provenance);
   Identification found;
@@ -160,7 +159,7 @@ void add_identify(CLI::App& app, Run& run) {
       ->required()
       ->delimiter(',')
       ->type_name("KEY,KEY,...");
-  a->scene.add_to(*verb, "", "the episodes");
+  a->scene.add_to(*verb, "that of the episodes");
   add_seed(*verb, a->seed, "Seed of the episodes that are taken and of the random starts");
   add_output(*verb, a->output);
   add_examples(*verb, {"identify episodes --parameters laws.friction.burgers_nm",

@@ -60,6 +60,7 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
 
 int exit_code(const Run& run) {
   try {
+    watch_for_interrupt();
     const int code = run();
     std::cout.flush();
     if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "app/verb.hpp"
 #include "bench/term_cost.hpp"
@@ -36,13 +37,13 @@ Json to_json(const Plan& plan, const std::vector<double>& costs) {
                      {"fidelity", t.fidelity},
                      {"max_force_uN", 1e6 * t.max_force},
                      {"relative_error", t.relative_error},
-                     {"cost_ns", costs[i]}});
+                     {"cost_ns", number_or_null(costs[i])}});
   }
   return {{"tolerance", plan.tolerance},
           {"terms", terms},
           {"dynamics", dynamics(plan)},
           {"step_s", plan.step},
-          {"error_bound", plan.error_bound}};
+          {"error_bound", number_or_null(plan.error_bound)}};
 }
 
 void print(const Plan& plan, const std::vector<double>& costs) {
@@ -54,10 +55,11 @@ void print(const Plan& plan, const std::vector<double>& costs) {
     const PlannedTerm& t = plan.terms[i];
     if (!t.kept) bound_left_out += t.relative_error;
     inertia_left_out |= t.name == "inertia" && !t.kept;
-    fmt::print("{:<15} {:<9} {:<28} {:>13.4g} {:>10.2g} {:>8.1f}\n", t.name,
+    fmt::print("{:<15} {:<9} {:<28} {:>13.4g} {:>10.2g} {:>8}\n", t.name,
                t.kept ? "kept" : "left out", t.kept ? t.fidelity : "", 1e6 * t.max_force,
-               t.relative_error, costs[i]);
+               t.relative_error, number_or("-", "{:.1f}", costs[i]));
   }
+  if (plan.partial) return;
   fmt::print(
       "{}, steps of {:g} ms. What is left out changes the result by at most {:.2g}.\n"
       "For a hand sampled at 1 kHz: where the fibre snaps or sticks, finer sampling ends "
@@ -70,22 +72,32 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       plan.error_bound, 1e6 * plan.force_scale, plan.tolerance, holds(plan) ? "" : ": NOT REACHED");
 }
 
+Plan planned_here(const Scene& scene, double tolerance) {
+  Progress progress("planning", 1);
+  return make_plan(scene, tolerance, [&](std::size_t runs, std::size_t most) {
+    progress(runs, "", most);
+    return !interrupted();
+  });
+}
+
 int plan_verb(const PlanArguments& a) {
   // The tolerance asked for here, whatever the scene says.
   const Scene scene = a.scene.load();
-  const Plan plan = make_plan(scene, a.tolerance);
+  const Plan plan = planned_here(scene, a.tolerance);
   std::vector<double> costs;
-  for (const PlannedTerm& term : plan.terms) costs.push_back(term_cost(plan, scene, term));
-  if (!a.out.empty()) write_text(a.out, plan.document.dump(2) + "\n");
+  for (const PlannedTerm& term : plan.terms)
+    costs.push_back(plan.partial ? NAN : term_cost(plan, scene, term));
+  if (!a.out.empty() && !plan.partial) write_text(a.out, plan.document.dump(2) + "\n");
   Provenance provenance;
   provenance.in({scene, scene_file(a.scene.name())});
+  if (plan.partial) provenance.partial("the largest forces of some motions, and no plan yet");
   if (a.output.text()) {
     fmt::print("{}", provenance.head());
     print(plan, costs);
     fmt::print("{}", provenance.foot());
   }
   print_result(a.output, to_json(plan, costs), "terms", provenance);
-  return holds(plan) ? kDone : kFailed;
+  return plan.partial ? kInterrupted : holds(plan) ? kDone : kFailed;
 }
 
 }  // namespace
@@ -94,7 +106,7 @@ void add_plan(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
       "plan", "Which terms, fidelity, dynamics and step a scene needs for a tolerance");
   auto a = std::make_shared<PlanArguments>();
-  a->scene.add_to(*verb, "paper");
+  a->scene.add_to(*verb);
   verb->add_option(
           "--tolerance", a->tolerance,
           "Error of the tip over the clearance, and of the force over the largest at the holder")

@@ -146,6 +146,12 @@ Provenance& Provenance::partial(const std::string& what) {
   return *this;
 }
 
+std::string Provenance::hash_of_all() const {
+  std::string all;
+  for (const auto& [_, hash] : read_) all += hash;
+  return sha1(all);
+}
+
 std::string Provenance::head() const {
   std::string text = scene_text_;
   for (const auto& [of, value] : seeds_)
@@ -158,16 +164,14 @@ std::string Provenance::foot() const {
   std::string text;
   if (!partial_.empty()) text = "PARTIAL, stopped before the end: " + partial_ + "\n";
   text += fmt::format("made by ferrule {} ({}): {}", program_version(), program_build(), g_command);
-  std::string all;
   for (std::size_t i = 0; i < read_.size(); ++i) {
     const auto& [file, hash] = read_[i];
-    all += hash;
     if (read_.size() <= kMostFiles)
       text += fmt::format("; read {} (SHA-1 {})", file, hash.substr(0, kShort));
   }
   if (read_.size() > kMostFiles)
     text += fmt::format("; read {} files, {} to {} (SHA-1 of their SHA-1s {})", read_.size(),
-                        read_.front().first, read_.back().first, sha1(all).substr(0, kShort));
+                        read_.front().first, read_.back().first, hash_of_all().substr(0, kShort));
   return text + "\n";
 }
 
@@ -186,6 +190,8 @@ std::vector<std::pair<std::string, std::string>> Provenance::columns() const {
   std::vector<std::pair<std::string, std::string>> all;
   if (!scene_.is_null()) all = {{"scene", scene_["name"]}, {"scene_sha1", scene_["sha1"]}};
   for (const auto& [of, value] : seeds_) all.emplace_back("seed_" + of, std::to_string(value));
+  if (!read_.empty())
+    all.emplace_back("read_sha1", read_.size() == 1 ? read_[0].second : hash_of_all());
   all.emplace_back("partial", partial_);
   all.emplace_back("version", program_version() + " (" + program_build() + ")");
   all.emplace_back("command", g_command);

@@ -66,6 +66,8 @@ class Provenance {
   std::vector<std::pair<std::string, std::string>> columns() const;
 
  private:
+  std::string hash_of_all() const;
+
   std::string scene_text_;
   Json scene_;
   std::vector<std::pair<std::string, std::uint64_t>> seeds_;

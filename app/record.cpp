@@ -27,8 +27,9 @@ struct RecordArguments {
   double skill = 0.8, gain = 1;
   int episodes = 20;
   std::uint64_t seed = 1;
-  bool append = false, supervise = false, coupled = false, json = false, with_device = false;
+  bool append = false, supervise = false, coupled = false, with_device = false;
   bool other_scaling = false;
+  Output output;
 };
 
 // How a device with force renders the scene. Throws BadInput where it cannot.
@@ -180,7 +181,7 @@ void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
   all.list.push_back(episode_json(r));
-  if (!a.json) tell(r);
+  if (a.output.text()) tell(r);
   std::fflush(stdout);
 }
 
@@ -241,23 +242,23 @@ int record_verb(const RecordArguments& a) {
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
-  if (a.json) fmt::print(stderr, "{}", note);
-  watch_for_interrupt();
-  const Recordings all =
-      record_all(a, toleranced, who, first, a.json ? "" : provenance.head() + note);
+  if (!a.output.text()) fmt::print(stderr, "{}", note);
+  const Recordings all = record_all(a, toleranced, who, first,
+                                    a.output.text() ? provenance.head() + note : std::string());
   if (interrupted())
     provenance.partial(fmt::format("{} of {} episodes", all.list.size(), a.episodes));
-  if (a.json)
-    print_json({{"scene", toleranced.name},
+  if (a.output.text()) {
+    fmt::print("{} of {} episodes inserted\n", all.inserted, all.kept);
+    if (all.infeasible > 0)
+      fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output,
+               {{"scene", toleranced.name},
                 {"operator", who.name},
                 {"episodes", all.list},
                 {"infeasible_pairs", all.infeasible}},
-               provenance);
-  else
-    fmt::print("{} of {} episodes inserted\n", all.inserted, all.kept);
-  if (all.infeasible > 0 && !a.json)
-    fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
-  if (!a.json) fmt::print("{}", provenance.foot());
+               "episodes", provenance);
   if (all.trouble) std::rethrow_exception(all.trouble);
   if (all.lost)
     throw DeviceTrouble(who.device->transport->info().path +
@@ -270,27 +271,35 @@ int record_verb(const RecordArguments& a) {
 
 struct RecoverArguments {
   std::string folder;
-  bool json = false;
+  Output output;
 };
 
 int recover_verb(const RecoverArguments& a) {
-  const std::vector<Recovered> all = recover(a.folder);
+  Progress progress("recovering", 1);
+  std::size_t left = 0;  // journals, where Ctrl-C ended it
+  const std::vector<Recovered> all = recover(a.folder, [&](std::size_t done, std::size_t of) {
+    progress(done, "", of);
+    if (interrupted()) left = of - done;
+    return !interrupted();
+  });
   Json list = Json::array();
+  Provenance provenance;
   for (const Recovered& r : all) {
     list.push_back({{"journal", r.journal},
                     {"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
                     {"rows", r.rows},
                     {"remark", r.remark}});
-    if (a.json) continue;
+    if (!a.output.text()) continue;
     if (r.file.empty())
       fmt::print("{} {}\n", r.journal, r.remark);
     else
       fmt::print("{} -> {}: {} rows, outcome interrupted\n", r.journal, r.file, r.rows);
   }
-  if (a.json)
-    print_json({{"recovered", list}});
-  else if (all.empty())
-    fmt::print("{}: nothing to recover\n", a.folder);
+  if (left) provenance.partial(fmt::format("{} journals are left as they are", left));
+  if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", a.folder);
+  if (a.output.text()) fmt::print("{}", provenance.foot());
+  print_result(a.output, {{"recovered", list}}, "recovered", provenance);
+  if (left) return kInterrupted;
   const bool damaged =
       std::any_of(all.begin(), all.end(), [](const Recovered& r) { return r.damaged; });
   return damaged ? kFileTrouble : kDone;
@@ -301,7 +310,7 @@ int recover_verb(const RecoverArguments& a) {
 void add_record(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("record", "Record demonstrations, one HDF5 file per episode");
   auto a = std::make_shared<RecordArguments>();
-  a->scene.add_to(*verb, "demo", "the controller's training");
+  a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
   auto* person = verb->add_option("--operator", a->operator_,
                                   "Who holds the fibre: \"simulated\", or a controller file")
@@ -344,7 +353,7 @@ void add_record(CLI::App& app, Run& run) {
                    "Name of who holds the device; score sets nobody's episodes against another's")
       ->needs(device);
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_output(*verb, a->output);
   add_examples(*verb, {"record --episodes 20 --seed 1 --out episodes",
                        "record --scene bench --device auto --person Ada --out ada"});
   verb->callback([a, device, &run] {
@@ -357,7 +366,7 @@ void add_recover(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("recover", "Bring back episodes whose recording was killed");
   auto a = std::make_shared<RecoverArguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_output(*verb, a->output);
   add_examples(*verb, {"recover episodes", "recover episodes --json"});
   verb->callback([a, &run] { run = [a] { return recover_verb(*a); }; });
 }

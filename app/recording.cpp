@@ -67,6 +67,13 @@ void rate(Recorded& recorded, Keys& keys) {
   if (key >= '1' && key <= '5') recorded.rating = key - '0';
 }
 
+// Its file; of a long recording it takes some seconds.
+std::string finished(Recorder& recorder, Outcome outcome) {
+  Progress progress("writing", 1);
+  return recorder.finish(outcome,
+                         [&](std::size_t done, std::size_t all) { progress(done, "", all); });
+}
+
 }  // namespace
 
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
@@ -92,7 +99,7 @@ Recorded record_one(const Scene& scene, const State& start, Device& device, Epis
                       return !interrupted();
                     });
   recorder.info().why = end.why;
-  return {recorder.finish(end.outcome), end, info.period};
+  return {finished(recorder, end.outcome), end, info.period};
 }
 
 std::string operator_name(const OpenDevice& device) {
@@ -146,7 +153,7 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
   recorder.info().why = end.why;
   recorder.info().loop = loop_json(timing, info.period).dump();
   recorder.info().rating = recorded.rating;
-  recorded.file = recorder.finish(end.outcome);
+  recorded.file = finished(recorder, end.outcome);
   return recorded;
 }
 

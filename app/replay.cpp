@@ -181,7 +181,6 @@ void print(const ReplayArguments& a, const Replayed& r) {
 // All episodes of a folder, one line each.
 int replay_folder(const ReplayArguments& a) {
   if (!a.plot.empty()) throw BadInput("--plot: draws one episode; " + a.path + " is a folder");
-  watch_for_interrupt();
   Provenance provenance;
   Json list = Json::array();
   std::size_t different = 0;

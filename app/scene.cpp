@@ -69,7 +69,7 @@ void add_scene(CLI::App& app, Run& run) {
   auto a = std::make_shared<SceneVerbArguments>();
   verb->add_option("words", a->words, "Only keys with all these words in their name or remark")
       ->type_name("WORD...");
-  a->scene.add_to(*verb, "demo");
+  a->scene.add_to(*verb);
   add_output(*verb, a->output);
   add_examples(*verb, {"scene diameter", "scene --scene bench sensor"});
   verb->callback([a, &run] { run = [a] { return scene_verb(*a); }; });

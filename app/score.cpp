@@ -173,7 +173,6 @@ void print(const Session& session) {
 }
 
 int score_verb(const ScoreArguments& a) {
-  watch_for_interrupt();
   Provenance provenance;
   const Session session = scored(a, provenance);
   if (!a.plot.empty()) {

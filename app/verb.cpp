@@ -47,14 +47,10 @@ double parse_number(const std::string& text, const std::string& option) {
 
 }  // namespace
 
-void SceneArguments::add_to(CLI::App& verb, const std::string& usual_scene,
-                            const std::string& brought) {
-  usual = usual_scene;
+void SceneArguments::add_to(CLI::App& verb, const std::string& unless_given) {
   verb.add_option("--scene", scene,
                   "Scene file, or the name of one that ships with the program; unless given " +
-                      (brought.empty() ? usual
-                       : usual.empty() ? "that of " + brought
-                                       : "that of " + brought + ", without one " + usual))
+                      unless_given)
       ->type_name("NAME|FILE");
   verb.add_option("--set", settings, "Change one value of the scene; may be given again")
       ->type_name("KEY=VALUE")
@@ -99,7 +95,7 @@ ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
     const std::string source = "the scene that " + brought.how;
     chosen.scene = parse_scene(document, source);
     if (!settings.empty()) refuse_contradictions(chosen.scene, source);
-    chosen.scene = planned(chosen.scene);
+    chosen.scene = planned_with_progress(chosen.scene);
     note_accuracy(chosen.scene.document);
     chosen.other = !same_scene(document, brought.document);
     chosen.relation = (chosen.other ? ", changed from what " : ", as ") + brought.how;
@@ -107,7 +103,7 @@ ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
   }
   chosen.file = scene_file(name());
   const Scene loaded = load();
-  chosen.scene = planned(loaded);
+  chosen.scene = planned_with_progress(loaded);
   note_accuracy(chosen.scene.document);
   if (!brings) {
     if (!brought.open.empty()) chosen.relation = "; " + brought.open;
@@ -210,6 +206,15 @@ void print_result(const Output& output, Json document, const char* table,
 
 void end_if_interrupted() {
   if (interrupted()) throw Stopped();
+}
+
+Scene planned_with_progress(const Scene& scene) {
+  Progress progress("planning", 1);
+  return planned(scene, [&](std::size_t runs, std::size_t most) {
+    end_if_interrupted();
+    progress(runs, "", most);
+    return true;
+  });
 }
 
 CLI::Validator number_between(double low, double high) {

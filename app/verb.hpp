@@ -43,15 +43,14 @@ void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value. One rule for all verbs: a controller or a recording
-// brings its scene along, --scene takes another, and where there is neither it is `usual`.
+// brings its scene along, --scene takes another, and where there is neither it is `demo`.
 struct SceneArguments {
   std::string scene;  // empty: not given
-  std::string usual;
   std::vector<std::string> settings;
 
-  // `brought`: what brings a scene along, for the help; empty: nothing does.
-  void add_to(CLI::App& verb, const std::string& usual_scene, const std::string& brought = "");
-  const std::string& name() const { return scene.empty() ? usual : scene; }
+  // `unless_given`: which one it is then, for the help.
+  void add_to(CLI::App& verb, const std::string& unless_given = "demo");
+  std::string name() const { return scene.empty() ? "demo" : scene; }
   // What --scene and --set say alone, not planned. Throws BadInput, FileTrouble.
   Scene load() const;
   // Throws BadInput, FileTrouble.
@@ -85,6 +84,9 @@ void add_output(CLI::App& verb, Output& output);
 // text.
 void print_result(const Output& output, Json document, const char* table,
                   const Provenance& provenance);
+
+// `scene`, or where it states an accuracy the planned one, with progress. Throws Stopped.
+Scene planned_with_progress(const Scene& scene);
 
 // A finite number within bounds.
 CLI::Validator number_between(double low, double high);

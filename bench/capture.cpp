@@ -33,7 +33,7 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
 
 }  // namespace
 
-std::vector<CaptureRow> bench_capture() {
+std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
   const std::vector<std::string> rigid = {"laws={}", "holder.tilt_stiffness_N_m_rad=1e6"};
   std::vector<std::string> sharp_edge = rigid;
   sharp_edge.push_back("ferrule.lead_in=null");
@@ -43,22 +43,28 @@ std::vector<CaptureRow> bench_capture() {
       (cone.profile.mouth_radius() - cone.annulus.fibre_radius) / cone.annulus.clearance();
   const std::vector<double> offsets = {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0};
 
-  std::vector<CaptureRow> rows;
+  Cases<CaptureRow> cases;
   const auto lower = [&](const World& world, double capture, double offset) {
     for (int k = 0; k < 8; ++k)
       for (const double speed : {5e-6, 50e-6})
-        for (const double dt : {1e-4, 1e-3, 1e-2}) {
-          const double angle = k * std::numbers::pi / 4;
-          const Vector2d at =
-              offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
-          rows.push_back({offset, capture, 45.0 * k, 1e6 * speed, dt, world.profile.has_lead_in(),
-                          goes_in(world, at, speed, dt)});
-        }
+        for (const double dt : {1e-4, 1e-3, 1e-2})
+          add_case(cases, [=, &world] {
+            const double angle = k * std::numbers::pi / 4;
+            const Vector2d at =
+                offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
+            return CaptureRow{offset,
+                              capture,
+                              45.0 * k,
+                              1e6 * speed,
+                              dt,
+                              world.profile.has_lead_in(),
+                              goes_in(world, at, speed, dt)};
+          });
   };
   for (const double offset : offsets) lower(sharp, 1, offset);
   for (const double offset : offsets) lower(cone, range, offset);
   for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0}) lower(cone, range, part * range);
-  return rows;
+  return rows_of(cases, go_on);
 }
 
 }  // namespace ferrule

@@ -3,6 +3,8 @@
 
 #include <vector>
 
+#include "bench/cases.hpp"
+
 namespace ferrule {
 
 struct CaptureRow {
@@ -18,6 +20,6 @@ struct CaptureRow {
 // of 0.1, 1 and 10 ms from offsets of 0.5 to 30 clearances in eight directions. A sharp bore must
 // take exactly those below 1 clearance. With a lead-in the same, and offsets of 0.9 to 3 times its
 // geometric capture range, mouth radius - fibre radius; it must take exactly those below that.
-std::vector<CaptureRow> bench_capture();
+std::vector<CaptureRow> bench_capture(const GoOn& go_on = {});
 
 }  // namespace ferrule

@@ -58,9 +58,7 @@ ControllerRow measured(const std::string& name, const std::string& shape, Contro
   return {name, shape, ns, 0};
 }
 
-}  // namespace
-
-std::vector<ControllerRow> bench_controllers() {
+std::vector<Observation> drawn_states() {
   RandomStream random(2, 0, Draw::plan);
   std::vector<Observation> states(kStates, Observation{HandWrench::Zero(), 0, 0});
   for (Observation& o : states) {
@@ -68,34 +66,49 @@ std::vector<ControllerRow> bench_controllers() {
     o.depth = random.uniform();
     o.time = random.uniform();
   }
-  std::vector<ControllerRow> rows;
+  return states;
+}
+
+ControllerRow insertion_law(const std::vector<Observation>& states) {
   InsertionLaw law({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
-  rows.push_back(measured("insertion law", "12 gains, double", law, states));
-  for (const auto& [members, units] :
-       {std::pair(1u, 32), std::pair(1u, 64), std::pair(1u, 128), std::pair(5u, 64)}) {
-    const Policy p = drawn(members, units);
-    PolicyController timed(p), exact(p);
-    ControllerRow row =
-        measured("policy", fmt::format("{} of {}x{}, float", members, units, units), timed, states);
-    double error = 0, largest = 0;
-    Eigen::VectorXd input(p.inputs());
-    const Eigen::Index back = p.spacing;
-    for (std::size_t n = 0; n < states.size(); ++n) {
-      const Eigen::Vector3d v = exact.command(states[n]).head<3>();
-      for (int i = 0; i < p.inputs(); ++i) {
-        const ObservationChannel& channel = kPolicyInputs[p.channel(i)];
-        const bool past = channel.policy == PolicyInput::past;
-        const auto at = static_cast<Eigen::Index>(n) - (past ? i / kPastChannels * back : 0);
-        input[i] = at < 0 ? 0 : channel.value(states[static_cast<std::size_t>(at)]);
-      }
-      const Eigen::Vector3d reference = in_double(p, input);
-      error = std::max(error, (v - reference).norm());
-      largest = std::max(largest, reference.norm());
+  return measured("insertion law", "12 gains, double", law, states);
+}
+
+ControllerRow policy(std::size_t members, int units, const std::vector<Observation>& states) {
+  const Policy p = drawn(members, units);
+  PolicyController timed(p), exact(p);
+  ControllerRow row =
+      measured("policy", fmt::format("{} of {}x{}, float", members, units, units), timed, states);
+  double error = 0, largest = 0;
+  Eigen::VectorXd input(p.inputs());
+  const Eigen::Index back = p.spacing;
+  for (std::size_t n = 0; n < states.size(); ++n) {
+    const Eigen::Vector3d v = exact.command(states[n]).head<3>();
+    for (int i = 0; i < p.inputs(); ++i) {
+      const ObservationChannel& channel = kPolicyInputs[p.channel(i)];
+      const bool past = channel.policy == PolicyInput::past;
+      const auto at = static_cast<Eigen::Index>(n) - (past ? i / kPastChannels * back : 0);
+      input[i] = at < 0 ? 0 : channel.value(states[static_cast<std::size_t>(at)]);
     }
-    row.relative_error = error / largest;
-    rows.push_back(row);
+    const Eigen::Vector3d reference = in_double(p, input);
+    error = std::max(error, (v - reference).norm());
+    largest = std::max(largest, reference.norm());
   }
-  return rows;
+  row.relative_error = error / largest;
+  return row;
+}
+
+}  // namespace
+
+std::vector<ControllerRow> bench_controllers(const GoOn& go_on) {
+  const std::vector<Observation> states = drawn_states();
+  Cases<ControllerRow> cases;
+  add_case(cases, [&] { return insertion_law(states); });
+  for (const auto& [members, units] :
+       {std::pair(1u, 32), std::pair(1u, 64), std::pair(1u, 128), std::pair(5u, 64)})
+    add_case(cases,
+             [&, members = members, units = units] { return policy(members, units, states); });
+  return rows_of(cases, go_on);
 }
 
 }  // namespace ferrule

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/cases.hpp"
+
 namespace ferrule {
 
 struct ControllerRow {
@@ -14,6 +16,6 @@ struct ControllerRow {
 
 // The insertion law, and policies with three samples of the past and weights that are drawn,
 // against the same networks in double precision.
-std::vector<ControllerRow> bench_controllers();
+std::vector<ControllerRow> bench_controllers(const GoOn& go_on = {});
 
 }  // namespace ferrule

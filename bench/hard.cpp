@@ -345,20 +345,23 @@ HardRow bad_device() {
 
 }  // namespace
 
-std::vector<HardRow> bench_hard() {
-  std::vector<HardRow> rows = {snap_in()};
-  for (const double lambda : {0.01, 0.3, 1.0, 4.0, 20.0, 100.0}) rows.push_back(pull_off(lambda));
-  rows.push_back(stick_slip());
-  rows.push_back(creep());
-  rows.push_back(jam());
-  rows.push_back(refused("125", "125"));
-  rows.push_back(refused("125.5", "125.7"));
-  for (const double dt : {1e-6, 1e-5, 1e-3, 1e-2, 1e-1}) rows.push_back(step_size(dt));
-  rows.push_back(drift());
-  rows.push_back(eccentricity_near_clearance());
-  rows.push_back(forces_apart());
-  rows.push_back(bad_device());
-  return rows;
+std::vector<HardRow> bench_hard(const GoOn& go_on) {
+  Cases<HardRow> cases;
+  add_case(cases, snap_in);
+  for (const double lambda : {0.01, 0.3, 1.0, 4.0, 20.0, 100.0})
+    add_case(cases, [lambda] { return pull_off(lambda); });
+  add_case(cases, stick_slip);
+  add_case(cases, creep);
+  add_case(cases, jam);
+  add_case(cases, [] { return refused("125", "125"); });
+  add_case(cases, [] { return refused("125.5", "125.7"); });
+  for (const double dt : {1e-6, 1e-5, 1e-3, 1e-2, 1e-1})
+    add_case(cases, [dt] { return step_size(dt); });
+  add_case(cases, drift);
+  add_case(cases, eccentricity_near_clearance);
+  add_case(cases, forces_apart);
+  add_case(cases, bad_device);
+  return rows_of(cases, go_on);
 }
 
 }  // namespace ferrule

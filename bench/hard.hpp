@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/cases.hpp"
+
 namespace ferrule {
 
 struct HardRow {
@@ -18,6 +20,6 @@ struct HardRow {
   bool passed() const { return finite && !gained && error <= tolerance; }
 };
 
-std::vector<HardRow> bench_hard();
+std::vector<HardRow> bench_hard(const GoOn& go_on = {});
 
 }  // namespace ferrule

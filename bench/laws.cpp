@@ -179,14 +179,14 @@ LawRow maugis_table() {
 
 }  // namespace
 
-std::vector<LawRow> bench_laws() {
-  std::vector<LawRow> rows;
-  add_van_der_waals(rows);
-  add_electrostatic(rows);
-  rows.push_back(across_gaps("capillary", "bridge of constant volume", bridge,
-                             [](double h) { return capillary(kBridge, kRough, h, true); }));
-  rows.push_back(maugis_table());
-  return rows;
+std::vector<LawRow> bench_laws(const GoOn& go_on) {
+  Cases<LawRow> cases = {add_van_der_waals, add_electrostatic};
+  add_case(cases, [] {
+    return across_gaps("capillary", "bridge of constant volume", bridge,
+                       [](double h) { return capillary(kBridge, kRough, h, true); });
+  });
+  add_case(cases, maugis_table);
+  return rows_of(cases, go_on);
 }
 
 }  // namespace ferrule

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/cases.hpp"
+
 namespace ferrule {
 
 struct LawRow {
@@ -16,6 +18,6 @@ struct LawRow {
 // by numerical integration in long double; electrostatics of cylinders likewise from the
 // capacitance; the capillary bridge by bisection; Maugis's equations solved in long double; between
 // tilted axes (0.2 mrad over 1 mm, from 5 nm) the midpoint rule in 400,000 pieces.
-std::vector<LawRow> bench_laws();
+std::vector<LawRow> bench_laws(const GoOn& go_on = {});
 
 }  // namespace ferrule

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "bench/measure.hpp"
 #include "bench/reference.hpp"
@@ -210,27 +211,36 @@ Case vibration() {
 
 }  // namespace
 
-std::vector<SteppingRow> bench_stepping() {
-  std::vector<SteppingRow> rows;
-  rows.push_back(simulate(free_flight(), "quasi_static", 1e-3));
-  const Case wedge = two_contacts();
+std::vector<SteppingRow> bench_stepping(const GoOn& go_on) {
+  // A case and its reference are made when they are first needed: some take seconds.
+  std::optional<Case> wedge, rubbing, plucked;
+  const auto made = [](std::optional<Case>& c, Case (*make)()) -> Case& {
+    if (!c) c = make();
+    return *c;
+  };
+  Cases<SteppingRow> cases;
+  add_case(cases, [] { return simulate(free_flight(), "quasi_static", 1e-3); });
   for (const double dt : {1e-2, 5e-3, 1e-3, 1e-4})
-    rows.push_back(simulate(wedge, "backward_euler", dt));
-  const Case rubbing = two_contacts_with_friction();
+    add_case(cases, [&, dt] { return simulate(made(wedge, two_contacts), "backward_euler", dt); });
   for (const double dt : {1e-2, 1e-3, 1e-4})
-    rows.push_back(simulate(rubbing, "backward_euler", dt));
+    add_case(cases, [&, dt] {
+      return simulate(made(rubbing, two_contacts_with_friction), "backward_euler", dt);
+    });
   // The naive baseline, from the step of the simulator down to one that it survives.
-  for (double dt = 1e-3; dt > 1e-8; dt /= 10) {
-    rows.push_back(explicit_euler(wedge, dt));
-    if (std::isfinite(rows.back().tip_error_nm) && rows.back().tip_error_nm < 100) break;
-  }
-  Case plucked = vibration();
-  for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2}) {
-    plucked.world.numerics.integrator = method;
+  cases.push_back([&](std::vector<SteppingRow>& rows) {
+    for (double dt = 1e-3; dt > 1e-8; dt /= 10) {
+      rows.push_back(explicit_euler(made(wedge, two_contacts), dt));
+      if (std::isfinite(rows.back().tip_error_nm) && rows.back().tip_error_nm < 100) break;
+    }
+  });
+  for (const Integrator method : {Integrator::backward_euler, Integrator::bdf2})
     for (const double dt : {1e-4, 1e-5, 1e-6})
-      rows.push_back(simulate(plucked, method == Integrator::bdf2 ? "bdf2" : "backward_euler", dt));
-  }
-  return rows;
+      add_case(cases, [&, method, dt] {
+        Case& c = made(plucked, vibration);
+        c.world.numerics.integrator = method;
+        return simulate(c, method == Integrator::bdf2 ? "bdf2" : "backward_euler", dt);
+      });
+  return rows_of(cases, go_on);
 }
 
 }  // namespace ferrule

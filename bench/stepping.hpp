@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "bench/cases.hpp"
+
 namespace ferrule {
 
 struct SteppingRow {
@@ -20,6 +22,6 @@ struct SteppingRow {
 // Cases: free flight (reference: closed form); insertion through adhesive with contact of end and
 // side, corrected laws (reference: CVODE), and with friction (reference: steps of 1 us); vibration
 // of an elastic fibre with inertia (CVODE).
-std::vector<SteppingRow> bench_stepping();
+std::vector<SteppingRow> bench_stepping(const GoOn& go_on = {});
 
 }  // namespace ferrule

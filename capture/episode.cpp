@@ -352,9 +352,9 @@ Scene recorded_scene(const Episode& episode, const std::string& file) {
   return parse_scene(parse_json(episode.info.scene, file), file);
 }
 
-void write_episode(const std::string& file, const Episode& episode) {
+void write_episode(const std::string& file, const Episode& episode, const WriteProgress& progress) {
   const Scene scene = recorded_scene(episode, file);
-  write_text(file, hdf5::image(file, content_of(episode, scene)), false);
+  write_text(file, hdf5::image(file, content_of(episode, scene), progress), false);
 }
 
 Episode read_episode(const std::string& file) {

@@ -23,6 +23,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -82,8 +83,11 @@ struct SensedRows {
 SensedRows sensed_wrench(const Episode& episode, const Scene& scene);
 
 // Writes beside `file` and gives it its name when whole. Throws FileTrouble, also if there is a
-// file of that name: an episode never replaces another.
-void write_episode(const std::string& file, const Episode& episode);
+// file of that name: an episode never replaces another. `progress` is called with the numbers
+// compressed so far, and all.
+using WriteProgress = std::function<void(std::size_t done, std::size_t all)>;
+void write_episode(const std::string& file, const Episode& episode,
+                   const WriteProgress& progress = {});
 
 // Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it
 // can, the first damaged row). The file may be anybody's: it is read in a child process with limits

@@ -130,7 +130,8 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* names) 
 
 }  // namespace
 
-std::string image(const std::string& name, const Content& content) {
+std::string image(const std::string& name, const Content& content,
+                  const std::function<void(std::size_t, std::size_t)>& progress) {
   const Handle file(create_in_memory(name), H5Fclose, cannot_be_built(name, "/"));
   const auto is_table = [&](const std::string& path) {
     return std::any_of(content.tables.begin(), content.tables.end(),
@@ -144,8 +145,13 @@ std::string image(const std::string& name, const Content& content) {
     const Handle group(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, how, H5P_DEFAULT), H5Gclose,
                        trouble);
   }
-  for (const Table& table : content.tables)
+  std::size_t done = 0, all = 0;
+  for (const Table& table : content.tables) all += static_cast<std::size_t>(table.values.size());
+  for (const Table& table : content.tables) {
     write_table(file, table, cannot_be_built(name, table.path));
+    done += static_cast<std::size_t>(table.values.size());
+    if (progress) progress(done, all);
+  }
   for (const auto& [path, attributes] : content.attributes) {
     const std::string trouble = cannot_be_built(name, path);
     const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, trouble);

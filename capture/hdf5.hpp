@@ -6,6 +6,7 @@
 #include <hdf5.h>
 
 #include <Eigen/Core>
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
@@ -52,8 +53,9 @@ struct Content {
 };
 
 // The bytes of a file with this content, always the same ones. `name` is that of the file, for
-// messages. Throws FileTrouble.
-std::string image(const std::string& name, const Content& content);
+// messages. `progress` is called with the numbers compressed so far, and all. Throws FileTrouble.
+std::string image(const std::string& name, const Content& content,
+                  const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 // A file on disk that anybody may have written: everything is checked before it is read, and no
 // size is believed that the file cannot hold. HDF5 itself may still fail on what is damaged: to be

@@ -243,12 +243,12 @@ void EpisodeClaim::append(const void* data, std::size_t size) const {
     throw FileTrouble(journal() + ": cannot be written: " + std::strerror(error));
 }
 
-void EpisodeClaim::write(const Episode& episode) {
+void EpisodeClaim::write(const Episode& episode, const WriteProgress& progress) {
   std::error_code error;
   for (;; move_on()) {
     if (fs::exists(file(), error)) continue;
     try {
-      write_episode(file(), episode);
+      write_episode(file(), episode, progress);
       return remove();
     } catch (const FileTrouble&) {
       if (!fs::exists(file(), error)) throw;  // else somebody has just taken the name
@@ -296,7 +296,7 @@ void Recorder::flush() {
   flushed_ = rows_.size();
 }
 
-std::string Recorder::finish(Outcome outcome) {
+std::string Recorder::finish(Outcome outcome, const WriteProgress& progress) {
   flush();
   episode_.info.outcome = outcome;
   episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
@@ -305,7 +305,7 @@ std::string Recorder::finish(Outcome outcome) {
   episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
   for (std::size_t n = 0; n < counts_.size(); ++n)
     episode_.counts.row(static_cast<Eigen::Index>(n)) = counts_[n].transpose();
-  claim_.write(episode_);
+  claim_.write(episode_, progress);
   return claim_.file();
 }
 
@@ -313,7 +313,8 @@ void Recorder::discard() noexcept {
   claim_.remove();
 }
 
-std::vector<Recovered> recover(const std::string& folder) {
+std::vector<Recovered> recover(const std::string& folder,
+                               const std::function<bool(std::size_t, std::size_t)>& go_on) {
   std::vector<Recovered> results;
   std::vector<std::string> journals;
   std::error_code error, ignored;
@@ -323,7 +324,10 @@ std::vector<Recovered> recover(const std::string& folder) {
   if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
   std::sort(journals.begin(), journals.end());
   remove_half_written(folder, [](const std::string& name) { return name.ends_with(".h5"); });
-  for (const auto& journal : journals) results.push_back(recover_one(journal));
+  for (const auto& journal : journals) {
+    if (go_on && !go_on(results.size(), journals.size())) break;
+    results.push_back(recover_one(journal));
+  }
   return results;
 }
 

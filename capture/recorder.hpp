@@ -39,7 +39,7 @@ class EpisodeClaim {
   void append(const void* data, std::size_t size) const;
   // Writes `episode` to `file()`, and removes the journal. Where another has taken that name
   // meanwhile, the journal moves on to the next free number first. Throws FileTrouble.
-  void write(const Episode& episode);
+  void write(const Episode& episode, const WriteProgress& progress = {});
   // Removes the journal.
   void remove() noexcept;
 
@@ -76,7 +76,7 @@ class Recorder {
   std::size_t rows() const noexcept { return rows_.size(); }
 
   // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
-  std::string finish(Outcome outcome);
+  std::string finish(Outcome outcome, const WriteProgress& progress = {});
   // Removes the journal: the episode never was.
   void discard() noexcept;
 
@@ -104,9 +104,12 @@ struct Recovered {
 
 // Turns every journal in `folder` that nobody is writing to into an episode with outcome
 // `interrupted`, of the rows before the first that is damaged; such a journal is kept as
-// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if
-// header and rows agree with it, and else becomes an episode of the next number. Also removes
-// half-written files of recordings that were killed. Throws FileTrouble.
-std::vector<Recovered> recover(const std::string& folder);
+// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if header
+// and rows agree with it, and else becomes an episode of the next number. Also removes half-written
+// files of recordings that were killed. `go_on` is called before each journal with those that are
+// done, and all; false leaves the others as they are. Throws FileTrouble.
+std::vector<Recovered> recover(
+    const std::string& folder,
+    const std::function<bool(std::size_t done, std::size_t all)>& go_on = {});
 
 }  // namespace ferrule

@@ -30,9 +30,23 @@ constexpr double kShareOfInertia = 0.8;     // which it may change where it is l
 constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
 constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
 
+// The runs of a plan, which may be stopped.
+struct Runs {
+  const PlanProgress& go_on;
+  std::size_t most, done = 0;
+  bool stopped = false;
+
+  // Before each; false: no more.
+  bool next() {
+    stopped = stopped || (go_on && !go_on(done++, most));
+    return !stopped;
+  }
+};
+
 // The full model along its probes: what every reduced one is measured against.
 struct Reference {
   const Scene& scene;
+  Runs& watch;
   std::vector<Probe> probes;
   std::vector<SampledRun> runs;  // of each probe
   std::vector<State> inside;     // some of their states with the end in the bore
@@ -46,22 +60,24 @@ struct Reference {
   double force_scale = INFINITY;  // what force errors are relative to [N]
   bool sticks = false;            // or snaps
 
-  explicit Reference(const Scene& full);
+  Reference(const Scene& full, Runs& watched);
   const Extreme& extreme(Term term) const { return extremes[static_cast<std::size_t>(term)]; }
   // What a missing force [N] can change: the felt force, and where the end is [-].
   double changes(double force) const {
     return force * std::max(1 / force_scale, compliance / clearance);
   }
-  // The largest error of a reduced model in any probe, or the first beyond `enough`.
+  // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
+  // that was not run to its end.
   double error(const World& reduced, double enough) const;
 };
 
-Reference::Reference(const Scene& full)
+Reference::Reference(const Scene& full, Runs& watched)
     : scene(full),
+      watch(watched),
       compliance(full.world.holder.compliance()),
       clearance(full.world.annulus.clearance()) {
   const World& world = full.world;
-  for (std::uint64_t k = 0; k < probes_of(full); ++k) {
+  for (std::uint64_t k = 0; k < probes_of(full) && watch.next(); ++k) {
     probes.push_back(make_probe(full, k));
     const Probe& p = probes.back();
     std::size_t sample = 0;
@@ -86,6 +102,7 @@ Reference::Reference(const Scene& full)
 double Reference::error(const World& reduced, double enough) const {
   double worst = 0;
   for (std::size_t k = 0; k < probes.size() && worst <= enough; ++k) {
+    if (!watch.next()) return INFINITY;
     const Probe& p = probes[k];
     const SampledRun r = sample_run(reduced, p.start, p.hand, INFINITY);
     worst = std::max(worst, run_error(r, runs[k], p.hand, scene.world));
@@ -186,6 +203,10 @@ struct Budget {
   double tolerance;                  // for all but inertia that is left out unmeasured
   bool try_quasi_static;             // in place of the full model's inertia
   const std::vector<double>& steps;  // [s], the last is the full model's
+
+  std::size_t most_runs(std::size_t probes) const {
+    return probes * (1 + (steps.size() > 1) + 2 * (try_quasi_static + steps.size()));
+  }
 };
 
 // What is left out where that is good enough, else with every term; then the longest step.
@@ -301,7 +322,7 @@ Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& s
 
 }  // namespace
 
-Plan make_plan(const Scene& scene, double tolerance) {
+Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) {
   if (!(tolerance >= 1e-6 && tolerance <= 0.5))
     throw BadInput("accuracy = " + Json(tolerance).dump() + ": must be from 1e-6 to 0.5");
   const Inertia inertia(scene);
@@ -311,11 +332,14 @@ Plan make_plan(const Scene& scene, double tolerance) {
                                      : scene.world.laws.drag ? kDragSteps
                                                              : kTimeless;
   const Scene full = full_model(scene, inertial, steps);
-  const Reference reference(full);
-  const double budget = inertia.stated || rings ? tolerance : tolerance - inertia.change;
-  const Choice choice = choose(reference, {budget, inertial && inertia.stated, steps});
+  const double left = inertia.stated || rings ? tolerance : tolerance - inertia.change;
+  const Budget budget{left, inertial && inertia.stated, steps};
+  Runs runs{go_on, budget.most_runs(probes_of(full))};
+  const Reference reference(full, runs);
+  const Choice choice = choose(reference, budget);
 
   Plan plan;
+  plan.partial = runs.stopped;
   plan.tolerance = tolerance;
   plan.dynamics = choice.model.dynamics;
   plan.step = choice.model.step;
@@ -325,6 +349,7 @@ Plan make_plan(const Scene& scene, double tolerance) {
                choice.left_out.change +
                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
   plan.terms = planned_terms(reference, choice, reduced_world(full, choice.model));
+  if (plan.partial) plan.error_bound = INFINITY;
   if (!inertia.stated || inertial) {
     // Where the scene has it, what leaving it out changes is measured.
     const bool kept = plan.dynamics == Dynamics::inertial;
@@ -339,9 +364,9 @@ Plan make_plan(const Scene& scene, double tolerance) {
   return plan;
 }
 
-Scene planned(const Scene& scene) {
+Scene planned(const Scene& scene, const PlanProgress& go_on) {
   if (!scene.accuracy) return scene;
-  return parse_scene(make_plan(scene, *scene.accuracy).document, scene.name);
+  return parse_scene(make_plan(scene, *scene.accuracy, go_on).document, scene.name);
 }
 
 }  // namespace ferrule

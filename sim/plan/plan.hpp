@@ -26,6 +26,7 @@
 // hits. Parts with a tolerance are planned for as a pair of the nominal diameters.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -52,13 +53,21 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   double force_scale;  // what force errors are relative to [N]
   double error_bound;  // of tip over clearance and of force over force_scale
   Json document;       // the planned scene
+  // It was stopped: nothing is left out, the error bound is infinite, the largest forces are those
+  // of the probes that were run.
+  bool partial = false;
 };
+
+// Called between the runs of a plan, with those that are done and those that may be needed, of which
+// a good plan is found after some. False stops it.
+using PlanProgress = std::function<bool(std::size_t runs, std::size_t most)>;
 
 // Whatever accuracy the scene itself asks for; 1e-6 <= tolerance <= 0.5. Deterministic; takes some
 // seconds. Throws BadInput if the tolerance is out of range.
-Plan make_plan(const Scene& scene, double tolerance);
+Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on = {});
 
-// The scene itself, or where it states an accuracy the planned one. Throws BadInput.
-Scene planned(const Scene& scene);
+// The scene itself, or where it states an accuracy the planned one. Throws BadInput, and what `go_on`
+// throws.
+Scene planned(const Scene& scene, const PlanProgress& go_on = {});
 
 }  // namespace ferrule

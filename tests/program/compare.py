@@ -106,6 +106,8 @@ class Compare(Case):
 
     def test_refusals(self):
         self.refused(2, "compare", self.out, "--learners", "cubic", says=["cubic"])
+        self.refused(2, "compare", self.out, "--learners", "linear,insertion,linear",
+                     says=["linear is there twice"])
         self.refused(2, "compare", self.out, "--transfer", "paper",
                      says=["paper", "scales the hand otherwise"])
         self.refused(3, "compare", self.path("none"), says=["none"])

@@ -5,10 +5,13 @@ import os
 from case import SOURCE, Case, main
 
 
+FORCES = ["forces", "--scene", "paper"]
+
+
 class Forces(Case):
     def test_curves_are_the_printed_formulas(self):
         hamaker, volts, gamma, angle, film = 1.3e-19, 0.37, 0.031, math.radians(41), 55e-9
-        run = self.done("forces", "--gap-nm", "1:500:50:log", "--length-um", 73, "--json",
+        run = self.done(*FORCES, "--gap-nm", "1:500:50:log", "--length-um", 73, "--json",
                         "--set", f"laws.van_der_waals.hamaker_J={hamaker}",
                         "--set", f"laws.electrostatic.voltage_V={volts}",
                         "--set", f"laws.capillary.surface_tension_N_m={gamma}",
@@ -37,7 +40,7 @@ class Forces(Case):
         self.assertLessEqual(abs(a - b), 1e-11 * abs(b), (a, b))
 
     def test_adhesion_and_friction_of_table_i_against_depth(self):
-        rows = json.loads(self.done("forces", "--depth-nm", "0:10:11", "--json").stdout)["rows"]
+        rows = json.loads(self.done(*FORCES, "--depth-nm", "0:10:11", "--json").stdout)["rows"]
         self.assertEqual([row["depth_nm"] for row in rows], list(range(11)))
         for row, adhesion, friction in ((rows[0], -5.574418828, 0.1296897463),
                                         (rows[10], -7.830277437, 0.1728765087)):
@@ -45,7 +48,7 @@ class Forces(Case):
             self.assertAlmostEqual(row["friction_uN"] / friction, 1, delta=2e-9)
 
     def test_forces_grow_in_a_straight_line_with_the_inserted_length(self):
-        rows = json.loads(self.done("forces", "--length-um", "0:200:21", "--json").stdout)["rows"]
+        rows = json.loads(self.done(*FORCES, "--length-um", "0:200:21", "--json").stdout)["rows"]
         for row in rows:
             self.assertAlmostEqual(row["capillary_uN"], rows[10]["capillary_uN"] *
                                    row["length_um"] / 100, delta=1e-9)
@@ -54,10 +57,10 @@ class Forces(Case):
         scene = ["--json", "--set", "laws.van_der_waals.form=corrected",
                  "--set", "laws.electrostatic.form=corrected",
                  "--set", "laws.capillary.form=corrected"]
-        tilted = json.loads(self.done("forces", "--gap-nm", 10, "--length-um", 100,
+        tilted = json.loads(self.done(*FORCES, "--gap-nm", 10, "--length-um", 100,
                                       "--tilt-mrad", 1, *scene).stdout)["rows"][0]
         gaps = 4000
-        rows = json.loads(self.done("forces", "--length-um", 100, "--gap-nm",
+        rows = json.loads(self.done(*FORCES, "--length-um", 100, "--gap-nm",
                                     f"{10 + 50 / gaps}:{110 - 50 / gaps}:{gaps}",
                                     *scene).stdout)["rows"]
         for name in ("van_der_waals_uN", "electrostatic_uN", "capillary_uN"):
@@ -81,7 +84,7 @@ class Forces(Case):
 
         for gap, tilt in ((10, 1), (10, 3), (1, 9.9), (200, 0.5), (0.2, 0.01)):
             row = json.loads(self.done(
-                "forces", "--form", "corrected", "--gap-nm", gap, "--length-um", 100,
+                *FORCES, "--form", "corrected", "--gap-nm", gap, "--length-um", 100,
                 "--tilt-mrad", tilt, "--json", "--set", f"laws.capillary.volume_per_length_m2={volume}",
                 "--set", "laws.capillary.rupture_nm=210").stdout)["rows"][0]
             h, rise = 1e-9 * gap, 100e-6 * 1e-3 * tilt
@@ -90,12 +93,12 @@ class Forces(Case):
 
     def test_a_gap_that_cannot_be_the_smallest_is_refused(self):
         for gap in (501, 1000, 1500):
-            self.refused(2, "forces", "--form", "corrected", "--gap-nm", gap,
+            self.refused(2, *FORCES, "--form", "corrected", "--gap-nm", gap,
                          says=["--gap-nm", "clearance, 500 nm"])
-        self.refused(2, "forces", "--gap-nm", 10, "--tilt-mrad", 9.9, says=["9.8 mrad"])
-        self.done("forces", "--form", "corrected", "--gap-nm", 500)
-        self.done("forces", "--gap-nm", 10, "--tilt-mrad", 9.8)
-        self.done("forces", "--gap-nm", 1500)  # the printed laws know one wall
+        self.refused(2, *FORCES, "--gap-nm", 10, "--tilt-mrad", 9.9, says=["9.8 mrad"])
+        self.done(*FORCES, "--form", "corrected", "--gap-nm", 500)
+        self.done(*FORCES, "--gap-nm", 10, "--tilt-mrad", 9.8)
+        self.done(*FORCES, "--gap-nm", 1500)  # the printed laws know one wall
 
     def test_liquid_in_the_gap(self):
         mu, gamma, angle, length, v = 0.7, 0.031, math.radians(35), 130e-6, 3e-6
@@ -118,20 +121,20 @@ class Forces(Case):
                                delta=1e-9)
         table = self.done("forces", "--scene", "epoxy").stdout
         self.assertIn("squeeze", table)
-        self.assertNotIn("squeeze", self.done("forces").stdout)
+        self.assertNotIn("squeeze", self.done(*FORCES).stdout)
 
     def test_plot_is_a_drawing(self):
         file = self.path("plot.svg")
         for sweep in (["--gap-nm", "1:500:50:log"], ["--length-um", "0:200:21"],
                       ["--depth-nm", "0:10:11"]):
-            self.done("forces", *sweep, "--plot", file)
+            self.done(*FORCES, *sweep, "--plot", file)
             text = open(file).read()
             self.assertIn("</svg>", text)
             self.assertGreater(text.count("<path"), 5)
 
     def test_corrected_forms_are_those_of_the_literature(self):
         lengths = 100e-6
-        run = self.done("forces", "--form", "corrected", "--set",
+        run = self.done(*FORCES, "--form", "corrected", "--set",
                         "laws.capillary.volume_per_length_m2=3e-12", "--set",
                         "laws.capillary.rupture_nm=400", "--gap-nm", "1:450:31:log", "--json")
         r, big_r = 62.5e-6, 63e-6
@@ -157,9 +160,9 @@ class Forces(Case):
             self.assertAlmostEqual(row["gravity_uN"], -14.020, delta=1e-3)
 
     def test_forms(self):
-        self.refused(2, "forces", "--form", "corrected", "--set", "laws.capillary.rupture_nm=100",
+        self.refused(2, *FORCES, "--form", "corrected", "--set", "laws.capillary.rupture_nm=100",
                      says=["laws.capillary.rupture_nm = 100", "film_nm"])
-        self.refused(2, "forces", "--form", "printed", "--set",
+        self.refused(2, *FORCES, "--form", "printed", "--set",
                      'laws.drag={"form": "corrected", "viscosity_Pa_s": 1}', says=["drag"])
 
     def test_settings_are_those_of_the_form(self):
@@ -169,14 +172,14 @@ class Forces(Case):
         scale_d = (math.pi**2 * w**2 * sphere / k**2) ** (1 / 3)
         point = json.loads(self.done("contact", "--lambda", 20, "--radius", 1e-6 / scale_a,
                                      "--json").stdout)["rows"][0]
-        row = json.loads(self.done("forces", "--form", "corrected", "--set",
+        row = json.loads(self.done(*FORCES, "--form", "corrected", "--set",
                                    "laws.adhesion.maugis_lambda=20", "--depth-nm",
                                    1e9 * scale_d * point["D"], "--json").stdout)["rows"][0]
         self.assertAlmostEqual(row["adhesion_uN"] / (1e6 * math.pi * w * sphere * point["P"]), 1,
                                delta=1e-7)
-        self.refused(2, "forces", "--form", "corrected", "--set",
+        self.refused(2, *FORCES, "--form", "corrected", "--set",
                      "laws.adhesion.maugis_lambda=101", says=["0.01 to 100"])
-        self.refused(2, "forces", "--set", "laws.adhesion.maugis_lambda=20", says=["0.12 to 5.8"])
+        self.refused(2, *FORCES, "--set", "laws.adhesion.maugis_lambda=20", says=["0.12 to 5.8"])
 
     def test_names_cannot_reach_the_plotting_program(self):
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
@@ -191,14 +194,14 @@ class Forces(Case):
         open(target, "w").close()
         os.symlink(target, link)
         for file in (link, "/dev/null"):
-            self.done("forces", "--gap-nm", "1:9:9", "--plot", file)
+            self.done(*FORCES, "--gap-nm", "1:9:9", "--plot", file)
         self.assertTrue(os.path.islink(link))
         self.assertIn("</svg>", open(target).read())
         self.assertFalse(os.path.isfile("/dev/null"))
 
     def test_bad_ranges(self):
         for text in ("", "a", "1:2", "1:2:0", "1:2:3:lin", "0:5:3:log", "-1", "1:2:2.5", "nan"):
-            self.refused(2, "forces", "--gap-nm=" + text, says=["--gap-nm"])
+            self.refused(2, *FORCES, "--gap-nm=" + text, says=["--gap-nm"])
 
 
 if __name__ == "__main__":

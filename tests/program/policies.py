@@ -211,6 +211,12 @@ class Policies(Case):
         self.close(answer.numpy(), velocity)
         self.assertTrue((deviation.numpy() > 0).all() and (disagreement.numpy() >= 0).all())
         self.refused(2, "export", self.law, "--torchscript", script, says=["law.json", "network"])
+        # Two outputs are written both or none.
+        folder = self.path("both")
+        os.makedirs(folder + "/taken.h")
+        for header in (folder + "/taken.h", folder + "/none/x.h"):
+            self.refused(3, "export", self.file, "--torchscript", folder + "/x.pt", "--header", header)
+            self.assertEqual(os.listdir(folder), ["taken.h"])
 
     # Feeds the header's controller what the recorded one observed.
     def by_header(self, file):

@@ -3,11 +3,12 @@ import hashlib
 import io
 import json
 import os
+import pty
 import signal
 import subprocess
 import time
 
-from case import PROGRAM, QUICK, SOURCE, Case, main
+from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
 
 
 class Provenance(Case):
@@ -139,6 +140,79 @@ class Provenance(Case):
         told = json.loads(self.done("evaluate", law, "--trials", 4, "--json").stdout)
         self.assertEqual(sum(row["outcome"] == "inserted" for row in table[:4]), told["successes"])
         self.refused(2, "score", out, "--csv", "--json", says=["--csv"])
+
+    def test_every_table_is_there_as_csv_with_where_it_comes_from(self):
+        out, law = self.fitted()
+        for arguments, rows in ((["record", "--scene", "paper", *QUICK, "--episodes", 2, "--out",
+                                  self.path("more")], 2), (["recover", out], 0),
+                                (["fit", out, "--out", law, "--seeds", "1..2"], 14),
+                                (["bench", "hard"], 21), (["devices"], None),
+                                (["devices", "--test", "fake:pid", "--seconds", 0.5], 3)):
+            table = list(csv.DictReader(io.StringIO(ferrule(*arguments, "--csv").stdout,
+                                                    newline="")))
+            if rows is not None:
+                self.assertEqual(len(table), rows, arguments)
+            for row in table:
+                self.assertNotIn(None, row)
+                self.assertTrue(row["command"].startswith("ferrule " + arguments[0]))
+        table = list(csv.DictReader(io.StringIO(self.done(
+            "fit", out, "--out", law, "--seeds", "1..2", "--csv").stdout, newline="")))
+        gains = json.load(open(law))["gains"]
+        found = {row["name"]: float(row["value"]) for row in table}
+        for name, gain in gains.items():
+            self.assertAlmostEqual(found[name], gain["value"])
+        for row in table:
+            self.assertLessEqual(float(row["over_seeds.lowest"]), float(row["over_seeds.highest"]))
+        files = [out + f"/episode_000{n}.h5" for n in range(1, 7)]
+        hashes = "".join(hashlib.sha1(open(file, "rb").read()).hexdigest() for file in files)
+        self.assertEqual(table[0]["read_sha1"], hashlib.sha1(hashes.encode()).hexdigest())
+
+    def test_every_json_says_where_it_comes_from(self):
+        out, law = self.fitted()
+        for arguments in (["bench", "capture"], ["devices"], ["recover", out],
+                          ["devices", "--test", "fake:spacemouse", "--seconds", 0.1],
+                          ["export", law, "--header", self.path("law.h")]):
+            arguments = [*arguments, "--json"]
+            told = json.loads(self.done(*arguments).stdout)["provenance"]
+            self.assertEqual(told["command"], "ferrule " + " ".join(map(str, arguments)))
+            self.assertRegex(told["version"], r"^\d+\.\d+\.\d+$")
+        self.assertEqual(told["read"], [{"file": law, "sha1": hashlib.sha1(
+            open(law, "rb").read()).hexdigest()}])
+        for arguments in (["recover", out], ["export", law, "--header", self.path("law.h")]):
+            self.assertIn("made by ferrule", self.done(*arguments).stdout)
+
+    # One rule: what brings no scene along is in demo.
+    def test_without_a_scene_it_is_demo(self):
+        for arguments in (["forces"], ["plan", "--tolerance", 0.1], ["scene", "bore"],
+                          ["evaluate", "--baseline", "constant-velocity", "--trials", 1],
+                          ["doctor", "--seconds", 0.01],
+                          ["record", "--episodes", 1, "--out", self.path("out")]):
+            told = json.loads(self.done(*arguments, "--json").stdout)["provenance"]["scene"]
+            self.assertEqual((told["name"], told["changes"]), ("demo", {}), arguments)
+        for verb in ("forces", "plan", "scene", "evaluate", "doctor", "record", "demo"):
+            text = " ".join(self.done(verb, "--help").stdout.split())
+            self.assertRegex(text, "unless given .*demo")
+        for verb in ("compare", "identify"):
+            text = " ".join(self.done(verb, "--help").stdout.split())
+            self.assertIn("unless given that of the episodes", text)
+
+    # On a terminal it says how far it is; Ctrl-C ends it with what it has, said to be partial.
+    def test_long_work_shows_progress_and_can_be_stopped(self):
+        for arguments in (["plan", "--scene", "epoxy"], ["bench"], ["bench", "hard"],
+                          ["bench", "capture"]):
+            terminal, other_end = pty.openpty()
+            process = subprocess.Popen([PROGRAM, *arguments, "--json"], stdout=subprocess.PIPE,
+                                       stderr=other_end)
+            os.close(other_end)
+            told = b""
+            while b"s left" not in told:
+                told += os.read(terminal, 1000)
+            self.assertIn(b"/s", told)
+            process.send_signal(signal.SIGINT)
+            text = process.communicate(timeout=60)[0]
+            os.close(terminal)
+            self.assertEqual(process.returncode, 130, arguments)
+            self.assertTrue(json.loads(text)["provenance"]["partial"])
 
     # The trials that are done are the first ones, and what is said of them is as without Ctrl-C.
     def test_ctrl_c_leaves_the_first_trials(self):

@@ -149,7 +149,7 @@ class Scenes(Case):
 
     def test_messages(self):
         self.refused(2, "forces", "--set", "ferrule.bore_diameter_um=124.9",
-                     says=["paper.json", "ferrule.bore_diameter_um = 124.9", "wider than the fibre"])
+                     says=["demo.json", "ferrule.bore_diameter_um = 124.9", "wider than the fibre"])
         self.refused(2, "forces", "--set", "fibre.poisson=0.6", says=["fibre.poisson = 0.6"])
         self.refused(2, "forces", "--set", "scaling.tip_range_um=1e-320", says=["scaling"])
         self.refused(2, "forces", "--set", "holder.tpye=3", says=["holder.tpye = 3", "unknown key"])
