@@ -38,11 +38,12 @@ struct Ran {
   double left;  // the largest that is there after the program's end and two lives of an effect
 };
 
-// Runs it while the firmware's time passes with the clock's. `hand` acts on the firmware, given the
-// time since the program enabled the motors; `signal` is sent to the program 2.5 s after that.
-Ran record(Node& node, int signal, const std::function<void(FakeFirmware&, double)>& hand,
-           const std::string& more = "") {
-  const testing::TemporaryFolder folder;
+using Hand = std::function<void(FakeFirmware&, double)>;
+
+// What `run` makes of it while the firmware's time passes with the clock's. `hand` acts on the
+// firmware, given the time since the program enabled the motors; `act` once, 2.5 s after that.
+Ran watched(Node& node, const Hand& hand, const std::function<void()>& act,
+            const std::function<void(Ran&)>& run) {
   Ran ran{};
   node.with([](FakeFirmware& f) {  // just switched on, at rest
     f.write(std::vector<std::uint8_t>{0x1C, 0x08});
@@ -51,33 +52,25 @@ Ran record(Node& node, int signal, const std::function<void(FakeFirmware&, doubl
     f.advance(seconds());
   });
   std::atomic<bool> over = false;
-  std::atomic<pid_t> program = 0;
   std::thread clock([&] {
     double enabled = -1;
-    bool sent = signal == 0;
+    bool acted = false;
     while (!over) {
       node.with([&](FakeFirmware& f) {
         const double now = seconds();
-        if (enabled < 0 && program != 0 && f.actuators()) enabled = now;
+        if (enabled < 0 && f.actuators()) enabled = now;
         if (enabled >= 0) hand(f, now - enabled);
         f.advance(now);
         ran.felt = std::max(ran.felt, std::abs(f.force()[0]));
-        if (!sent && enabled >= 0 && now - enabled > 2.5) sent = ::kill(program, signal) == 0;
+        if (!acted && enabled >= 0 && now - enabled > 2.5) {
+          acted = true;
+          act();
+        }
       });
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });
-  const std::string command =
-      "echo $$; exec " + kProgram +
-      " record --device auto --episodes 2 --set limits.force_uN=1000 --out " + (folder / "out") +
-      more + " 2>&1";
-  FILE* const pipe = ::popen(command.c_str(), "r");
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) {
-    ran.output += static_cast<char>(c);
-    if (program == 0 && c == '\n') program = std::stoi(ran.output);
-  }
-  ran.status = ::pclose(pipe);
-  ran.file = std::filesystem::exists(folder / "out/episode_0001.h5");
+  run(ran);
   std::this_thread::sleep_for(std::chrono::duration<double>(2 * ForceOutput::kDuration));
   over = true;
   clock.join();
@@ -89,16 +82,72 @@ Ran record(Node& node, int signal, const std::function<void(FakeFirmware&, doubl
   return ran;
 }
 
+// `signal` is sent to the program 2.5 s after it enabled the motors. `errors`: where its stderr goes.
+Ran record(Node& node, int signal, const Hand& hand, const std::string& more = "",
+           const std::string& errors = "2>&1") {
+  const testing::TemporaryFolder folder;
+  std::atomic<pid_t> program = 0;
+  const auto act = [&] {
+    if (signal) ::kill(program, signal);
+  };
+  return watched(node, hand, act, [&](Ran& ran) {
+    const std::string command =
+        "echo $$; exec " + kProgram +
+        " record --device auto --episodes 2 --set limits.force_uN=1000 --out " + (folder / "out") +
+        more + " " + errors;
+    FILE* const pipe = ::popen(command.c_str(), "r");
+    for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) {
+      ran.output += static_cast<char>(c);
+      if (program == 0 && c == '\n') program = std::stoi(ran.output);
+    }
+    ran.status = ::pclose(pipe);
+    ran.file = std::filesystem::exists(folder / "out/episode_0001.h5");
+  });
+}
+
+// At a terminal that is closed while an episode runs.
+Ran record_and_hang_up(Node& node, const Hand& hand) {
+  const testing::TemporaryFolder folder;
+  std::atomic<bool> hang_up = false;
+  return watched(
+      node, hand, [&] { hang_up = true; },
+      [&](Ran& ran) {
+        const std::string out = folder / "out";
+        int terminal = -1;
+        const pid_t program = ::forkpty(&terminal, nullptr, nullptr, nullptr);
+        if (program == 0) {
+          ::execl(kProgram.c_str(), "ferrule", "record", "--device", "auto", "--set",
+                  "limits.force_uN=1000", "--out", out.c_str(), nullptr);
+          ::_exit(1);
+        }
+        pollfd readable{terminal, POLLIN, 0};
+        std::array<char, 256> part;
+        bool started = false;
+        while (!hang_up) {
+          if (::poll(&readable, 1, 10) <= 0) continue;
+          const ssize_t length = ::read(terminal, part.data(), part.size());
+          if (length <= 0) break;  // it has ended
+          ran.output.append(part.data(), static_cast<std::size_t>(length));
+          if (!started && ran.output.find("space starts") != std::string::npos)
+            started = ::write(terminal, " ", 1) == 1;
+        }
+        ::close(terminal);
+        ::waitpid(program, &ran.status, 0);
+        ran.file = std::filesystem::exists(out + "/episode_0001.h5");
+      });
+}
+
+// Against the lead-in, and held there.
+void hold(FakeFirmware& f, double t) {
+  f.press(0);
+  f.deflect({-static_cast<int>(24000 * std::min(1.0, t / 2)), 0, 0, 0, 0, 0});
+}
+
 // A button, Ctrl-C, a kill or the cable: there is no force after each of them.
 TEST_F(ProgramWithDevice, TheProgramRecordsUntilItIsEndedAndLeavesNoForce) {
   Node node(testbed_, FakeModel::pid_22, 0);
   const auto stopped = [&] {
     return node.with([](FakeFirmware& f) { return !f.actuators() && f.effects() == 0; });
-  };
-  // Against the lead-in, and held there.
-  const auto hold = [](FakeFirmware& f, double t) {
-    f.press(0);
-    f.deflect({-static_cast<int>(24000 * std::min(1.0, t / 2)), 0, 0, 0, 0, 0});
   };
   const Ran pressed =
       record(node, 0, [](FakeFirmware& f, double t) { f.press(std::fmod(t, 2.0) > 1.0 ? 1 : 0); });
@@ -129,6 +178,26 @@ TEST_F(ProgramWithDevice, TheProgramRecordsUntilItIsEndedAndLeavesNoForce) {
   EXPECT_TRUE(WIFEXITED(lost.status) && WEXITSTATUS(lost.status) == 4) << lost.output;
   EXPECT_NE(lost.output.find("the device was lost"), std::string::npos) << lost.output;
   EXPECT_TRUE(lost.file);
+}
+
+// Nothing can be said any more: the force is taken away and the episode kept all the same.
+TEST_F(ProgramWithDevice, WhereNobodyReadsItsWordsItLeavesNoForce) {
+  Node node(testbed_, FakeModel::pid_22, 0);
+  for (const char* errors : {"2>&-", "2>/dev/full"}) {
+    const Ran silent = record(node, SIGINT, hold, "", errors);
+    EXPECT_TRUE(WIFEXITED(silent.status) && WEXITSTATUS(silent.status) == 130) << silent.output;
+    EXPECT_TRUE(silent.file) << silent.output;
+    EXPECT_GT(silent.felt, 0.01);
+    EXPECT_EQ(silent.left, 0);
+    EXPECT_TRUE(node.with([](FakeFirmware& f) { return !f.actuators() && f.effects() == 0; }));
+  }
+  const Ran left_alone = record_and_hang_up(node, hold);
+  EXPECT_TRUE(WIFEXITED(left_alone.status) && WEXITSTATUS(left_alone.status) == 130)
+      << left_alone.status << left_alone.output;
+  EXPECT_TRUE(left_alone.file) << left_alone.output;
+  EXPECT_GT(left_alone.felt, 0.01);
+  EXPECT_EQ(left_alone.left, 0);
+  EXPECT_TRUE(node.with([](FakeFirmware& f) { return !f.actuators() && f.effects() == 0; }));
 }
 
 // The first episode ends by a button, the motors are off: then the cable.
