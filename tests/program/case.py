@@ -1,6 +1,6 @@
 """Whole runs of the program, as a user and a reader of its files sees them.
 
-usage: GROUP.py PROGRAM SOURCE_FOLDER BUILD_FOLDER
+usage: GROUP.py PROGRAM SOURCE_FOLDER BUILD_FOLDER [CLASS.TEST ...]
 """
 
 import glob
@@ -58,4 +58,4 @@ class Case(unittest.TestCase):
 
 
 def main():
-    unittest.main(argv=[sys.argv[0], "-v"], warnings="ignore")
+    unittest.main(argv=[sys.argv[0], "-v"] + sys.argv[4:], warnings="ignore")
