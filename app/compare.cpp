@@ -510,6 +510,7 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
 }
 
 int compare_verb(const CompareArguments& a) {
+  expect_place_for(a.trials_out);
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
   expect_comparable(a, set);
   const ChosenScene chosen = a.scene.choose(brought_by(set, a.folder));
@@ -549,13 +550,14 @@ int compare_verb(const CompareArguments& a) {
   } catch (const Stopped&) {  // what is found so far is told
   }
   tell_partial(a, candidates, found, provenance);
+  if (a.output.text()) fmt::print("\n{}", provenance.foot());
+  print_result(a.output, to_json(a, scene, set, seen, found), "rows", provenance);
+  std::fflush(stdout);  // before what may fail
+  write_trials(a, found, provenance);
   if (!a.plot.empty() && !interrupted()) {
     draw(a.plot, found.entries, found.learning, starts);
     fmt::print(stderr, "plots are in {}\n", a.plot);
   }
-  if (a.output.text()) fmt::print("\n{}", provenance.foot());
-  print_result(a.output, to_json(a, scene, set, seen, found), "rows", provenance);
-  write_trials(a, found, provenance);
   return interrupted() ? kInterrupted : kDone;
 }
 

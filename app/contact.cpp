@@ -90,8 +90,10 @@ int contact_verb(const ContactArguments& a) {
     throw BadInput("contact: give --radius, --curve or --plot");
   std::vector<MaugisPoint> points;
   if (!a.radius.empty())
-    for (const double radius : parse_radii(a.radius))
+    for (const double radius : parse_radii(a.radius)) {
+      end_if_interrupted();
       points.push_back(maugis_at_radius(a.lambda, radius));
+    }
   if (a.curve)
     for (const MaugisPoint& p : curve.points(300)) points.push_back(p);
   if (!a.plot.empty()) write_plot(a.plot, curve_plot(curve));

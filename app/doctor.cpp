@@ -169,7 +169,7 @@ int doctor(const DoctorArguments& a) {
   Findings f{a.gain, chosen.scene, at_gain(load_device_profile(a.device), a.gain), {}, {}, {}};
   f.felt = rendering(f.scene, f.device);
   f.loop = time_loop(f.scene, f.felt.tip.stiffest, f.device.period, a.seconds, interrupted);
-  if (interrupted()) return kInterrupted;
+  end_if_interrupted();
   f.connected = find_devices();
   if (a.json) {
     print_json(to_json(f), provenance);

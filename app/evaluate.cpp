@@ -94,6 +94,7 @@ std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned
 int evaluate_verb(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty())
     throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
+  expect_place_for(a.trials_out);
   LearnedFile learned;
   BroughtScene brought;
   if (!a.controller.empty()) {

@@ -57,16 +57,6 @@ void add_options(CLI::App& verb, const Learner& learner,
   }
 }
 
-// What could not be written after the fit is refused before it.
-void expect_place_for(const std::string& file) {
-  namespace fs = std::filesystem;
-  std::error_code error;
-  if (fs::is_directory(file, error)) throw FileTrouble(file + ": is a directory");
-  const fs::path folder = fs::path(file).parent_path();
-  if (!folder.empty() && !fs::is_directory(folder, error))
-    throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
-}
-
 Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArguments& a,
                std::uint64_t seed) {
   Progress progress("fitting", 1);
@@ -188,7 +178,7 @@ std::string partial_file(const std::string& file) {
 int fit_verb(const FitArguments& a) {
   const Learner& learner = chosen_learner(a.method);
   expect_place_for(a.out);
-  if (!a.plot.empty()) expect_place_for(a.plot);
+  expect_place_for(a.plot);
   for (const std::string& file : learner.files(a.out)) expect_place_for(file);
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
   if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is fitted

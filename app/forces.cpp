@@ -1,6 +1,8 @@
 // ferrule forces: force curves against gap, inserted length and penetration.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "app/force_table.hpp"
 #include "app/verb.hpp"
 #include "sim/scene/terms.hpp"
@@ -14,6 +16,8 @@ struct ForcesArguments {
   double tilt_mrad = 0, speed_um_s = 10;
   Output output;
 };
+
+constexpr double kMostRows = 1e6;
 
 std::vector<double> lengths(const std::string& text, const std::string& option) {
   std::vector<double> values = parse_range(text, option);
@@ -85,17 +89,27 @@ Grid grid(const ForcesArguments& a) {
   return g;
 }
 
+// As far as Ctrl-C lets it.
 std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const ForcesArguments& a) {
+  const double all = static_cast<double>(grid.gaps.size()) *
+                     static_cast<double>(grid.inserted.size()) *
+                     static_cast<double>(std::max<std::size_t>(1, grid.depths.size()));
+  if (all > kMostRows)
+    throw BadInput(fmt::format("{:.4g} rows are asked for; at most {:.0f}", all, kMostRows));
   for (const double gap : grid.gaps)
     for (const double length : grid.inserted) check_fits(world, gap, length, a.tilt_mrad);
   const double tilt = 1e-3 * a.tilt_mrad, speed = 1e-6 * a.speed_um_s;
   std::vector<ForceRow> rows;
+  Progress progress("computing", static_cast<std::size_t>(all));
+  const auto add = [&](double gap, double length, std::optional<double> depth) {
+    if (interrupted()) return;
+    rows.push_back(force_row(world, gap, length, depth, tilt, speed));
+    progress(rows.size());
+  };
   for (const double gap : grid.gaps)
     for (const double length : grid.inserted) {
-      if (grid.depths.empty())
-        rows.push_back(force_row(world, gap, length, std::nullopt, tilt, speed));
-      for (const double d : grid.depths)
-        rows.push_back(force_row(world, gap, length, d, tilt, speed));
+      if (grid.depths.empty()) add(gap, length, std::nullopt);
+      for (const double depth : grid.depths) add(gap, length, depth);
     }
   return rows;
 }
@@ -111,9 +125,11 @@ int forces_verb(const ForcesArguments& a) {
   const Scene scene = scene_in_form(a);
   const Grid asked = grid(a);
   const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
-  if (!a.plot.empty()) write_plot(a.plot, force_plot(rows, swept(asked), scene.name));
+  if (!a.plot.empty() && !interrupted())
+    write_plot(a.plot, force_plot(rows, swept(asked), scene.name));
   Provenance provenance;
   provenance.in({scene, scene_file(a.scene.name())});
+  if (interrupted()) provenance.partial(fmt::format("{} rows", rows.size()));
   if (a.output.text()) {
     fmt::print("{}", provenance.head());
     print_table(rows, scene.world.laws);
@@ -123,7 +139,7 @@ int forces_verb(const ForcesArguments& a) {
                {{"scene", scene.name},
                 {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}},
                "rows", provenance);
-  return kDone;
+  return interrupted() ? kInterrupted : kDone;
 }
 
 }  // namespace

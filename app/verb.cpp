@@ -7,6 +7,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <iostream>
 #include <mutex>
 #include <thread>
@@ -202,6 +203,16 @@ void print_result(const Output& output, Json document, const char* table,
                   const Provenance& provenance) {
   if (output.csv) std::cout << csv_text(document.at(table), provenance) << std::flush;
   if (output.json) print_json(std::move(document), provenance);
+}
+
+void expect_place_for(const std::string& file) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  if (file.empty()) return;
+  if (fs::is_directory(file, error)) throw FileTrouble(file + ": is a directory");
+  const fs::path folder = fs::path(file).parent_path();
+  if (!folder.empty() && !fs::is_directory(folder, error))
+    throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
 }
 
 void end_if_interrupted() {

@@ -114,6 +114,10 @@ const char* stopped_by() noexcept;
 // Ctrl-C ends the program at once again.
 void stop_watching_for_interrupt();
 
+// What could not be written after long work is refused before it. Empty: nothing is to be written.
+// Throws FileTrouble.
+void expect_place_for(const std::string& file);
+
 // For long work that is not worth anything unless it is whole: ends the verb where Ctrl-C asked for
 // it, with exit code 130.
 struct Stopped {

@@ -214,6 +214,30 @@ class Provenance(Case):
             self.assertEqual(process.returncode, 130, arguments)
             self.assertTrue(json.loads(text)["provenance"]["partial"])
 
+    # Long tables too: an end of the first rows, and a limit.
+    def test_a_long_table_of_forces_can_be_stopped_and_is_bounded(self):
+        process = subprocess.Popen([PROGRAM, "forces", "--gap-nm", "1:500:1000000", "--json"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        text, _ = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertLess(len(json.loads(text)["rows"]), 1000000)
+        self.refused(2, "forces", "--gap-nm", "1:500:1001", "--length-um", "1:100:1000",
+                     says=["at most 1000000"])
+
+    # What takes long is not lost to a file that cannot be written.
+    def test_results_are_told_though_files_cannot_be_written(self):
+        out, law = self.fitted()
+        nowhere = ["--trials-out", self.path("none/trials.csv")]
+        self.refused(3, "evaluate", law, "--trials", 2, *nowhere, says=["there is no folder"])
+        self.refused(3, "compare", out, "--trials", 2, *nowhere, says=["there is no folder"])
+        os.makedirs(self.path("plots/misalignment.svg"))
+        run = ferrule("compare", out, "--trials", 2, "--learners", "linear", "--plot",
+                      self.path("plots"), "--json")
+        self.assertEqual(run.returncode, 3)
+        self.assertEqual(len(json.loads(run.stdout)["rows"]), 5)
+
     # The trials that are done are the first ones, and what is said of them is as without Ctrl-C.
     def test_ctrl_c_leaves_the_first_trials(self):
         process = subprocess.Popen([PROGRAM, "evaluate", "--baseline", "constant-velocity",
