@@ -37,7 +37,7 @@ int list_verb(const DevicesArguments& a) {
     list.push_back(device_json(d));
     if (!a.output.text()) continue;
     fmt::print("{}  {}  {:<11}  {:<10}  {}\n", d.info.path, list.back()["id"].get<std::string>(),
-               d.driver ? d.driver->name : "-", state_name(d), d.info.name);
+               d.driver ? d.driver->name : "-", state_name(d), printable(d.info.name, 100));
     if (d.forbidden())
       fmt::print(
           "  found, but not permitted; this udev rule lets whoever sits at the machine open it:\n"

@@ -54,7 +54,7 @@ std::string shell_word(const std::string& argument) {
   if (plain) return argument;
   std::string text = "'";
   for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return text + "'";
+  return printable(text + "'", text.size() + 1);
 }
 
 }  // namespace
@@ -110,19 +110,19 @@ Provenance& Provenance::in(const ChosenScene& chosen) {
   const double bound = document.value("planned_error_bound", 0.0),
                accuracy = document.value("planned_accuracy", 0.0);
   if (bound > accuracy) {
-    scene_text_ += fmt::format(
-        "\nnote: accuracy = {:g} is NOT REACHED: the error bound of the plan is {:.2g} (see "
+    notes_ += fmt::format(
+        "note: accuracy = {:g} is NOT REACHED: the error bound of the plan is {:.2g} (see "
         "ferrule "
-        "plan)",
+        "plan)\n",
         accuracy, bound);
     scene_["accuracy_not_reached"] = {{"accuracy", accuracy}, {"error_bound", bound}};
   }
   const auto* elastic = std::get_if<ElasticFibre>(&chosen.scene.parameters.holder);
   const double handled = chosen.scene.parameters.fibre.manipulated_length_mm;
   if (elastic && elastic->free_length_mm != handled)
-    scene_text_ += fmt::format(
-        "\nnote: holder.free_length_mm = {:g} bends, fibre.manipulated_length_mm = {:g} weighs and "
-        "buckles",
+    notes_ += fmt::format(
+        "note: holder.free_length_mm = {:g} bends, fibre.manipulated_length_mm = {:g} weighs and "
+        "buckles\n",
         elastic->free_length_mm, handled);
   return *this;
 }
@@ -157,7 +157,7 @@ std::string Provenance::head() const {
   for (const auto& [of, value] : seeds_)
     text += fmt::format("{}seed of {} {}", text.empty() ? "" : "; ", of, value);
   if (!text.empty()) text += "\n";
-  return text;
+  return text + notes_;
 }
 
 std::string Provenance::foot() const {

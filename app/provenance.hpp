@@ -68,7 +68,7 @@ class Provenance {
  private:
   std::string hash_of_all() const;
 
-  std::string scene_text_;
+  std::string scene_text_, notes_;
   Json scene_;
   std::vector<std::pair<std::string, std::uint64_t>> seeds_;
   std::vector<std::pair<std::string, std::string>> read_;

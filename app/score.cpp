@@ -47,7 +47,7 @@ struct Group {
   Json document;
   std::vector<std::size_t> episodes;  // places in the list of all
 
-  std::string title() const { return operator_ + ", scene " + scene; }
+  std::string title() const { return printable(operator_, 100) + ", scene " + scene; }
 };
 
 struct Session {

@@ -340,6 +340,8 @@ std::vector<double> parse_range(const std::string& text, const std::string& opti
   const bool logarithmic = parts.size() == 4;
   if (logarithmic && !(from > 0 && to > 0))
     throw BadInput(option + " " + text + ": both ends of a logarithmic range must be positive");
+  if (logarithmic && !(std::isfinite(to / from) && to / from > 0))
+    throw BadInput(option + " " + text + ": the ends are too far apart");
   const auto n = static_cast<std::size_t>(count);
   std::vector<double> values(n, from);
   for (std::size_t i = 1; i < n; ++i) {

@@ -20,8 +20,8 @@ DeviceProfile load_device_profile(const std::string& name_or_file) {
   JsonFields f(document, file);
   if (f.present("$schema")) f.text("$schema");
   DeviceProfile profile;
-  profile.name = f.text("name");
-  profile.source = f.text("source");
+  profile.name = f.line("name", 100);
+  profile.source = f.line("source", 2000);
   profile.mass = f.number("mass_kg", kPositive);
   profile.damping = f.number("damping_N_s_m", kNotNegative);
   profile.coulomb = f.number("coulomb_N", kNotNegative);

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -185,6 +186,17 @@ std::string JsonFields::text(const std::string& key) {
   const Json& value = get(key, "a text");
   if (!value.is_string()) refuse(key, "must be a text");
   return value.get<std::string>();
+}
+
+std::string JsonFields::line(const std::string& key, std::size_t most) {
+  const std::string shown = text(key);
+  const auto characters =
+      std::count_if(shown.begin(), shown.end(), [](char c) { return (c & 0xC0) != 0x80; });
+  if (std::any_of(shown.begin(), shown.end(),
+                  [](char c) { return (c >= 0 && c < 0x20) || c == 0x7f; }) ||
+      static_cast<std::size_t>(characters) > most)
+    refuse(key, "must be one line of at most " + std::to_string(most) + " characters");
+  return shown;
 }
 
 std::size_t JsonFields::choice(const std::string& key, const std::vector<std::string>& choices) {

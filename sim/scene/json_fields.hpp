@@ -69,6 +69,8 @@ class JsonFields {
   // [a, b], two finite numbers.
   Eigen::Vector2d pair(const std::string& key);
   std::string text(const std::string& key);
+  // A text that can be shown in a line: no control characters, at most `most` characters (UTF-8).
+  std::string line(const std::string& key, std::size_t most);
   // One of `choices`; returns its index.
   std::size_t choice(const std::string& key, const std::vector<std::string>& choices);
   JsonFields object(const std::string& key);

@@ -185,7 +185,7 @@ std::optional<Inconsistency> inconsistency(const Scene& scene) {
 // All but the world that follows.
 void read_scene(JsonFields& fields, Scene& scene) {
   if (fields.present("$schema")) fields.text("$schema");
-  scene.name = fields.text("name");
+  scene.name = fields.line("name", 100);
   if (fields.present("about")) fields.text("about");
   read_world(fields, scene.parameters);
   read_start(fields.object("start"), scene.start);

@@ -48,6 +48,10 @@ class Bench(Case):
             self.assertTrue((a["data/demo_0/states"][:] == b["data/demo_0/states"][:]).all())
         self.done("replay", self.path("a/episode_0001.h5"), "--verify")
         self.refused(2, "plan", "--tolerance", 0.9, says=["--tolerance"])
+        lines = self.done("evaluate", "--baseline", "constant-velocity", "--trials", 1, "--set",
+                          "accuracy=1e-6").stdout.split("\n")
+        self.assertTrue(lines[0].endswith("seed of trials 7"), lines)
+        self.assertIn("NOT REACHED", lines[1])
         self.refused(2, "forces", "--set", "accuracy=2", says=["accuracy = 2"])
 
     def test_there_is_no_plot_of_capture(self):

@@ -232,6 +232,27 @@ class Damage(Case):
         self.assertEqual(sorted(os.listdir(self.folder)), ["law.json", "out", "pipe"])
 
     # The next run that writes the same file takes away what a killed one left of it.
+    # Names in files of others are shown on a terminal.
+    def test_names_with_control_characters_are_refused_or_escaped(self):
+        scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
+        profile = json.load(open(SOURCE + "/data/devices/pen.json"))
+        for name in ("red \x1b[31m", "two\nlines", "x" * 101, "\x7f"):
+            json.dump({**scene, "name": name}, open(self.path("s.json"), "w"))
+            json.dump({**profile, "name": name}, open(self.path("p.json"), "w"))
+            self.refused(2, "forces", "--scene", self.path("s.json"), says=["s.json: name = "])
+            self.refused(2, "doctor", "--device", self.path("p.json"), says=["p.json: name = "])
+        json.dump({**scene, "name": "Fa\u00ebr " + "\u00e9" * 95}, open(self.path("s.json"), "w"))
+        self.done("forces", "--scene", self.path("s.json"))
+
+        def renamed(f):
+            f.attrs["operator"] = numpy.bytes_(b"red \x1b[31m")
+        folder = os.path.dirname(self.changed(self.episode(), renamed))
+        os.mkdir(self.path("of"))
+        shutil.move(folder + "/changed.h5", self.path("of/episode_0001.h5"))
+        text = self.done("score", self.path("of")).stdout
+        self.assertNotIn("\x1b", text)
+        self.assertIn("red \\x1b[31m", text)
+
     def test_half_written_files_are_removed_by_the_next_run(self):
         folder = os.path.dirname(self.episode())
         self.record(folder, "--append", episodes=5)

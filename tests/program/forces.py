@@ -183,11 +183,12 @@ class Forces(Case):
 
     def test_names_cannot_reach_the_plotting_program(self):
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
-        scene["name"] = f"x\nsystem \"touch {self.path('reached')}\"\n#'"
-        json.dump(scene, open(self.path("named.json"), "w"))
-        self.done("forces", "--scene", self.path("named.json"), "--gap-nm", "1:9:9", "--plot",
-                  self.path("p.svg"))
-        self.assertFalse(os.path.exists(self.path("reached")))
+        for quote in "'\"`":
+            scene["name"] = f"x{quote}; system \"touch {self.path('reached')}\"; # `touch reached`"
+            json.dump(scene, open(self.path("named.json"), "w"))
+            self.done("forces", "--scene", self.path("named.json"), "--gap-nm", "1:9:9", "--plot",
+                      self.path("p.svg"), cwd=self.folder)
+            self.assertFalse(os.path.exists(self.path("reached")))
 
     def test_a_plot_follows_a_link_and_leaves_a_device_a_device(self):
         target, link = self.path("target.svg"), self.path("link.svg")
@@ -202,6 +203,7 @@ class Forces(Case):
     def test_bad_ranges(self):
         for text in ("", "a", "1:2", "1:2:0", "1:2:3:lin", "0:5:3:log", "-1", "1:2:2.5", "nan"):
             self.refused(2, *FORCES, "--gap-nm=" + text, says=["--gap-nm"])
+        self.refused(2, *FORCES, "--gap-nm", "1e-300:1e300:5:log", says=["too far apart"])
 
 
 if __name__ == "__main__":
