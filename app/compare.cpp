@@ -518,7 +518,10 @@ int compare_verb(const CompareArguments& a) {
   refuse_other_scaling(set.scaling, a.folder, scene, a.other_scaling);
   const std::vector<Scene> others = other_scenes(a, set);
   if (!a.plot.empty()) make_plot_folder(a.plot);
-  if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is done
+  if (!a.seeds.empty()) {  // refused before anything is done
+    parse_seeds(a.seeds);
+    expect_recordable_again(set);
+  }
   Provenance provenance;
   provenance.in(chosen).seed("trials", a.seed).seed("fits", a.fit_seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);

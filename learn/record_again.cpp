@@ -40,21 +40,26 @@ Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std:
 
 }  // namespace
 
-DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
-                              const std::function<void()>& go_on) {
+void expect_recordable_again(const DemonstrationSet& set) {
   if (set.undrawn_documents.size() != 1)
     throw BadInput("the episodes are of several scenes: which to record in again is not clear");
+  for (const std::string& name : set.operators)
+    if (!simulated_skill(name))
+      throw BadInput("\"" + name + "\" is no simulated operator: nobody can record again");
+}
+
+DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
+                              const std::function<void()>& go_on) {
+  expect_recordable_again(set);
   const Scene scene = parse_scene(set.undrawn_documents.front(), "the scene of the episodes");
   DemonstrationSet again;
   std::uint64_t trial = 0;
   for (const std::string& operator_name : set.operators) {
     if (go_on) go_on();
-    const std::optional<double> skill = simulated_skill(operator_name);
-    if (!skill)
-      throw BadInput("\"" + operator_name + "\" is no simulated operator: nobody can record again");
     ++trial;
-    again.add(recorded(scene, *skill, seed, trial),
-              "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
+    if (const std::optional<double> skill = simulated_skill(operator_name))
+      again.add(recorded(scene, *skill, seed, trial),
+                "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
   }
   return again;
 }

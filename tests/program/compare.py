@@ -111,6 +111,12 @@ class Compare(Case):
         self.refused(2, "compare", self.out, "--transfer", "paper",
                      says=["paper", "scales the hand otherwise"])
         self.refused(3, "compare", self.path("none"), says=["none"])
+        # Before anything that takes long.
+        by_hand = self.path("by_hand")
+        self.done("record", "--scene", "bench", *SCENE, "--set", "limits.speed_um_s=100",
+                  "--device", "fake:spacemouse", "--episodes", 1, "--out", by_hand)
+        self.refused(2, "compare", by_hand, "--seeds", "1..2", "--json",
+                     says=["fake:spacemouse", "nobody can record again"])
         for n in (1, 2, 3):
             os.remove(f"{self.out}/episode_000{n}.h5")
         self.refused(2, "compare", self.out, "--learners", "linear",
