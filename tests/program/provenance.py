@@ -216,7 +216,8 @@ class Provenance(Case):
 
     # Long tables too: an end of the first rows, and a limit.
     def test_a_long_table_of_forces_can_be_stopped_and_is_bounded(self):
-        process = subprocess.Popen([PROGRAM, "forces", "--gap-nm", "1:500:1000000", "--json"],
+        process = subprocess.Popen([PROGRAM, "forces", "--gap-nm", "1:400:1000000", "--tilt-mrad",
+                                    "0.1", "--json"],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE)
         time.sleep(0.3)
         process.send_signal(signal.SIGINT)
