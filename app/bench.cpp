@@ -8,17 +8,22 @@
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
+#include "bench/campaigns.hpp"
 #include "bench/capture.hpp"
 #include "bench/controllers.hpp"
+#include "bench/events.hpp"
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
 #include "bench/stepping.hpp"
+#include "bench/tail.hpp"
 
 namespace ferrule {
 namespace {
 
 struct BenchArguments {
   std::string what, plot;
+  std::uint64_t seed = 1;
+  std::size_t scenes = 200;
   bool json = false;
 };
 
@@ -108,14 +113,39 @@ void print_stepping(const std::vector<SteppingRow>& rows) {
                r.not_converged, r.halvings);
 }
 
+Json campaign_json(const CampaignRow& r) {
+  return {{"scene", r.scene},
+          {"controller", r.controller},
+          {"step_s", r.step_s},
+          {"steps", r.steps},
+          {"ns_per_step", r.ns_per_step},
+          {"iterations_in_contact", r.iterations_in_contact},
+          {"evaluations", r.evaluations},
+          {"evaluations_max", r.evaluations_max},
+          {"not_converged", r.not_converged},
+          {"capped", r.capped}};
+}
+
+void print_campaigns(const std::vector<CampaignRow>& rows) {
+  fmt::print("{:<10} {:<14} {:>8} {:>8} {:>11} {:>14} {:>9} {:>9} {:>7} {:>7}\n", "campaign in",
+             "controller", "step [s]", "steps", "ns per step", "iter. contact", "evals/st", "most",
+             "failed", "capped");
+  for (const CampaignRow& r : rows)
+    fmt::print("{:<11} {:<14} {:8.0e} {:>8} {:11.0f} {:14.2f} {:9.2f} {:>9} {:>7} {:>7}\n", r.scene,
+               r.controller, r.step_s, r.steps, r.ns_per_step, r.iterations_in_contact,
+               r.evaluations, r.evaluations_max, r.not_converged, r.capped);
+}
+
 int speed_and_error(const BenchArguments& a) {
   const std::vector<LawRow> laws = bench_laws();
   const std::vector<SteppingRow> stepping = bench_stepping();
+  const std::vector<CampaignRow> campaigns = bench_campaigns();
   const std::vector<ControllerRow> controllers = bench_controllers();
   if (!a.plot.empty()) draw(a.plot, laws, stepping);
   if (a.json) {
     print_json({{"laws", json_list(laws, law_json)},
                 {"stepping", json_list(stepping, stepping_json)},
+                {"campaigns", json_list(campaigns, campaign_json)},
                 {"controllers", json_list(controllers, controller_json)}});
     return kDone;
   }
@@ -123,6 +153,8 @@ int speed_and_error(const BenchArguments& a) {
   for (const LawRow& r : laws) print_line(r.name, r.fidelity, r.ns, r.relative_error);
   fmt::print("\n");
   print_stepping(stepping);
+  fmt::print("\n");
+  print_campaigns(campaigns);
   fmt::print("\n");
   print_heading("controller", "shape");
   for (const ControllerRow& r : controllers) print_line(r.name, r.shape, r.ns, r.relative_error);
@@ -194,6 +226,61 @@ int capture(const BenchArguments& a) {
   return wrong ? kFailed : kDone;
 }
 
+Json tail_json(const TailRow& r) {
+  return {{"scene", r.scene},
+          {"steps", r.steps},
+          {"not_converged", r.not_converged},
+          {"capped", r.capped},
+          {"evaluations_p9999", r.evaluations_p9999},
+          {"evaluations_max", r.evaluations_max},
+          {"p9999_us", r.p9999_us},
+          {"worst_us", r.worst_us},
+          {"loops", r.loops},
+          {"loops_that_gained", r.loops_that_gained}};
+}
+
+int tail(const BenchArguments& a) {
+  const std::vector<TailRow> rows = bench_tail(a.seed, a.scenes);
+  if (a.json) {
+    print_json({{"rows", json_list(rows, tail_json)}});
+    return kDone;
+  }
+  fmt::print("{:<10} {:>9} {:>7} {:>7} {:>12} {:>9} {:>12} {:>9} {:>6} {:>7}\n", "scene", "steps",
+             "failed", "capped", "eval 99.99 %", "eval most", "us 99.99 %", "us most", "loops",
+             "gained");
+  for (const TailRow& r : rows)
+    fmt::print("{:<10} {:>9} {:>7} {:>7} {:>12} {:>9} {:>12.3g} {:>9.3g} {:>6} {:>7}\n", r.scene,
+               r.steps, r.not_converged, r.capped, r.evaluations_p9999, r.evaluations_max,
+               r.p9999_us, r.worst_us, r.loops, r.loops_that_gained);
+  return kDone;
+}
+
+Json event_json(const EventRow& r) {
+  return {{"scene", r.scene},
+          {"motion", r.motion},
+          {"step_s", r.step_s},
+          {"pose_difference_clearances", r.pose_difference_clearances},
+          {"force_difference_relative", r.force_difference_relative},
+          {"us_per_simulated_s", r.us_per_simulated_s},
+          {"not_converged", r.not_converged},
+          {"capped", r.capped}};
+}
+
+int events(const BenchArguments& a) {
+  const std::vector<EventRow> rows = bench_events(a.seed, 2, shipped_scenes());
+  if (a.json) {
+    print_json({{"rows", json_list(rows, event_json)}});
+    return kDone;
+  }
+  fmt::print("{:<10} {:<10} {:>9} {:>18} {:>12} {:>16} {:>7} {:>7}\n", "scene", "motion",
+             "step [ms]", "pose [clearances]", "force", "us per simul. s", "failed", "capped");
+  for (const EventRow& r : rows)
+    fmt::print("{:<10} {:<10} {:9.4g} {:18.2g} {:12.2g} {:16.4g} {:>7} {:>7}\n", r.scene, r.motion,
+               1e3 * r.step_s, r.pose_difference_clearances, r.force_difference_relative,
+               r.us_per_simulated_s, r.not_converged, r.capped);
+  return kDone;
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, Run& run) {
@@ -201,9 +288,14 @@ void add_bench(CLI::App& app, Run& run) {
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<BenchArguments>();
   verb->add_option("what", a->what,
-                   "Nothing: laws, stepping and controllers; hard: the hard cases; capture: "
-                   "clearance means clearance")
-      ->check(CLI::IsMember({"hard", "capture"}));
+                   "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
+                   "capture: clearance means clearance; tail: the worst steps; events: the same "
+                   "motions at ever finer steps")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events"}));
+  add_seed(*verb, a->seed, "Of the scenes, starts and motions that tail and events draw");
+  verb->add_option("--scenes", a->scenes,
+                   "How many random scenes, and starts of shipped ones, tail draws")
+      ->check(CLI::Range(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_json(*verb, a->json);
   verb->callback([a, &run] {
@@ -212,6 +304,8 @@ void add_bench(CLI::App& app, Run& run) {
         throw BadInput("--plot: there is nothing to draw of bench " + a->what);
       return a->what == "hard"      ? hard(*a)
              : a->what == "capture" ? capture(*a)
+             : a->what == "tail"    ? tail(*a)
+             : a->what == "events"  ? events(*a)
                                     : speed_and_error(*a);
     };
   });

@@ -32,7 +32,7 @@ struct Minimum {
   PoseVector tip;
   Potential there;
   PoseVector curvature = {};  // Linearization::curvature
-  int iterations = 0;
+  int iterations = 0, evaluations = 1;
   bool converged = false;
 };
 
@@ -90,6 +90,7 @@ void minimise(const World& world, const FrozenCoefficients& frozen, Minimum& fou
       PoseVector trial = found.tip;
       trial += fraction * newton;
       const Potential there(world, frozen, trial);
+      ++found.evaluations;
       // Where the drop drowns in rounding, a smaller residual decides.
       const double rounding =
           1e-15 * (here.value_scale + here.force_scale * (found.tip.length() + radius));
@@ -254,6 +255,7 @@ Minimum solve(const World& world, const State& state, double dt, FrozenCoefficie
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
     found.tip = state.tip;
     found.there = Potential(world, frozen, state.tip);
+    ++found.evaluations;
   }
   if (holds_still)
     found.converged = true;
@@ -266,10 +268,12 @@ Minimum solve(const World& world, const State& state, double dt, FrozenCoefficie
     const int before = found.iterations;
     found.iterations = 0;
     found.there = Potential(world, frozen, found.tip);
+    ++found.evaluations;
     minimise(world, frozen, found);
     result.iterations += found.iterations;
     if (found.iterations == 0 && before == 0) break;
   }
+  result.evaluations += found.evaluations;
   return found;
 }
 

@@ -19,9 +19,13 @@ namespace ferrule {
 
 enum class StepStatus {
   ok,
-  not_converged,  // finite and lower in energy than before, but not stationary even when halved
+  not_converged,  // finite and lower in energy than before, but not stationary
   bad_command,    // the command or dt is not finite, or dt < 0: the state is unchanged
+  capped,         // not stationary yet: kMostEvaluations were spent, the next step goes on from there
 };
+
+// The most evaluations of the potential that a step takes.
+inline constexpr int kMostEvaluations = 56;
 
 struct StepResult {
   StepResult() = default;
@@ -30,7 +34,8 @@ struct StepResult {
   State state;
   Breakdown forces;
   StepStatus status = StepStatus::ok;
-  int iterations = 0;  // Newton iterations, all sub-steps together
+  int evaluations = 0;  // of the potential, <= kMostEvaluations
+  int iterations = 0;   // Newton iterations, all sub-steps together
   int substeps = 0;
   int halvings = 0;  // of sub-steps: the minimum was not found at once, or an event was located
 };
