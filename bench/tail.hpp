@@ -18,9 +18,9 @@ struct TailRow {
   long loops = 0, loops_that_gained = 0;
 };
 
-// Every shipped scene with `scenes` starts in insertions and against the wall, in steps of 1 ms; and
-// `scenes` random ones (bench/random_scene.hpp) in all motions, in steps of 0.1 to 10 ms. Drawn under
-// `seed`.
+// Every shipped scene with `scenes` starts in insertions and against the wall, in steps of 1 ms;
+// and `scenes` random ones (bench/random_scene.hpp) in all motions, in steps of 0.1 to 10 ms. Drawn
+// under `seed`.
 std::vector<TailRow> bench_tail(std::uint64_t seed, std::size_t scenes);
 
 }  // namespace ferrule
