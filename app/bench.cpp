@@ -298,6 +298,7 @@ void add_bench(CLI::App& app, Run& run) {
       ->check(CLI::Range(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_json(*verb, a->json);
+  add_examples(*verb, {"bench --plot pictures", "bench hard --json"});
   verb->callback([a, &run] {
     run = [a] {
       if (!a->what.empty() && !a->plot.empty())

@@ -90,4 +90,37 @@ std::string to_text(const Comparison& c) {
       100 * c.difference, 100 * c.interval.low, 100 * c.interval.high, c.mcnemar_p);
 }
 
+void add_trials(const std::string& controller, const std::vector<TrialResult>& results,
+                Json& rows) {
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    const auto& [outcome, summary, loss_dB, supervision] = results[k];
+    Json& row = rows.emplace_back(Json{{"controller", controller},
+                                       {"trial", k},
+                                       {"outcome", name(outcome)},
+                                       {"time_s", summary.time},
+                                       {"peak_force_uN", 1e6 * summary.peak_force},
+                                       {"depth_um", 1e6 * summary.depth},
+                                       {"offset_um", 1e6 * summary.offset},
+                                       {"tilt_mrad", 1e3 * summary.tilt},
+                                       {"loss_dB", number_or_null(loss_dB)}});
+    if (!supervision) continue;
+    row["gave_up"] = supervision->gave_up ? Json(name(*supervision->gave_up)) : Json();
+    for (std::size_t i = 0; i < kInterventions; ++i)
+      row["interventions"][kInterventionNames[i]] = supervision->interventions[i];
+  }
+}
+
+Json supervisor_json(const SupervisorLimits& limits, const Scaling& scaling) {
+  const std::string cannot = cannot_hold(limits);
+  return {{"force_limit_uN", 1e6 * limits.force / scaling.force},
+          {"brakes_for_uN", 1e6 * limits.brakes_for() / scaling.force},
+          {"holds", cannot.empty()},
+          {"why", cannot.empty() ? Json() : Json(cannot)}};
+}
+
+std::string supervisor_note(const SupervisorLimits& limits) {
+  const std::string cannot = cannot_hold(limits);
+  return cannot.empty() ? "" : "note: supervisor: " + cannot + "\n";
+}
+
 }  // namespace ferrule

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "controller/campaign.hpp"
+#include "controller/supervisor.hpp"
 #include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
@@ -11,5 +12,12 @@ Json to_json(const CampaignSummary& summary);
 void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);
 std::string to_text(const Comparison& comparison);
+
+// Appends one row for each trial of a controller: what --trials-out holds.
+void add_trials(const std::string& controller, const std::vector<TrialResult>& results, Json& rows);
+
+// What the supervisor of a scene keeps; and what it says where it cannot hold the force limit.
+Json supervisor_json(const SupervisorLimits& limits, const Scaling& scaling);
+std::string supervisor_note(const SupervisorLimits& limits);
 
 }  // namespace ferrule

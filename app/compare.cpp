@@ -7,11 +7,14 @@
 
 #include "app/campaign_table.hpp"
 #include "app/compare_plot.hpp"
+#include "app/csv.hpp"
+#include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
+#include "learn/record_again.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -19,14 +22,15 @@ namespace {
 
 struct CompareArguments {
   SceneArguments scene;
-  std::string folder, plot;
+  std::string folder, plot, trials_out, seeds;
   std::vector<std::string> transfer, learners;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
   double skill = 0.8;
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
-  bool json = false;
+  bool other_scaling = false;
+  Output output;
 };
 
 constexpr const char* kTeacher = "simulated operator";
@@ -41,11 +45,19 @@ struct ChosenLearner {
 struct Entry {
   Candidate candidate;
   double ns;  // per action
-  std::vector<TrialResult> results;
-  CampaignSummary alone, supervised;
-  std::vector<Ring> rings;
+  std::vector<TrialResult> results, supervised_results{};
+  CampaignSummary alone{}, supervised{};
+  std::vector<Ring> rings{};
   std::optional<Comparison>
       against_teacher{};  // empty for the teacher, and without feasible trials
+};
+
+// Of one learner, by one seed of recording and fitting.
+struct BySeed {
+  std::string name;
+  std::uint64_t seed;
+  std::size_t demonstrations, rollouts;
+  CampaignSummary summary;
 };
 
 // In another scene.
@@ -57,10 +69,11 @@ struct Transfer {
 std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
                                   const MakeController& make, const std::string& what) {
   const auto begin = std::chrono::steady_clock::now();
-  std::vector<TrialResult> results = run_campaign(scene, scene_scaling(scene), make, a.seed,
-                                                  a.trials, a.threads, Progress(what, a.trials));
+  std::vector<TrialResult> results =
+      run_campaign(scene, scene_scaling(scene), make, a.seed, a.trials, a.threads,
+                   Progress(what, a.trials), interrupted);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-  fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, a.trials, took.count());
+  fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;
 }
 
@@ -80,25 +93,37 @@ std::vector<std::string> learner_keys() {
   return keys;
 }
 
+// " and 30 labelled rollouts", or nothing.
+std::string rollouts_text(std::size_t rollouts) {
+  return rollouts ? fmt::format(" and {} labelled rollouts", rollouts) : std::string();
+}
+
 Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
                  const DemonstrationSet& set) {
-  Candidate c = learned(*chosen.learner, *chosen.variant, set, a.fit_seed);
-  fmt::print(stderr, "{}: fitted to {} demonstrations in {:.1f} s\n", c.name,
-             set.demonstrations.size(), c.fit_seconds);
+  Progress progress(chosen.variant->name, 1);
+  Candidate c = learned(*chosen.learner, *chosen.variant, set, a.fit_seed,
+                        [&](std::size_t done, std::size_t all, const std::string& note) {
+                          progress(done, note, all);
+                          return !interrupted();
+                        });
+  end_if_interrupted();
+  fmt::print(stderr, "{}: fitted to {} demonstrations{} in {:.1f} s\n", c.name,
+             set.demonstrations.size(), rollouts_text(c.rollouts), c.fit_seconds);
   return c;
 }
 
-CampaignSummary supervised_campaign(const CompareArguments& a, const Scene& scene,
-                                    const MakeController& make, const std::string& what) {
+std::vector<TrialResult> supervised_campaign(const CompareArguments& a, const Scene& scene,
+                                             const MakeController& make, const std::string& what) {
   const SupervisorLimits limits = supervisor_limits(scene, scene_scaling(scene));
-  return summarise(campaign(a, scene, supervised(make, limits), what + ", supervised"));
+  return campaign(a, scene, supervised(make, limits), what + ", supervised");
 }
 
 Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
             const Demonstration& demonstration, const std::vector<Vector2d>& starts) {
-  Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name), {}, {}, {}};
+  Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name)};
   e.alone = summarise(e.results);
-  e.supervised = supervised_campaign(a, scene, c.make, c.name);
+  e.supervised_results = supervised_campaign(a, scene, c.make, c.name);
+  e.supervised = summarise(e.supervised_results);
   e.rings = by_misalignment(e.results, starts);
   return e;
 }
@@ -115,18 +140,18 @@ std::string success_text(const CampaignSummary& s) {
 }
 
 std::string outcome_columns(const CampaignSummary& s) {
-  return fmt::format("{:>23}{:>9}{:>10}", success_text(s), cell(s.time.median, 2),
+  return fmt::format(" {:>22} {:>8} {:>9}", success_text(s), cell(s.time.median, 2),
                      cell(1e6 * s.peak_force.median, 2));
 }
 constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
 
 void print_alone(const std::vector<Entry>& entries) {
-  fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8}{}{:>10}\n", "", "param.", "fit [s]", "held out", "ns",
+  fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9}\n", "", "param", "fit [s]", "held out", "ns",
              kOutcomeColumns, "loss [dB]");
   for (const Entry& e : entries) {
     const Candidate& c = e.candidate;
     const bool learned = c.parameters > 0;
-    fmt::print("{:<26}{:>6}{:>8}{:>10}{:>8.0f}{}{:>10}\n", c.name,
+    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9}\n", c.name,
                learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
                cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
                cell(e.alone.loss_dB.median, 4));
@@ -138,21 +163,23 @@ void print_alone(const std::vector<Entry>& entries) {
 
 void print_supervised(const std::vector<Entry>& entries) {
   fmt::print(
-      "the same under the supervisor, and how often it intervened\n{:<26}{}{:>8}{:>8}{:>8}{:>9}\n",
+      "the same under the supervisor, and how often it intervened\n{:<26}{} {:>7} {:>7} {:>7} "
+      "{:>8}\n",
       "", kOutcomeColumns, "held", "jam", "retreat", "gave up");
   for (const Entry& e : entries) {
     if (!e.supervised.interventions) continue;
     const auto count = [&](Intervention kind) {
       return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
     };
-    fmt::print("{:<26}{}{:>8}{:>8}{:>8}{:>9}\n", e.candidate.name, outcome_columns(e.supervised),
-               count(Intervention::held), count(Intervention::jam), count(Intervention::retreat),
+    fmt::print("{:<26}{} {:>7} {:>7} {:>7} {:>8}\n", e.candidate.name,
+               outcome_columns(e.supervised), count(Intervention::held), count(Intervention::jam),
+               count(Intervention::retreat),
                e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
   }
 }
 
 void print_against_teacher(const std::vector<Entry>& entries) {
-  fmt::print("\n{:<26}{:>27}{:>10}{:>24}{:>24}\n", fmt::format("minus {}", kTeacher),
+  fmt::print("\n{:<26} {:>26} {:>9} {:>23} {:>23}\n", fmt::format("minus {}", kTeacher),
              "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");
   for (const Entry& e : entries) {
     if (!e.against_teacher) continue;
@@ -161,7 +188,7 @@ void print_against_teacher(const std::vector<Entry>& entries) {
       return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
                          cell(unit * p.interval.high, 2));
     };
-    fmt::print("{:<26}{:>27}{:>10.2g}{:>24}{:>24}\n", e.candidate.name,
+    fmt::print("{:<26} {:>26} {:>9.2g} {:>23} {:>23}\n", e.candidate.name,
                fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
                            100 * d.interval.high),
                d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
@@ -172,10 +199,13 @@ void print_against_teacher(const std::vector<Entry>& entries) {
 
 Json to_json(const Entry& e) {
   const Candidate& c = e.candidate;
-  Json row = {
-      {"controller", c.name},   {"parameters", c.parameters},
-      {"fit_s", c.fit_seconds}, {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
-      {"ns_per_action", e.ns},  {"supervised", to_json(e.supervised)}};
+  Json row = {{"controller", c.name},
+              {"parameters", c.parameters},
+              {"labelled_rollouts", c.rollouts},
+              {"fit_s", c.fit_seconds},
+              {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
+              {"ns_per_action", e.ns},
+              {"supervised", to_json(e.supervised)}};
   row.update(to_json(e.alone));
   if (e.against_teacher) {
     row["against_operator"] = Json::object();
@@ -204,16 +234,11 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
   if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
 }
 
-// Scenes that scale the hand otherwise are refused: what was learned means nothing there.
-std::vector<Scene> other_scenes(const CompareArguments& a, const Scene& scene) {
-  const Scaling scaling = scene_scaling(scene);
+std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set) {
   std::vector<Scene> others;
   for (const std::string& name : a.transfer) {
     others.push_back(load_scene(name));
-    if (const Scaling s = scene_scaling(others.back());
-        s.motion != scaling.motion || s.force != scaling.force)
-      throw BadInput(others.back().name + ": scales the hand otherwise than " + scene.name +
-                     "; what was learned there means nothing here");
+    refuse_other_scaling(set.scaling, a.folder, others.back(), a.other_scaling);
   }
   return others;
 }
@@ -228,6 +253,7 @@ std::vector<ChosenLearner> add_learned(const CompareArguments& a, const Demonstr
       candidates.push_back(fitted(a, chosen, set));
       could.push_back(chosen);
     } catch (const BadInput& error) {
+      end_if_interrupted();
       if (!a.learners.empty()) throw BadInput(a.folder + ": " + name + ": " + error.what());
       fmt::print(stderr, "note: {} is left out: {}\n", name, error.what());
     }
@@ -240,13 +266,17 @@ std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
                               const Demonstration& demonstration,
                               const std::vector<Vector2d>& starts) {
   std::vector<Entry> entries;
-  for (const Candidate& c : candidates)
+  for (const Candidate& c : candidates) {
+    if (interrupted()) break;
     entries.push_back(tried(a, scene, c, demonstration, starts));
-  const Entry& teacher = *std::find_if(entries.begin(), entries.end(),
-                                       [](const Entry& e) { return e.candidate.name == kTeacher; });
+  }
+  const auto teacher = std::find_if(entries.begin(), entries.end(),
+                                    [](const Entry& e) { return e.candidate.name == kTeacher; });
+  if (teacher == entries.end()) return entries;
   for (Entry& e : entries)
-    if (&e != &teacher && e.alone.feasible > 0)
-      e.against_teacher = compare(e.results, teacher.results);
+    if (e.candidate.name != kTeacher && e.alone.feasible > 0 &&
+        e.results.size() == teacher->results.size())
+      e.against_teacher = compare(e.results, teacher->results);
   return entries;
 }
 
@@ -255,15 +285,13 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
                                  const std::vector<ChosenLearner>& learned_by) {
   std::vector<Learning> learning;
   for (const std::size_t count : a.demonstrations) {
-    if (count > set.demonstrations.size()) {
-      fmt::print(stderr, "note: {} demonstrations asked for, {} are there\n", count,
-                 set.demonstrations.size());
-      continue;
-    }
+    if (interrupted()) break;
+    if (count > set.demonstrations.size()) continue;
     for (const ChosenLearner& chosen : learned_by) {
       try {
         const Candidate c = fitted(a, chosen, first_of(set, count));
-        learning.push_back({c.name, count, summarise(campaign(a, scene, c.make, c.name))});
+        learning.push_back(
+            {c.name, count, c.rollouts, summarise(campaign(a, scene, c.make, c.name))});
       } catch (const BadInput& error) {
         fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant->name, error.what());
       }
@@ -272,11 +300,70 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
   return learning;
 }
 
+// Each learner, on demonstrations that are recorded anew and fits that are drawn anew by each seed.
+std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
+                             const DemonstrationSet& set,
+                             const std::vector<ChosenLearner>& learned_by) {
+  std::vector<BySeed> all;
+  if (a.seeds.empty()) return all;
+  for (const std::uint64_t seed : parse_seeds(a.seeds)) {
+    if (interrupted()) break;
+    const DemonstrationSet again = record_again(set, seed, end_if_interrupted);
+    CompareArguments with = a;
+    with.fit_seed = seed;
+    for (const ChosenLearner& chosen : learned_by) {
+      if (interrupted()) break;
+      try {
+        const Candidate c = fitted(with, chosen, again);
+        const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
+        if (results.size() == a.trials)
+          all.push_back(
+              {c.name, seed, again.demonstrations.size(), c.rollouts, summarise(results)});
+      } catch (const BadInput& error) {
+        end_if_interrupted();
+        fmt::print(stderr, "note: seed {}: {} is left out: {}\n", seed, chosen.variant->name,
+                   error.what());
+      }
+    }
+  }
+  return all;
+}
+
+// Lowest, median and highest over the seeds.
+void print_by_seeds(const std::vector<BySeed>& all) {
+  if (all.empty()) return;
+  fmt::print("\n{:<26} {:>5} {:>31} {:>29}\n", "over seeds", "seeds",
+             "inserted [%], median (range)", "time [s], median (range)");
+  std::vector<std::string> names;
+  for (const BySeed& each : all)
+    if (std::find(names.begin(), names.end(), each.name) == names.end()) names.push_back(each.name);
+  for (const std::string& name : names) {
+    std::vector<double> inserted, time;
+    for (const BySeed& each : all)
+      if (each.name == name) {
+        inserted.push_back(100 * each.summary.success_rate);
+        time.push_back(each.summary.time.median);
+      }
+    const auto spread = [](const std::vector<double>& v, int digits) {
+      return fmt::format("{} ({} to {})", cell(quantile(v, 0.5), digits),
+                         cell(quantile(v, 0), digits), cell(quantile(v, 1), digits));
+    };
+    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", name, inserted.size(), spread(inserted, 1),
+               spread(time, 2));
+  }
+  fmt::print("demonstrations recorded anew and fits drawn anew by each seed; the same trials\n");
+}
+
 void print_learning(const std::vector<Learning>& learning) {
   if (learning.empty()) return;
-  fmt::print("\n{:<26}{:>5}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
+  fmt::print("\n{:<26} {:>7}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
   for (const Learning& l : learning)
-    fmt::print("{:<26}{:>5}{}\n", l.name, l.demonstrations, outcome_columns(l.summary));
+    fmt::print("{:<26} {:>7}{}\n", l.name,
+               l.rollouts ? fmt::format("{}+{}", l.demonstrations, l.rollouts)
+                          : std::to_string(l.demonstrations),
+               outcome_columns(l.summary));
+  if (std::any_of(learning.begin(), learning.end(), [](const Learning& l) { return l.rollouts; }))
+    fmt::print("5+30: 5 demonstrations and 30 rollouts of its own, labelled by the operator\n");
 }
 
 // What depends on the scene, as the operator does, is made for the other one.
@@ -286,16 +373,18 @@ std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
   std::vector<Transfer> transfer;
   const std::vector<Candidate> there = baselines(other, set, a.skill, a.seed);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
+    if (interrupted()) break;
     const Candidate& c = i < there.size() ? there[i] : candidates[i];
     const std::string what = other.name + ", " + c.name;
     transfer.push_back({other.name, c.name, summarise(campaign(a, other, c.make, what)),
-                        supervised_campaign(a, other, c.make, what)});
+                        summarise(supervised_campaign(a, other, c.make, what))});
   }
   return transfer;
 }
 
 // Of one scene.
 void print_transfer(const std::vector<Transfer>& transfer) {
+  if (transfer.empty()) return;
   fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", transfer.front().scene),
              kOutcomeColumns, kOutcomeColumns);
   for (const Transfer& t : transfer)
@@ -307,8 +396,19 @@ void print_transfer(const std::vector<Transfer>& transfer) {
 }
 
 Json to_json(const Learning& l) {
-  Json row = {{"controller", l.name}, {"demonstrations", l.demonstrations}};
+  Json row = {{"controller", l.name},
+              {"demonstrations", l.demonstrations},
+              {"labelled_rollouts", l.rollouts}};
   row.update(to_json(l.summary));
+  return row;
+}
+
+Json to_json(const BySeed& s) {
+  Json row = {{"controller", s.name},
+              {"seed", s.seed},
+              {"demonstrations", s.demonstrations},
+              {"labelled_rollouts", s.rollouts}};
+  row.update(to_json(s.summary));
   return row;
 }
 
@@ -326,51 +426,138 @@ Json json_rows(const std::vector<Row>& rows) {
   return all;
 }
 
-int compare_verb(const CompareArguments& a) {
-  const Scene scene = a.scene.load();
-  const DemonstrationSet set = load_demonstrations(a.folder);
+// What cannot be compared is said before anything is.
+void expect_comparable(const CompareArguments& a, const DemonstrationSet& set) {
   if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
-  const std::vector<Scene> others = other_scenes(a, scene);
+  for (auto each = a.learners.begin(); each != a.learners.end(); ++each)
+    if (std::find(a.learners.begin(), each, *each) != each)
+      throw BadInput("--learners: " + *each + " is there twice");
+  for (const std::size_t count : a.demonstrations)
+    if (count > set.demonstrations.size())
+      fmt::print(stderr, "note: {} demonstrations asked for, {} are there\n", count,
+                 set.demonstrations.size());
+}
+
+std::vector<const Demonstration*> pointers(const DemonstrationSet& set) {
+  std::vector<const Demonstration*> all;
+  for (const Demonstration& d : set.demonstrations) all.push_back(&d);
+  return all;
+}
+
+// Everything that is found, as far as Ctrl-C lets it.
+struct Found {
+  std::vector<Entry> entries;
+  std::vector<Learning> learning;
+  std::vector<BySeed> by_seeds;
+  std::vector<Transfer> transfer;
+};
+
+// Why it is partial, if it is.
+void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candidates,
+                  const Found& found, Provenance& provenance) {
+  if (!interrupted()) return;
+  const auto whole = [&](const Entry& e) { return e.supervised_results.size() == a.trials; };
+  std::string text = fmt::format("{} of {} controllers are whole",
+                                 std::count_if(found.entries.begin(), found.entries.end(), whole),
+                                 candidates.size());
+  for (const Entry& e : found.entries)
+    if (!whole(e))
+      text += fmt::format("; {}: {} of {} trials alone, {} supervised", e.candidate.name,
+                          e.results.size(), a.trials, e.supervised_results.size());
+  if (!a.demonstrations.empty() || !a.transfer.empty() || !a.seeds.empty())
+    text += "; what follows the first tables is cut";
+  provenance.partial(text);
+}
+
+Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+             std::size_t trained_starts, const Found& found) {
+  return {{"scene", scene.name},
+          {"demonstrations", set.demonstrations.size()},
+          {"trials", a.trials},
+          {"trained_starts", trained_starts},
+          {"seed", a.seed},
+          {"supervisor",
+           supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene))},
+          {"rows", json_rows(found.entries)},
+          {"by_demonstrations", json_rows(found.learning)},
+          {"by_seeds", json_rows(found.by_seeds)},
+          {"transfer", json_rows(found.transfer)}};
+}
+
+void write_trials(const CompareArguments& a, const Found& found, const Provenance& provenance) {
+  if (a.trials_out.empty()) return;
+  Json rows = Json::array();
+  for (const Entry& e : found.entries) {
+    add_trials(e.candidate.name, e.results, rows);
+    add_trials(e.candidate.name + ", supervised", e.supervised_results, rows);
+  }
+  write_text(a.trials_out, csv_text(rows, provenance));
+}
+
+// What is asked for beside the first tables. Throws Stopped where Ctrl-C ends a fit.
+void follow_up(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+               const std::vector<ChosenLearner>& learned_by, const std::vector<Scene>& others,
+               const std::vector<Candidate>& candidates, Found& found) {
+  found.learning = from_fewer(a, scene, set, learned_by);
+  if (a.output.text()) print_learning(found.learning);
+  found.by_seeds = by_seeds(a, scene, set, learned_by);
+  if (a.output.text()) print_by_seeds(found.by_seeds);
+  for (const Scene& other : others) {
+    const std::vector<Transfer> there = tried_there(a, other, set, candidates);
+    if (a.output.text()) print_transfer(there);
+    found.transfer.insert(found.transfer.end(), there.begin(), there.end());
+  }
+}
+
+int compare_verb(const CompareArguments& a) {
+  watch_for_interrupt();
+  const DemonstrationSet set = load_demonstrations(a.folder, Loading());
+  expect_comparable(a, set);
+  const ChosenScene chosen = a.scene.choose(brought_by(set, a.folder));
+  const Scene& scene = chosen.scene;
+  refuse_other_scaling(set.scaling, a.folder, scene, a.other_scaling);
+  const std::vector<Scene> others = other_scenes(a, set);
   if (!a.plot.empty()) make_plot_folder(a.plot);
+  if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is done
+  Provenance provenance;
+  provenance.in(chosen).seed("trials", a.seed).seed("fits", a.fit_seed);
+  for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
+  const std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
+  const std::string notes = trained_starts_note(seen, a.trials) +
+                            supervisor_note(supervisor_limits(scene, scene_scaling(scene)));
 
   std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
   const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
+  if (a.output.text())
+    fmt::print("{}{}", provenance.head(), notes);
+  else
+    fmt::print(stderr, "{}", notes);
+  std::fflush(stdout);
   std::vector<Vector2d> starts;
   for (std::size_t k = 0; k < a.trials; ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
-  const std::vector<Entry> entries =
-      tried_here(a, scene, candidates, set.demonstrations.front(), starts);
-  if (!a.json) {
-    fmt::print("scene {}, {} demonstrations, {} trials each, the same for all\n\n", scene.name,
-               set.demonstrations.size(), a.trials);
-    print_alone(entries);
-    print_supervised(entries);
-    print_against_teacher(entries);
+  Found found;
+  found.entries = tried_here(a, scene, candidates, set.demonstrations.front(), starts);
+  if (a.output.text()) {
+    fmt::print("{} demonstrations, {} trials each, the same for all\n\n", set.demonstrations.size(),
+               a.trials);
+    print_alone(found.entries);
+    print_supervised(found.entries);
+    print_against_teacher(found.entries);
   }
-
-  const std::vector<Learning> learning = from_fewer(a, scene, set, learned_by);
-  if (!a.json) print_learning(learning);
-
-  std::vector<Transfer> transfer;
-  for (const Scene& other : others) {
-    const std::vector<Transfer> there = tried_there(a, other, set, candidates);
-    if (!a.json) print_transfer(there);
-    transfer.insert(transfer.end(), there.begin(), there.end());
+  try {
+    follow_up(a, scene, set, learned_by, others, candidates, found);
+  } catch (const Stopped&) {  // what is found so far is told
   }
-
-  if (!a.plot.empty()) {
-    draw(a.plot, entries, learning, starts);
+  tell_partial(a, candidates, found, provenance);
+  if (!a.plot.empty() && !interrupted()) {
+    draw(a.plot, found.entries, found.learning, starts);
     fmt::print(stderr, "plots are in {}\n", a.plot);
   }
-  if (a.json)
-    print_json({{"scene", scene.name},
-                {"demonstrations", set.demonstrations.size()},
-                {"trials", a.trials},
-                {"seed", a.seed},
-                {"rows", json_rows(entries)},
-                {"by_demonstrations", json_rows(learning)},
-                {"transfer", json_rows(transfer)}});
-  return kDone;
+  if (a.output.text()) fmt::print("\n{}", provenance.foot());
+  print_result(a.output, to_json(a, scene, set, seen, found), "rows", provenance);
+  write_trials(a, found, provenance);
+  return interrupted() ? kInterrupted : kDone;
 }
 
 }  // namespace
@@ -382,7 +569,8 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes to learn from")
       ->required()
       ->type_name("DIR");
-  a->scene.add_to(*verb, "bench");
+  a->scene.add_to(*verb, "", "the episodes");
+  add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many, for each")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
@@ -401,15 +589,20 @@ void add_compare(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(number_between(0, 1));
   add_seed(*verb, a->seed, "Seed of the trials");
-  verb->add_option("--fit-seed", a->fit_seed, "Seed of the fits")->capture_default_str();
-  verb->add_option("--threads", a->threads, "0: all cores; the result does not depend on it")
-      ->capture_default_str()
-      ->check(CLI::Range(0, 4096));
+  add_seed(*verb, a->fit_seed, "Seed of the fits", "--fit-seed");
+  add_seeds(*verb, a->seeds,
+            "Record the simulated demonstrations anew and fit anew with each: how much a learner "
+            "owes to chance");
+  add_threads(*verb, a->threads);
   verb->add_option("--plot", a->plot,
                    "Folder for plots: success against misalignment and number "
                    "of demonstrations, maps of where each fails")
       ->type_name("DIR");
-  verb->add_flag("--json", a->json, "One JSON document on stdout");
+  verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
+      ->type_name("FILE.csv");
+  add_output(*verb, a->output);
+  add_examples(*verb, {"compare episodes --trials 200 --learners linear,insertion",
+                       "compare episodes --transfer tight,sloppy --plot compared --csv"});
   verb->callback([a, &run] { run = [a] { return compare_verb(*a); }; });
 }
 

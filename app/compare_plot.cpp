@@ -26,7 +26,7 @@ double percent(std::size_t part, std::size_t all) {
 std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
                                   const std::vector<Vector2d>& starts) {
   constexpr std::size_t kRings = 8;
-  std::vector<std::size_t> order(starts.size());
+  std::vector<std::size_t> order(std::min(starts.size(), results.size()));
   for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
   std::sort(order.begin(), order.end(),
             [&](std::size_t a, std::size_t b) { return starts[a].norm() < starts[b].norm(); });

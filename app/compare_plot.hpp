@@ -17,7 +17,7 @@ std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
 // Success of a learner from the first `demonstrations`.
 struct Learning {
   std::string name;
-  std::size_t demonstrations;
+  std::size_t demonstrations, rollouts;
   CampaignSummary summary;
 };
 

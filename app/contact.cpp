@@ -11,7 +11,8 @@ namespace {
 struct ContactArguments {
   double lambda = 4;
   std::string radius, plot;
-  bool curve = false, json = false;
+  bool curve = false;
+  Output output;
 };
 
 std::vector<double> parse_radii(const std::string& text) {
@@ -94,10 +95,11 @@ int contact_verb(const ContactArguments& a) {
   if (a.curve)
     for (const MaugisPoint& p : curve.points(300)) points.push_back(p);
   if (!a.plot.empty()) write_plot(a.plot, curve_plot(curve));
-  if (a.json)
-    print_json(to_json(curve, points));
-  else
+  if (a.output.text()) {
     print(curve, points);
+    fmt::print("{}", Provenance().foot());
+  }
+  print_result(a.output, to_json(curve, points), "rows", {});
   return kDone;
 }
 
@@ -114,7 +116,9 @@ void add_contact(CLI::App& app, Run& run) {
   verb->add_flag("--curve", a->curve, "Points along the whole curve, unstable parts too");
   verb->add_option("--plot", a->plot, "Draw P(D) with its branches and jumps")
       ->type_name("FILE.svg");
-  add_json(*verb, a->json);
+  add_output(*verb, a->output);
+  add_examples(*verb, {"contact --lambda 0.3 --radius 0.5:2:4",
+                       "contact --lambda 1 --curve --plot curve.svg"});
   verb->callback([a, &run] { run = [a] { return contact_verb(*a); }; });
 }
 

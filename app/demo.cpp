@@ -51,7 +51,7 @@ void make_folder(const std::string& folder) {
              "made by ferrule demo, which replaces its own files here when it runs again\n");
 }
 
-class Clock {
+class Stopwatch {
  public:
   double seconds() const {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
@@ -72,28 +72,30 @@ std::string episodes_folder(const DemoArguments& a) {
 // Episode `number`, by a simulated trainee.
 Recorded record(const DemoArguments& a, const Scene& scene, double skill, int number) {
   const std::string folder = episodes_folder(a);
-  if (claim_episode(folder, number) != number)
+  EpisodeClaim claim(folder, number);
+  if (claim.number() != number)
     throw BadInput(folder + ": holds other episodes; choose another folder with --out");
   const auto [drawn, trial, infeasible] =
       feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
   const State start = draw_start(*drawn, a.seed, trial);
   const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
   return record_one(*drawn, start, *device,
-                    {fmt::format("simulated, skill {}", skill), folder, number, a.seed, trial});
+                    {simulated_operator_name(skill), std::move(claim), a.seed, trial});
 }
 
 // False where Ctrl-C ended it.
 bool record_all(const DemoArguments& a, Report& report) {
   tell(fmt::format("1/4 recording {} episodes each of simulated trainees of skill {} and {}",
                    kEpisodesPerSkill, kSkills[0], kSkills[1]));
-  const Clock clock;
+  const Stopwatch clock;
   Progress progress("recording", std::size(kSkills) * kEpisodesPerSkill);
   int number = 0;
   for (const double skill : kSkills)
     for (int i = 0; i < kEpisodesPerSkill; ++i) {
       report.recorded.push_back({skill, record(a, *report.scene, skill, ++number)});
       if (interrupted()) {
-        tell("stopped by Ctrl-C; episodes so far are in " + episodes_folder(a));
+        tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
+                         episodes_folder(a)));
         return false;
       }
       progress(static_cast<std::size_t>(number));
@@ -104,7 +106,7 @@ bool record_all(const DemoArguments& a, Report& report) {
 
 void fit(const DemoArguments& a, Report& report) {
   tell("2/4 fitting the insertion law");
-  const Clock clock;
+  const Stopwatch clock;
   report.fit = fit_law(load_demonstrations(episodes_folder(a)), a.seed);
   write_controller(a.out + "/controller.json", report.fit.controller);
   report.fit_seconds = clock.seconds();
@@ -113,12 +115,12 @@ void fit(const DemoArguments& a, Report& report) {
 void evaluate(const DemoArguments& a, Report& report) {
   tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
                    kTrials));
-  const Clock clock;
+  const Stopwatch clock;
   const Scene& scene = *report.scene;
   const Scaling scaling = scene_scaling(scene);
   const auto campaign = [&](const MakeController& make, const char* what) {
     return run_campaign(scene, scaling, make, report.trial_seed(), kTrials, a.threads,
-                        Progress(what, kTrials));
+                        Progress(what, kTrials), interrupted);
   };
   report.learned = campaign(controller_maker(report.fit.controller.law()), "learned");
   report.baseline =
@@ -142,29 +144,32 @@ std::string shown(const Report& report) {
 }
 
 int demo_verb(const DemoArguments& a) {
-  const Scene scene = a.scene.load();
+  const ChosenScene chosen = a.scene.choose();
+  const Scene& scene = chosen.scene;
   make_folder(a.out);
-  const Clock clock;
+  const Stopwatch clock;
   Report report;
   report.scene = &scene;
-  report.scene_arguments = "--scene " + a.scene.scene;
+  report.scene_arguments = "--scene " + a.scene.name();
   for (const std::string& setting : a.scene.settings)
     report.scene_arguments += " --set '" + setting + "'";
   report.seed = a.seed;
 
   watch_for_interrupt();
+  report.provenance.in(chosen).seed("demonstrations", a.seed).seed("trials", report.trial_seed());
   if (!record_all(a, report)) return kInterrupted;
-  stop_watching_for_interrupt();
   fit(a, report);
+  if (interrupted()) throw Stopped{"episodes and controller are in " + a.out};
   evaluate(a, report);
+  if (interrupted()) throw Stopped{"episodes and controller are in " + a.out};
   tell("4/4 writing the report");
   const std::string file = a.out + "/report.html";
   report.shown = shown(report);
   write_report(file, report);
   if (a.json)
-    print_json(report_json(report));
+    print_json(report_json(report), report.provenance);
   else
-    fmt::print("{}", report_text(report));
+    fmt::print("{}{}{}", report.provenance.head(), report_text(report), report.provenance.foot());
   tell(fmt::format("{:.0f} s in all; open {}", clock.seconds(), fs::absolute(file).string()));
   return kDone;
 }
@@ -182,6 +187,7 @@ void add_demo(CLI::App& app, Run& run) {
   add_seed(*verb, a->seed, "Seed of everything");
   add_threads(*verb, a->threads);
   add_json(*verb, a->json);
+  add_examples(*verb, {"demo", "demo --scene bench --seed 2 --out bench-demo"});
   verb->callback([a, &run] { run = [a] { return demo_verb(*a); }; });
 }
 

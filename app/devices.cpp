@@ -138,15 +138,15 @@ Json moved_axes(const Test& t) {
 }
 
 int test_verb(const DevicesArguments& a) {
-  using Clock = std::chrono::steady_clock;
+  using SteadyClock = std::chrono::steady_clock;
   Test t = begun(a.device);
   if (!a.json) introduce(t);
   watch_for_interrupt();
   const bool terminal = ::isatty(STDOUT_FILENO);
   const double between = terminal ? 0.1 : 1.0;  // shown [s]
-  const auto begin = Clock::now();
+  const auto begin = SteadyClock::now();
   for (std::int64_t tick = 0; !interrupted() && !t.lost; ++tick) {
-    t.time = std::chrono::duration<double>(Clock::now() - begin).count();
+    t.time = std::chrono::duration<double>(SteadyClock::now() - begin).count();
     if (a.seconds > 0 && t.time >= a.seconds) break;
     const HandSample sample = pushed_and_read(t);
     if (!a.json && t.time - t.shown >= between && !show(t, sample, terminal)) break;
@@ -194,6 +194,7 @@ void add_devices(CLI::App& app, Run& run) {
       ->needs(test)
       ->check(number_between(0.01, 1e6));
   verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_examples(*verb, {"devices", "devices --test fake:spacemouse"});
   verb->callback([a, test, &run] {
     a->test = test->count() > 0;
     if (a->device.empty()) a->device = "auto";

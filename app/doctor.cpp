@@ -163,21 +163,26 @@ int doctor(const DoctorArguments& a) {
     throw BadInput("--device " + a.device +
                    ": must be a profile, \"pen\" or a file; devices that are connected are listed "
                    "with any");
-  Findings f{a.gain, a.scene.load(), at_gain(load_device_profile(a.device), a.gain), {}, {}, {}};
+  const ChosenScene chosen = a.scene.choose();
+  Provenance provenance;
+  provenance.in(chosen);
+  Findings f{a.gain, chosen.scene, at_gain(load_device_profile(a.device), a.gain), {}, {}, {}};
   f.felt = rendering(f.scene, f.device);
   watch_for_interrupt();
   f.loop = time_loop(f.scene, f.felt.tip.stiffest, f.device.period, a.seconds, interrupted);
   if (interrupted()) return kInterrupted;
   f.connected = find_devices();
   if (a.json) {
-    print_json(to_json(f));
+    print_json(to_json(f), provenance);
   } else {
+    fmt::print("{}", provenance.head());
     print_rendering(f);
     fmt::print("\n");
     print_loop(f.loop, f.device.period);
     print_connected(f.connected);
     fmt::print("\n");
     print_verdict(f.felt);
+    fmt::print("{}", provenance.foot());
   }
   return f.felt.stable() ? kDone : kFailed;
 }
@@ -201,6 +206,8 @@ void add_doctor(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(number_between(0.01, 3600));
   add_json(*verb, a->json);
+  add_examples(*verb,
+               {"doctor --scene demo --device pen", "doctor --scene bench --gain 0.5 --json"});
   verb->callback([a, &run] { run = [a] { return doctor(*a); }; });
 }
 

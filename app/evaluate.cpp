@@ -2,8 +2,9 @@
 #include <fmt/format.h>
 
 #include "app/campaign_table.hpp"
+#include "app/csv.hpp"
+#include "app/trained.hpp"
 #include "app/verb.hpp"
-#include "capture/episode.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -13,50 +14,131 @@ namespace {
 
 struct EvaluateArguments {
   SceneArguments scene;
-  std::string controller, baseline;
+  std::string controller, baseline, trials_out;
   std::size_t trials = 1000;
   std::uint64_t seed = 7;
   int threads = 0;
-  bool supervise = false, json = false;
+  bool supervise = false, other_scaling = false;
+  Output output;
 };
+
+// A controller and what it did.
+struct Tried {
+  std::string name;
+  MakeController make;
+  std::vector<TrialResult> results{};
+};
+
+// What is known of the controller of the file before any trial.
+struct LearnedFile {
+  std::optional<ControllerFile> file;  // empty: a baseline alone
+  std::size_t trained_starts = 0;
+};
+
+// Results of the trials, as far as Ctrl-C lets them go.
+void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
+  const Scaling scaling = scene_scaling(scene);
+  const MakeController make =
+      a.supervise ? supervised(tried.make, supervisor_limits(scene, scaling)) : tried.make;
+  tried.results = run_campaign(scene, scaling, make, a.seed, a.trials, a.threads,
+                               Progress(tried.name, a.trials), interrupted);
+}
+
+std::vector<TrialResult> first(const std::vector<TrialResult>& results, std::size_t count) {
+  return {results.begin(), results.begin() + static_cast<std::ptrdiff_t>(count)};
+}
+
+// Of `one`, beside `other` on the trials that both have.
+std::optional<Comparison> compared(const Tried& one, const Tried& other) {
+  const std::size_t count = std::min(one.results.size(), other.results.size());
+  const auto a = first(one.results, count), b = first(other.results, count);
+  if (summarise(a).feasible == 0) return std::nullopt;
+  return compare(a, b);
+}
+
+void tell(const std::vector<Tried>& all) {
+  for (const Tried& tried : all) fmt::print("{}", to_text(tried.name, summarise(tried.results)));
+  if (all.size() < 2) return;
+  if (const auto comparison = compared(all[0], all[1])) fmt::print("{}", to_text(*comparison));
+}
+
+Json to_json(const EvaluateArguments& a, const Scene& scene, const LearnedFile& learned,
+             const std::vector<Tried>& all) {
+  Json json = {{"scene", scene.name}, {"controller", all[0].name}, {"seed", a.seed}};
+  json.update(ferrule::to_json(summarise(all[0].results)));
+  if (learned.file) json["trained_starts"] = learned.trained_starts;
+  if (a.supervise)
+    json["supervisor"] =
+        supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene));
+  json["rows"] = json_list(all, [](const Tried& tried) {
+    Json row = {{"controller", tried.name}};
+    row.update(ferrule::to_json(summarise(tried.results)));
+    return row;
+  });
+  if (all.size() < 2) return json;
+  json["baseline"] = json["rows"][1];
+  if (const auto comparison = compared(all[0], all[1])) add_json(*comparison, json["baseline"]);
+  return json;
+}
+
+// Both controllers to be tried, the first one first.
+std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned,
+                          const Scene& scene) {
+  std::vector<Tried> all;
+  if (learned.file) all.push_back({a.controller, maker(*learned.file)});
+  const double speed = scene_scaling(scene).motion * scene.limits.speed;
+  if (!a.baseline.empty()) all.push_back({a.baseline, controller_maker(ConstantVelocity(speed))});
+  return all;
+}
 
 int evaluate_verb(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty())
     throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
-  const Scene scene = a.scene.load();
-  const Scaling scaling = scene_scaling(scene);
-  MakeController law;
-  if (!a.controller.empty()) law = load_controller(a.controller);
-  const MakeController constant =
-      controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
-
-  const auto campaign = [&](const MakeController& make, const char* what) {
-    return run_campaign(scene, scaling,
-                        a.supervise ? supervised(make, supervisor_limits(scene, scaling)) : make,
-                        a.seed, a.trials, a.threads, Progress(what, a.trials));
-  };
-  const MakeController& first = law ? law : constant;
-  const std::string first_name = law ? a.controller : a.baseline;
-  const std::vector<TrialResult> results = campaign(first, "trials");
-  const CampaignSummary summary = summarise(results);
-  Json json = {{"scene", scene.name}, {"controller", first_name}, {"seed", a.seed}};
-  json.update(to_json(summary));
-  if (!a.json) fmt::print("{}", to_text(first_name, summary));
-
-  if (law && !a.baseline.empty()) {
-    const std::vector<TrialResult> other = campaign(constant, "baseline");
-    const CampaignSummary baseline = summarise(other);
-    json["baseline"] = {{"controller", a.baseline}};
-    json["baseline"].update(to_json(baseline));
-    if (!a.json) fmt::print("{}", to_text(a.baseline, baseline));
-    if (baseline.feasible > 0) {
-      const Comparison comparison = compare(results, other);
-      add_json(comparison, json["baseline"]);
-      if (!a.json) fmt::print("{}", to_text(comparison));
-    }
+  LearnedFile learned;
+  BroughtScene brought;
+  if (!a.controller.empty()) {
+    learned.file = read_controller(a.controller);
+    brought = brought_by(trained_on(*learned.file), a.controller);
+    learned.trained_starts = trained_starts(trained_on(*learned.file), a.seed, a.trials);
   }
-  if (a.json) print_json(json);
-  return kDone;
+  const ChosenScene chosen = a.scene.choose(brought);
+  const Scene& scene = chosen.scene;
+  Provenance provenance;
+  provenance.in(chosen).seed("trials", a.seed);
+  if (learned.file) {
+    refuse_other_scaling(trained_on(*learned.file).scaling, a.controller, scene, a.other_scaling);
+    provenance.read(a.controller);  // it names its weights by their hash
+  }
+  const std::string notes =
+      trained_starts_note(learned.trained_starts, a.trials) +
+      (a.supervise ? supervisor_note(supervisor_limits(scene, scene_scaling(scene))) : "");
+  if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
+  if (!a.output.text()) fmt::print(stderr, "{}", notes);
+  std::fflush(stdout);  // the trials take long
+
+  watch_for_interrupt();
+  std::vector<Tried> all = to_try(a, learned, scene);
+  for (Tried& tried : all) run(a, scene, tried);
+  if (interrupted()) {
+    std::string done;
+    for (const Tried& tried : all)
+      done += fmt::format("{}{} of {} trials of {}", done.empty() ? "" : ", ", tried.results.size(),
+                          a.trials, tried.name);
+    provenance.partial(done);
+    while (all.size() > 1 && all.back().results.empty()) all.pop_back();
+  }
+  if (a.output.text()) {
+    tell(all);
+    fmt::print("{}", provenance.foot());
+  } else {
+    print_result(a.output, to_json(a, scene, learned, all), "rows", provenance);
+  }
+  if (!a.trials_out.empty()) {
+    Json rows = Json::array();
+    for (const Tried& tried : all) add_trials(tried.name, tried.results, rows);
+    write_text(a.trials_out, csv_text(rows, provenance));
+  }
+  return interrupted() ? kInterrupted : kDone;
 }
 
 }  // namespace
@@ -65,7 +147,8 @@ void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
   verb->add_option("controller", a->controller, "Controller file")->type_name("FILE.json");
-  a->scene.add_to(*verb, "demo");
+  a->scene.add_to(*verb, "demo", "the controller's training");
+  add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many")
       ->capture_default_str()
       ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
@@ -75,7 +158,12 @@ void add_evaluate(CLI::App& app, Run& run) {
       ->check(CLI::IsMember({"constant-velocity"}));
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");
-  add_json(*verb, a->json);
+  verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
+      ->type_name("FILE.csv");
+  add_output(*verb, a->output);
+  add_examples(*verb,
+               {"evaluate controller.json --trials 200 --baseline constant-velocity",
+                "evaluate controller.json --scene tight --supervise --trials-out trials.csv"});
   verb->callback([a, &run] { run = [a] { return evaluate_verb(*a); }; });
 }
 

@@ -4,6 +4,7 @@
 #include "app/verb.hpp"
 #include "controller/c_header.hpp"
 #include "learn/torch_policy.hpp"
+#include "sim/scene/written_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -27,14 +28,16 @@ int export_verb(const ExportArguments& a) {
   }
   const std::string header = c_header(controller, a.controller);
   Json written = Json::array();
-  const auto write = [&](const std::string& file, const std::string& text) {
-    if (file.empty()) return;
-    write_text(file, text);
+  std::vector<std::unique_ptr<WrittenFile>> files;  // all of them get their names, or none
+  using Output = std::pair<const std::string&, const std::string&>;
+  for (const auto& [file, text] : {Output(a.torchscript, script), Output(a.header, header)}) {
+    if (file.empty()) continue;
+    files.push_back(std::make_unique<WrittenFile>(file, text));
     written.push_back(file);
-    if (!a.json) fmt::print("wrote {}\n", file);
-  };
-  write(a.torchscript, script);
-  write(a.header, header);
+  }
+  for (const auto& file : files) file->commit();
+  for (const auto& file : written)
+    if (!a.json) fmt::print("wrote {}\n", file.get<std::string>());
   if (a.json) print_json({{"controller", a.controller}, {"written", written}});
   return kDone;
 }
@@ -52,6 +55,8 @@ void add_export(CLI::App& app, Run& run) {
   verb->add_option("--header", a->header, "C99, for a machine's own controller")
       ->type_name("FILE.h");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_examples(*verb, {"export controller.json --header controller.h",
+                       "export policy.json --torchscript policy.pt"});
   verb->callback([a, &run] { run = [a] { return export_verb(*a); }; });
 }
 

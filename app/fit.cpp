@@ -5,15 +5,18 @@
 #include <filesystem>
 
 #include "app/law_plot.hpp"
+#include "app/trained.hpp"
 #include "app/training_plot.hpp"
 #include "app/verb.hpp"
+#include "controller/statistics.hpp"
 #include "learn/candidates.hpp"
+#include "learn/fit_warnings.hpp"
 
 namespace ferrule {
 namespace {
 
 struct FitArguments {
-  std::string folder, method = "ceres", out, plot;
+  std::string folder, method = "ceres", out, plot, seeds;
   std::map<std::string, std::string> options;  // of all learners, by flag
   std::uint64_t seed = 1;
   bool json = false;
@@ -44,7 +47,9 @@ void add_options(CLI::App& verb, const Learner& learner,
   for (const LearnerOption& option : learner.options) {
     std::string& value = values[option.flag] = option.value;
     auto* added = verb.add_option(option.flag, value, option.help)->capture_default_str();
-    if (option.choices.empty())
+    if (option.most == LearnerOption::kSeed)
+      added->type_name("UINT")->check(seed_rule());
+    else if (option.choices.empty())
       added->type_name("UINT")->check(CLI::Range(option.least, option.most));
     else
       added->check(CLI::IsMember(option.choices));
@@ -61,15 +66,17 @@ void expect_place_for(const std::string& file) {
     throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
 }
 
-Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArguments& a) {
-  const LearnerSettings settings{a.seed, a.options};
-  std::optional<Progress> progress;
-  if (const std::size_t steps = learner.steps(settings)) progress.emplace("training", steps);
+Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArguments& a,
+               std::uint64_t seed) {
+  Progress progress("fitting", 1);
   try {
-    return learner.learn(set, settings, [&](std::size_t done, const std::string& note) {
-      if (progress) (*progress)(done, note);
-    });
+    return learner.learn(set, {seed, a.options},
+                         [&](std::size_t done, std::size_t all, const std::string& note) {
+                           progress(done, note, all);
+                           return !interrupted();
+                         });
   } catch (const BadInput& error) {
+    if (interrupted()) throw Stopped();
     throw BadInput(a.folder + ": " + error.what());
   }
 }
@@ -82,23 +89,99 @@ void draw(const std::string& file, const DemonstrationSet& set, const Learned& r
   fmt::print(stderr, "wrote {}\n", file);
 }
 
+// The line before the fit: which scenes the episodes are of.
+std::string scenes_told(const DemonstrationSet& set) {
+  const auto of = [](const Json& document) {
+    return scene_text(document, changes_from_shipped(document));
+  };
+  if (set.undrawn_documents.size() == 1)
+    return "scene " + of(set.undrawn_documents.front()) + ", of all episodes\n";
+  return fmt::format("episodes of {} different scenes: {}\n", set.undrawn_documents.size(),
+                     fmt::join(set.scenes, ", "));
+}
+
+// A number of a fit under several seeds.
+struct OverSeeds {
+  std::string name;
+  std::vector<double> values;
+};
+
+// What each seed of --seeds makes of the same demonstrations: held-out residual, and gains of a law.
+std::vector<OverSeeds> over_seeds(const Learner& learner, const DemonstrationSet& set,
+                                  const FitArguments& a) {
+  std::vector<OverSeeds> all;
+  if (a.seeds.empty()) return all;
+  const auto add = [&](const std::string& name, double value) {
+    const auto place =
+        std::find_if(all.begin(), all.end(), [&](const OverSeeds& o) { return o.name == name; });
+    (place == all.end() ? all.emplace_back(OverSeeds{name, {}}) : *place).values.push_back(value);
+  };
+  for (const std::uint64_t seed : parse_seeds(a.seeds)) {
+    if (interrupted()) break;
+    const Learned result = fitted(learner, set, a, seed);
+    if (trained_on(result.controller).partial) break;
+    add("held-out residual [mm/s]",
+        1e3 * std::visit([](const auto& c) { return c.held_out_residual; }, result.controller));
+    const auto* law = std::get_if<LawFile>(&result.controller);
+    for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
+      const Gain& gain = gain_table(law->kind)[i];
+      add(fmt::format("{} [{}]", gain.name, gain.unit), law->gains[i].value);
+    }
+  }
+  return all;
+}
+
+std::string to_text(const std::vector<OverSeeds>& all) {
+  std::string text;
+  if (!all.empty())
+    text = fmt::format("{:<32} {:>5} {:>12} {:>12} {:>12}\n", "over seeds of split and fit",
+                       "seeds", "lowest", "median", "highest");
+  for (const auto& [name, values] : all)
+    text += fmt::format("{:<32} {:>5} {:>12.5g} {:>12.5g} {:>12.5g}\n", name, values.size(),
+                        quantile(values, 0), quantile(values, 0.5), quantile(values, 1));
+  return text;
+}
+
+// Where a fit goes that Ctrl-C stopped: never over one that is whole.
+std::string partial_file(const std::string& file) {
+  return std::filesystem::path(file).replace_extension(".partial.json").string();
+}
+
 int fit_verb(const FitArguments& a) {
   const Learner& learner = chosen_learner(a.method);
   expect_place_for(a.out);
   if (!a.plot.empty()) expect_place_for(a.plot);
   for (const std::string& file : learner.files(a.out)) expect_place_for(file);
-  const DemonstrationSet set = load_demonstrations(a.folder);
-  const Learned result = fitted(learner, set, a);
+  watch_for_interrupt();
+  const DemonstrationSet set = load_demonstrations(a.folder, Loading());
+  if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is fitted
+  const Learned result = fitted(learner, set, a, a.seed);
+  const bool partial = trained_on(result.controller).partial;
+  const std::string out = partial ? partial_file(a.out) : a.out;
   if (set.scenes.size() > 1)
     fmt::print(stderr, "note: the episodes are of {} different scenes: {}\n", set.scenes.size(),
                fmt::join(set.scenes, ", "));
-  write_controller(a.out, result.controller);
+  write_controller(out, result.controller);
   if (!a.plot.empty()) draw(a.plot, set, result);
-  if (a.json)
-    print_json(parse_json(read_text(a.out), a.out));
-  else
-    fmt::print("{}wrote {}\n", result.report, a.out);
-  return kDone;
+  std::string notes;
+  for (const std::string& warning : fit_warnings(set, result.controller))
+    notes += "warning: " + warning + "\n";
+  if (a.json) fmt::print(stderr, "{}", notes);
+  Provenance provenance;
+  provenance.seed("split and fit", a.seed);
+  for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
+  const std::vector<OverSeeds> spread = over_seeds(learner, set, a);
+  if (partial) provenance.partial("the best of the fit so far, in " + out);
+  if (!partial && interrupted()) provenance.partial("the first of --seeds");
+  if (a.json) {
+    Json json = parse_json(read_text(out), out);
+    for (const auto& [name, values] : spread) json["over_seeds"][name] = values;
+    print_json(json, provenance);
+  } else {
+    fmt::print("{}{}{}{}{}wrote {}\n{}", scenes_told(set), provenance.head(), result.report,
+               to_text(spread), notes, out, provenance.foot());
+  }
+  return interrupted() ? kInterrupted : kDone;
 }
 
 }  // namespace
@@ -115,7 +198,13 @@ void add_fit(CLI::App& app, Run& run) {
       ->type_name("FILE.svg");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
+  add_seeds(*verb, a->seeds,
+            "Fit with each of these too, and say how far results and gains spread; the file is of "
+            "--seed");
   verb->add_flag("--json", a->json, "The controller file on stdout as well");
+  add_examples(*verb,
+               {"fit episodes --out controller.json",
+                "fit episodes --method torch --dagger 3 --plot training.svg --out policy.json"});
   verb->callback([a, verb, &run] {
     refuse_others(*verb, chosen_learner(a->method));
     run = [a] { return fit_verb(*a); };

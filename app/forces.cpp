@@ -12,7 +12,7 @@ struct ForcesArguments {
   SceneArguments scene;
   std::string form, gap, length, depth, plot;
   double tilt_mrad = 0, speed_um_s = 10;
-  bool json = false;
+  Output output;
 };
 
 std::vector<double> lengths(const std::string& text, const std::string& option) {
@@ -63,10 +63,10 @@ void check_fits(const World& world, double gap_nm, double length_um, double tilt
 
 // Nothing is left out. The settings are those of the form asked for.
 Scene scene_in_form(const ForcesArguments& a) {
-  if (a.form.empty()) return load_scene(a.scene.scene, a.scene.settings);
-  Scene scene = load_scene(a.scene.scene, {});
+  if (a.form.empty()) return a.scene.load();
+  Scene scene = load_scene(a.scene.name(), {});
   for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
-  const std::string file = a.scene.scene + " with --form " + a.form;
+  const std::string file = a.scene.name() + " with --form " + a.form;
   set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
   return parse_scene(scene.document, file);
 }
@@ -112,11 +112,17 @@ int forces_verb(const ForcesArguments& a) {
   const Grid asked = grid(a);
   const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
   if (!a.plot.empty()) write_plot(a.plot, force_plot(rows, swept(asked), scene.name));
-  if (a.json)
-    print_json({{"scene", scene.name},
-                {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}});
-  else
+  Provenance provenance;
+  provenance.in({scene, scene_file(a.scene.name())});
+  if (a.output.text()) {
+    fmt::print("{}", provenance.head());
     print_table(rows, scene.world.laws);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output,
+               {{"scene", scene.name},
+                {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}},
+               "rows", provenance);
   return kDone;
 }
 
@@ -143,8 +149,10 @@ void add_forces(CLI::App& app, Run& run) {
                    "Speed that drag is given for: along the bore, and towards the wall (squeeze)")
       ->capture_default_str()
       ->check(number_between(0, 1e9));
-  add_json(*verb, a->json);
+  add_output(*verb, a->output);
   verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
+  add_examples(*verb, {"forces --scene paper --gap-nm 1:500:50:log --plot gap.svg",
+                       "forces --scene demo --depth-nm 0:12:13 --csv"});
   verb->callback([a, &run] { run = [a] { return forces_verb(*a); }; });
 }
 

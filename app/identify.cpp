@@ -5,11 +5,11 @@
 
 #include "app/verb.hpp"
 #include "learn/shuffle.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr const char* kRecorded = "recorded";
 constexpr std::size_t kEpisodes = 4;
 constexpr double kNoted = 0.9;  // correlation that is noted
 
@@ -18,38 +18,36 @@ struct IdentifyArguments {
   std::string folder;
   std::vector<std::string> parameters;
   std::uint64_t seed = 1;
-  bool json = false;
+  Output output;
 };
 
 struct Chosen {
   std::vector<Recording> recordings;
-  Scene scene;
+  ChosenScene scene;
 };
 
 // Up to kEpisodes episodes of the folder, and the scene to start from.
-Chosen choose(const IdentifyArguments& a) {
+Chosen choose(const IdentifyArguments& a, Provenance& provenance) {
   Chosen chosen;
-  Json recorded;
+  BroughtScene brought{{}, a.folder + " was recorded in", ""};
   const std::vector<std::string> files = episode_files(a.folder);
   for (const std::size_t drawn : shuffled(files.size(), a.seed)) {
     if (chosen.recordings.size() == kEpisodes) break;
     const std::string& file = files[drawn];
     const Episode episode = read_episode(file);
     if (episode.rows.rows() < 2) continue;
-    const Json document = parse_json(episode.info.scene, file);
-    if (!recorded.is_null() && document != recorded && a.scene.scene == kRecorded)
-      throw BadInput(file +
-                     ": was recorded in another scene than the others; choose the one to "
-                     "start from with --scene");
-    recorded = document;
+    end_if_interrupted();
+    provenance.read(file);
+    const Json document = undrawn(parse_json(episode.info.scene, file));
+    if (!chosen.recordings.empty() && document != brought.document)
+      brought.open = file + ": was recorded in another scene than the others";
+    brought.document = document;
     chosen.recordings.push_back(recording(episode, file));
   }
-  if (a.scene.scene != kRecorded) {
-    chosen.scene = a.scene.load();
-  } else if (!recorded.is_null()) {
-    for (const std::string& setting : a.scene.settings) apply_setting(recorded, setting);
-    chosen.scene = parse_scene(recorded, a.folder + ": the recorded scene");
-  }
+  if (chosen.recordings.empty()) throw BadInput(a.folder + ": too few episodes: none");
+  if (!brought.open.empty()) brought.document = nullptr;
+  chosen.scene = a.scene.choose(brought);
+  provenance.in(chosen.scene).seed("episodes and starts", a.seed);
   return chosen;
 }
 
@@ -75,7 +73,7 @@ Json to_json(const IdentifyArguments& a, const Chosen& chosen, const Identificat
   for_each_pair(found, [&](const std::string& one, const std::string& other, double r) {
     correlations.push_back({{"a", one}, {"b", other}, {"correlation", r}});
   });
-  return {{"scene", chosen.scene.name},
+  return {{"scene", chosen.scene.scene.name},
           {"episodes", json_list(chosen.recordings, [](const Recording& r) { return r.file; })},
           {"rows", found.rows},
           {"seed", a.seed},
@@ -118,18 +116,37 @@ void print(const Chosen& chosen, const Identification& found) {
 }
 
 int identify_verb(const IdentifyArguments& a) {
-  const Chosen chosen = choose(a);
+  watch_for_interrupt();
+  Provenance provenance;
+  const Chosen chosen = choose(a, provenance);
   Identification found;
+  std::optional<Progress> progress_shown(std::in_place, "identifying", 1);
+  Progress& progress = *progress_shown;
   try {
-    found = identify(chosen.recordings, chosen.scene, a.parameters, a.seed);
+    found = identify(chosen.recordings, chosen.scene.scene, a.parameters, a.seed,
+                     [&](std::size_t done, std::size_t all) {
+                       progress(done, "", all);
+                       return !interrupted();
+                     });
   } catch (const BadInput& error) {
+    end_if_interrupted();
     throw BadInput(a.folder + ": " + error.what());
   }
-  if (a.json)
-    print_json(to_json(a, chosen, found));
-  else
+  progress_shown.reset();
+  if (found.partial) provenance.partial("the best of the identification so far");
+  if (a.output.text()) {
+    fmt::print("{}", provenance.head());
     print(chosen, found);
-  return kDone;
+    fmt::print("{}", provenance.foot());
+  }
+  Json json = to_json(a, chosen, found);
+  for (const auto& [key, value] : json["parameters"].items()) {
+    Json row = {{"parameter", key}};
+    row.update(value);
+    json["table"].push_back(row);
+  }
+  print_result(a.output, json, "table", provenance);
+  return found.partial ? kInterrupted : kDone;
 }
 
 }  // namespace
@@ -143,9 +160,12 @@ void add_identify(CLI::App& app, Run& run) {
       ->required()
       ->delimiter(',')
       ->type_name("KEY,KEY,...");
-  a->scene.add_to(*verb, kRecorded);
+  a->scene.add_to(*verb, "", "the episodes");
   add_seed(*verb, a->seed, "Seed of the episodes that are taken and of the random starts");
-  add_json(*verb, a->json);
+  add_output(*verb, a->output);
+  add_examples(*verb, {"identify episodes --parameters laws.friction.burgers_nm",
+                       "identify episodes --parameters ferrule.bore_diameter_um --set "
+                       "ferrule.bore_diameter_um=126.2"});
   verb->callback([a, &run] { run = [a] { return identify_verb(*a); }; });
 }
 

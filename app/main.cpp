@@ -1,8 +1,11 @@
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <iostream>
 #include <optional>
+#include <system_error>
 
+#include "app/standard_streams.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "haptic/trouble.hpp"
@@ -12,6 +15,7 @@ namespace {
 
 void add_verbs(CLI::App& app, Run& run) {
   add_demo(app, run);
+  add_scene(app, run);
   add_forces(app, run);
   add_contact(app, run);
   add_plan(app, run);
@@ -30,7 +34,8 @@ void add_verbs(CLI::App& app, Run& run) {
 }
 
 int refused(const std::string& why, ExitCode code) {
-  fmt::print(stderr, "ferrule: {}\n", why);
+  constexpr std::size_t kLongest = 1000;
+  fmt::print(stderr, "ferrule: {}\n", printable(why, kLongest));
   return code;
 }
 
@@ -58,12 +63,20 @@ int exit_code(const Run& run) {
     const int code = run();
     std::cout.flush();
     if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
-      return refused("standard output cannot be written", kFileTrouble);
+      return refused("standard output cannot be written",
+                     interrupted() ? kInterrupted : kFileTrouble);
     return code;
+  } catch (const Stopped& stopped) {
+    return refused("stopped before the end: " + stopped.kept, kInterrupted);
   } catch (const BadInput& error) {
     return refused(error.what(), kBadInput);
   } catch (const DeviceTrouble& trouble) {
     return refused(trouble.what(), kDeviceTrouble);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return refused(error.what(), kFileTrouble);
+  } catch (const std::system_error& error) {  // of fmt, which prints; a closed terminal ends it too
+    return refused(fmt::format("standard output cannot be written: {}", error.code().message()),
+                   interrupted() ? kInterrupted : kFileTrouble);
   } catch (const std::bad_alloc&) {
     return refused("out of memory", kFileTrouble);
   } catch (const std::exception& error) {  // FileTrouble, and what nobody foresaw
@@ -76,10 +89,12 @@ int exit_code(const Run& run) {
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): only without memory
   using namespace ferrule;
+  secure_standard_streams();
   CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
                "ferrule");
   app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
   app.require_subcommand(1);
+  remember_command(argc, argv);
   Run run;
   add_verbs(app, run);
   if (const std::optional<int> code = parse(app, argc, argv)) return *code;

@@ -15,7 +15,7 @@ struct PlanArguments {
   SceneArguments scene;
   double tolerance = 0.01;
   std::string out;
-  bool json = false;
+  Output output;
 };
 
 const char* dynamics(const Plan& plan) {
@@ -72,15 +72,19 @@ void print(const Plan& plan, const std::vector<double>& costs) {
 
 int plan_verb(const PlanArguments& a) {
   // The tolerance asked for here, whatever the scene says.
-  const Scene scene = load_scene(a.scene.scene, a.scene.settings);
+  const Scene scene = a.scene.load();
   const Plan plan = make_plan(scene, a.tolerance);
   std::vector<double> costs;
   for (const PlannedTerm& term : plan.terms) costs.push_back(term_cost(plan, scene, term));
   if (!a.out.empty()) write_text(a.out, plan.document.dump(2) + "\n");
-  if (a.json)
-    print_json(to_json(plan, costs));
-  else
+  Provenance provenance;
+  provenance.in({scene, scene_file(a.scene.name())});
+  if (a.output.text()) {
+    fmt::print("{}", provenance.head());
     print(plan, costs);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, to_json(plan, costs), "terms", provenance);
   return holds(plan) ? kDone : kFailed;
 }
 
@@ -97,7 +101,9 @@ void add_plan(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(number_between(1e-6, 0.5));
   verb->add_option("--out", a->out, "Write the planned scene to a file")->type_name("FILE");
-  add_json(*verb, a->json);
+  add_output(*verb, a->output);
+  add_examples(*verb, {"plan --scene bench --tolerance 0.05",
+                       "plan --scene paper --out planned.json --json"});
   verb->callback([a, &run] { run = [a] { return plan_verb(*a); }; });
 }
 

@@ -5,7 +5,9 @@
 #include <cstring>
 #include <exception>
 
+#include "app/campaign_table.hpp"
 #include "app/recording.hpp"
+#include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
@@ -21,11 +23,12 @@ namespace {
 
 struct RecordArguments {
   SceneArguments scene;
-  std::string operator_ = "simulated", device, profile, out;
+  std::string operator_ = "simulated", device, profile, person, out;
   double skill = 0.8, gain = 1;
   int episodes = 20;
   std::uint64_t seed = 1;
   bool append = false, supervise = false, coupled = false, json = false, with_device = false;
+  bool other_scaling = false;
 };
 
 // How a device with force renders the scene. Throws BadInput where it cannot.
@@ -66,7 +69,8 @@ HandSettings hand_settings(const RecordArguments& a, const OpenDevice& device, c
 Json episode_json(const Recorded& r) {
   Json json = {{"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
                {"outcome", name(r.end.outcome)},
-               {"time_s", r.end.summary.time},
+               {"time_s", r.end.summary.task_time()},
+               {"recorded_s", r.end.summary.time},
                {"peak_force_uN", 1e6 * r.end.summary.peak_force},
                {"depth_um", 1e6 * r.end.summary.depth}};
   if (!r.end.why.empty()) json["why"] = r.end.why;
@@ -79,7 +83,7 @@ constexpr double kMuchMissed = 0.01;  // of the deadlines
 
 void tell(const Recorded& r) {
   fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
-             r.file.empty() ? "discarded" : r.file, name(r.end.outcome), r.end.summary.time,
+             r.file.empty() ? "discarded" : r.file, name(r.end.outcome), r.end.summary.task_time(),
              1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
              r.end.why.empty() ? "" : "  ", r.end.why);
   if (!r.timing) return;
@@ -116,7 +120,8 @@ struct Holding {
   MakeController make;  // empty without a controller
 };
 
-Holding holding(const RecordArguments& a, const Scene& scene) {
+Holding holding(const RecordArguments& a, const Scene& scene,
+                const std::optional<ControllerFile>& controller) {
   Holding h;
   h.scaling = scene_scaling(scene);
   const bool simulated = !a.with_device && a.operator_ == "simulated";
@@ -126,13 +131,14 @@ Holding holding(const RecordArguments& a, const Scene& scene) {
     if (!h.device->fake && h.device->driver->force && a.profile.empty())
       fmt::print(stderr, "note: no --profile: the device is taken to be a {}\n",
                  h.settings.profile.name);
-    h.name = operator_name(*h.device);
+    h.name = (a.person.empty() ? "" : a.person + ", ") + operator_name(*h.device);
   }
   if ((h.device || simulated) && a.supervise)
     throw BadInput("--supervise: needs a controller as --operator");
-  if (simulated) h.name = fmt::format("simulated, skill {}", a.skill);
+  if (simulated) h.name = simulated_operator_name(a.skill);
   if (h.device || simulated) return h;
-  h.make = load_controller(a.operator_);
+  refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
+  h.make = maker(*controller);
   if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene, h.scaling));
   h.name = "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
   return h;
@@ -141,6 +147,7 @@ Holding holding(const RecordArguments& a, const Scene& scene) {
 // What was recorded so far.
 struct Recordings {
   Json list = Json::array();
+  std::size_t kept = 0;  // not discarded
   std::size_t inserted = 0, infeasible = 0;
   bool lost = false;           // the device
   std::exception_ptr trouble;  // with the device, after the first episode
@@ -148,36 +155,28 @@ struct Recordings {
 
 // One episode. Empty: the operator ended the recording instead. Throws DeviceTrouble, FileTrouble.
 std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& holding,
-                                       const FeasibleTrial& drawn, int number,
+                                       const FeasibleTrial& drawn, EpisodeClaim claim,
                                        std::optional<Keys>& keys) {
   const Scene& scene = *drawn.scene;
   const State start = draw_start(scene, a.seed, drawn.trial);
-  const EpisodePlace place{holding.name, a.out, number, a.seed, drawn.trial};
+  EpisodePlace place{holding.name, std::move(claim), a.seed, drawn.trial};
   if (holding.device)
-    return record_by_hand(*holding.device, holding.settings, scene, start, place, *keys);
+    return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
   if (!holding.make) {
     const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
-    return record_one(scene, start, *hand, place);
+    return record_one(scene, start, *hand, std::move(place));
   }
   const Scaling& scaling = holding.scaling;
   const std::unique_ptr<Controller> controller = holding.make(drawn.trial);
   ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
                       1.1 * scaling.motion * scene.success.depth);
-  return record_one(scene, start, hand, place);
-}
-
-FeasibleTrial drawn_for(const RecordArguments& a, const Scene& toleranced, int number) {
-  try {
-    return feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-  } catch (const BadInput&) {
-    unclaim(a.out, number);
-    throw;
-  }
+  return record_one(scene, start, hand, std::move(place));
 }
 
 void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.lost = r.end.lost;
+  all.kept += !r.file.empty();
   all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
   all.list.push_back(episode_json(r));
@@ -194,12 +193,14 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
   int next = first;
   for (int i = 0; i < a.episodes && !interrupted() && !all.lost;) {
-    const int number = claim_episode(a.out, next);
-    const FeasibleTrial drawn = drawn_for(a, toleranced, number);
+    EpisodeClaim claim(a.out, next);
+    const int number = claim.number();
+    const FeasibleTrial drawn =
+        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
     std::optional<Recorded> r;
     try {
-      r = record_episode(a, holding, drawn, number, keys);
+      r = record_episode(a, holding, drawn, std::move(claim), keys);
     } catch (const DeviceTrouble&) {
       if (all.list.empty()) throw;
       all.trouble = std::current_exception();  // what there is already is printed first
@@ -216,32 +217,50 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
 }
 
 int record_verb(const RecordArguments& a) {
-  const Scene toleranced = a.scene.load();
-  const Holding who = holding(a, toleranced);
+  const bool by_controller = !a.with_device && a.operator_ != "simulated";
+  std::optional<ControllerFile> controller;
+  Provenance provenance;
+  if (by_controller) {
+    controller = read_controller(a.operator_);
+    provenance.read(a.operator_);
+  }
+  const ChosenScene chosen = a.scene.choose(
+      controller ? brought_by(trained_on(*controller), a.operator_) : BroughtScene());
+  const Scene& toleranced = chosen.scene;
+  provenance.in(chosen).seed("starts and operator", a.seed);
+  const Holding who = holding(a, toleranced, controller);
+  const std::string note =
+      a.supervise ? supervisor_note(supervisor_limits(toleranced, who.scaling)) : "";
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
+  if (!a.json) fmt::print("{}{}", provenance.head(), note);
+  if (a.json) fmt::print(stderr, "{}", note);
+  std::fflush(stdout);
   watch_for_interrupt();
   const Recordings all = record_all(a, toleranced, who, first);
+  if (interrupted())
+    provenance.partial(fmt::format("{} of {} episodes", all.list.size(), a.episodes));
   if (a.json)
     print_json({{"scene", toleranced.name},
                 {"operator", who.name},
                 {"episodes", all.list},
-                {"infeasible_pairs", all.infeasible}});
+                {"infeasible_pairs", all.infeasible}},
+               provenance);
   else
-    fmt::print("{} of {} episodes inserted\n", all.inserted, all.list.size());
+    fmt::print("{} of {} episodes inserted\n", all.inserted, all.kept);
   if (all.infeasible > 0 && !a.json)
     fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
+  if (!a.json) fmt::print("{}", provenance.foot());
   if (all.trouble) std::rethrow_exception(all.trouble);
   if (all.lost)
     throw DeviceTrouble(who.device->transport->info().path +
                         ": the device was lost; the running episode was ended and kept");
   if (!interrupted()) return kDone;
-  fmt::print(stderr,
-             "stopped by Ctrl-C: the running episode was ended and kept; {} of {} are there\n",
-             all.list.size(), a.episodes);
+  fmt::print(stderr, "stopped by {}: the running episode was ended and kept; {} of {} are there\n",
+             stopped_by(), all.kept, a.episodes);
   return kInterrupted;
 }
 
@@ -278,7 +297,8 @@ int recover_verb(const RecoverArguments& a) {
 void add_record(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("record", "Record demonstrations, one HDF5 file per episode");
   auto a = std::make_shared<RecordArguments>();
-  a->scene.add_to(*verb, "demo");
+  a->scene.add_to(*verb, "demo", "the controller's training");
+  add_other_scaling(*verb, a->other_scaling);
   auto* person = verb->add_option("--operator", a->operator_,
                                   "Who holds the fibre: \"simulated\", or a controller file")
                      ->capture_default_str()
@@ -316,8 +336,13 @@ void add_record(CLI::App& app, Run& run) {
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around the controller: limits, retreat and retry");
+  verb->add_option("--person", a->person,
+                   "Name of who holds the device; score sets nobody's episodes against another's")
+      ->needs(device);
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_examples(*verb, {"record --episodes 20 --seed 1 --out episodes",
+                       "record --scene bench --device auto --person Ada --out ada"});
   verb->callback([a, device, &run] {
     a->with_device = device->count() > 0;
     run = [a] { return record_verb(*a); };
@@ -329,6 +354,7 @@ void add_recover(CLI::App& app, Run& run) {
   auto a = std::make_shared<RecoverArguments>();
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   verb->add_flag("--json", a->json, "One JSON document on stdout");
+  add_examples(*verb, {"recover episodes", "recover episodes --json"});
   verb->callback([a, &run] { run = [a] { return recover_verb(*a); }; });
 }
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <filesystem>
 
 #include "app/verb.hpp"
 #include "insertion/hand_device.hpp"
@@ -41,7 +40,8 @@ std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettin
                                       const Scene& scene, const State& start,
                                       const EpisodePlace& place, Keys& keys) {
   if (keys.there()) {
-    fmt::print(stderr, "{}: space starts it, q ends the recording\n", episode_name(place.number));
+    fmt::print(stderr, "{}: space starts it, q ends the recording\n",
+               episode_name(place.claim.number()));
     // What the device reports meanwhile is not of this episode.
     if (keys.wait_for(" q", [&] { put_aside(device); }) != ' ') return nullptr;
     fmt::print(stderr, "it runs: space ends it, d discards it\n");
@@ -81,14 +81,9 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
   return found;
 }
 
-void unclaim(const std::string& folder, int number) {
-  std::filesystem::remove(folder + "/" + episode_name(number) + ".part");
-}
-
-Recorded record_one(const Scene& scene, const State& start, Device& device,
-                    const EpisodePlace& place) {
+Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = episode_info(scene, device, place);
-  Recorder recorder(place.folder, place.number, info);
+  Recorder recorder(std::move(place.claim), info);
   const InsertionEnd end =
       run_insertion(scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial),
                     {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
@@ -107,19 +102,10 @@ std::string operator_name(const OpenDevice& device) {
 }
 
 std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
-                                       const Scene& scene, const State& start,
-                                       const EpisodePlace& place, Keys& keys) {
-  std::unique_ptr<Device> hand;
-  try {
-    hand = begin_by_hand(device, settings, scene, start, place, keys);
-  } catch (const DeviceTrouble&) {
-    unclaim(place.folder, place.number);
-    throw;
-  }
-  if (!hand) {
-    unclaim(place.folder, place.number);
-    return std::nullopt;
-  }
+                                       const Scene& scene, const State& start, EpisodePlace place,
+                                       Keys& keys) {
+  std::unique_ptr<Device> hand = begin_by_hand(device, settings, scene, start, place, keys);
+  if (!hand) return std::nullopt;
   EpisodeInfo info = episode_info(scene, *hand, place);
   std::optional<ForceFeedback> feedback;
   if (const ForceDriver* const force = device.driver->force) {
@@ -129,7 +115,7 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
                      scene_scaling(scene).motion_to_hand(start.command), force->report_period,
                      force->motors(device.transport->info()));
   }
-  Recorder recorder(place.folder, place.number, info);
+  Recorder recorder(std::move(place.claim), info);
   bool discard = false, last = false;
   const auto [end, timing] = run_in_time(
       scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial),

@@ -31,17 +31,13 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
 
 // Which episode it is, and where it goes.
 struct EpisodePlace {
-  std::string operator_, folder;
-  int number;  // claimed
+  std::string operator_;
+  EpisodeClaim claim;  // is handed on to the recorder
   std::uint64_t seed, trial;
 };
 
-// Takes the empty journal of an episode that never began away.
-void unclaim(const std::string& folder, int number);
-
 // With a simulated hand or a controller, as fast as it goes. Throws FileTrouble.
-Recorded record_one(const Scene& scene, const State& start, Device& device,
-                    const EpisodePlace& place);
+Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place);
 
 // The operator of a recording with a device.
 std::string operator_name(const OpenDevice& device);
@@ -55,7 +51,7 @@ struct HandSettings {
 // With a person's hand, in time. At a terminal keys start, end, discard and rate the episode.
 // Empty: the operator ended the recording instead of beginning. Throws DeviceTrouble, FileTrouble.
 std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
-                                       const Scene& scene, const State& start,
-                                       const EpisodePlace& place, Keys& keys);
+                                       const Scene& scene, const State& start, EpisodePlace place,
+                                       Keys& keys);
 
 }  // namespace ferrule

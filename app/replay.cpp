@@ -2,6 +2,10 @@
 #include "capture/replay.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <array>
+#include <filesystem>
 
 #include "app/demonstration_plot.hpp"
 #include "app/verb.hpp"
@@ -10,75 +14,216 @@
 namespace ferrule {
 namespace {
 
+// What only inputs_sha1 covers.
+constexpr const char* kNotCovered[] = {"operator", "build",   "version",  "why",       "rating",
+                                       "loop",     "mapping", "coupling", "raw counts"};
+
 struct ReplayArguments {
-  std::string file, plot;
-  bool verify = false, json = false;
+  std::string path, plot;
+  double tolerance = 0;
+  bool verify = false;
+  Output output;
 };
 
-// What the first difference says of the recording, at length.
-std::string verdict(const std::optional<Difference>& d, const Episode& episode) {
+std::string told(const Difference& d, double period) {
+  const auto text = [](const Json& value) {
+    return value.is_null() ? std::string("not there")
+           : value.is_number_float()
+               ? fmt::format("{:.17g}", value.get<double>())
+               : printable(value.dump(-1, ' ', false, Json::error_handler_t::replace), 100);
+  };
+  return fmt::format("row {} (t = {:.3f} s): {} is {}, expected {}", d.row,
+                     static_cast<double>(d.row) * period, printable(d.column, 200),
+                     text(d.recorded), text(d.expected));
+}
+
+std::string makers(const EpisodeInfo& info) {
+  return fmt::format("recorded by ferrule {} ({}), this is {} ({})", printable(info.version, 40),
+                     printable(info.build, 80), program_version(), program_build());
+}
+
+// What the comparison says of the recording, at length.
+std::string verdict(const Verification& c, const Episode& episode) {
   const EpisodeInfo& info = episode.info;
-  if (!d) return fmt::format("identical: {} rows, every bit", episode.rows.rows());
-  std::string text =
-      fmt::format("differs first at row {} (t = {:.3f} s): {} is {:.17g}, expected {:.17g}", d->row,
-                  static_cast<double>(d->row) * info.period, d->column, d->recorded, d->expected);
-  if (info.build != program_build() || info.version != program_version())
-    text += fmt::format("; recorded by ferrule {} ({}), this is {} ({})", info.version, info.build,
-                        program_version(), program_build());
+  std::string text;
+  if (c.first)
+    text = "differs first at " + told(*c.first, info.period);
+  else if (c.largest)
+    text = fmt::format("within {:g}: {} rows, and all that is beside them", c.tolerance,
+                       episode.rows.rows());
+  else
+    text = fmt::format("identical: {} rows, every bit, and all that is beside them",
+                       episode.rows.rows());
+  if (c.tolerance > 0 && c.largest)
+    text += fmt::format("; the largest difference is {:.2g} of the largest number, at {}",
+                        c.largest->relative, told(*c.largest, info.period));
+  if (info.inputs_sha1.empty())
+    text += fmt::format("; not covered, as the recording has no hash of them: {}",
+                        fmt::join(kNotCovered, ", "));
+  if (c.first || c.largest) text += "; " + makers(info);
   return text;
 }
 
 Json to_json(const Difference& d) {
-  return {{"row", d.row}, {"column", d.column}, {"recorded", d.recorded}, {"expected", d.expected}};
+  return {{"row", d.row},
+          {"column", d.column},
+          {"recorded", d.recorded},
+          {"expected", d.expected},
+          {"relative", number_or_null(d.relative)}};
 }
 
-// Some forty rows, at the tip's scale.
+constexpr std::array<const char*, 10> kRowNames = {
+    "t_s", "x_um", "y_um", "z_um", "vx_um_s", "vy_um_s", "vz_um_s", "Fx_uN", "Fy_uN", "Fz_uN"};
+
+// Row n at the tip's scale, in the order of the names.
+std::array<double, kRowNames.size()> row_of(const Episode& episode, Eigen::Index n, double motion) {
+  const auto row = episode.rows.row(n);
+  const auto um = [&](int column) { return 1e6 * row[column]; };
+  return {row[kTime.begin],
+          um(kStates.begin),
+          um(kStates.begin + 1),
+          um(kStates.begin + 2),
+          um(kCommand.begin) / motion,
+          um(kCommand.begin + 1) / motion,
+          um(kCommand.begin + 2) / motion,
+          um(kHolder.begin),
+          um(kHolder.begin + 1),
+          um(kHolder.begin + 2)};
+}
+
+// Some forty rows.
 void print_rows(const Episode& episode, double motion) {
-  fmt::print("{:>8} {:>10} {:>10} {:>10} {:>9} {:>9} {:>9} {:>10} {:>10} {:>10}\n", "t_s", "x_um",
-             "y_um", "z_um", "vx_um_s", "vy_um_s", "vz_um_s", "Fx_uN", "Fy_uN", "Fz_uN");
+  for (const char* name : kRowNames) fmt::print(" {:>11}", name);
+  fmt::print("\n");
   const Eigen::Index stride = std::max<Eigen::Index>(1, episode.rows.rows() / 40);
   for (Eigen::Index n = 0; n < episode.rows.rows(); n += stride) {
-    const auto row = episode.rows.row(n);
-    const auto um = [&](int column) { return 1e6 * row[column]; };
-    fmt::print(
-        "{:8.3f} {:10.4f} {:10.4f} {:10.4f} {:9.3f} {:9.3f} {:9.3f} {:10.4f} {:10.4f} {:10.4f}\n",
-        row[kTime.begin], um(kStates.begin), um(kStates.begin + 1), um(kStates.begin + 2),
-        um(kCommand.begin) / motion, um(kCommand.begin + 1) / motion,
-        um(kCommand.begin + 2) / motion, um(kHolder.begin), um(kHolder.begin + 1),
-        um(kHolder.begin + 2));
+    for (const double x : row_of(episode, n, motion)) fmt::print(" {:>11.6g}", x);
+    fmt::print("\n");
   }
+}
+
+// All of them.
+Json rows_json(const Episode& episode, double motion) {
+  Json list = Json::array();
+  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n) {
+    Json& row = list.emplace_back();
+    const auto values = row_of(episode, n, motion);
+    for (std::size_t i = 0; i < values.size(); ++i) row[kRowNames[i]] = values[i];
+  }
+  return list;
+}
+
+// One recording, and what verifying it found.
+struct Replayed {
+  std::string file;
+  Episode episode;
+  Scene scene;
+  double time;  // that the task took, as record and score say it [s]
+  Verification compared{};
+};
+
+// Until the success depth was reached, or else to the end.
+double task_time(const Episode& episode, const Scene& scene) {
+  const Rows& rows = episode.rows;
+  for (Eigen::Index n = 0; n < rows.rows(); ++n)
+    if (-rows(n, kStates.begin) >= scene.success.depth) return rows(n, kStates.begin + 10);
+  return rows.rows() ? rows(rows.rows() - 1, kStates.begin + 10) : 0.0;
+}
+
+Replayed replayed(const ReplayArguments& a, const std::string& file) {
+  Replayed r{file, read_episode(file), {}, 0};
+  r.compared.tolerance = a.tolerance;
+  r.scene = recorded_scene(r.episode, file);
+  r.time = task_time(r.episode, r.scene);
+  if (a.verify) verify(r.episode, r.compared);
+  if (a.verify && !r.compared.over()) compare_file(file, r.episode, r.compared);
+  return r;
+}
+
+double recorded_time(const Episode& episode) {
+  const Eigen::Index rows = episode.rows.rows();
+  return rows ? episode.rows(rows - 1, kStates.begin + 10) : 0.0;  // the time of the state
+}
+
+Json to_json(const ReplayArguments& a, const Replayed& r) {
+  const EpisodeInfo& info = r.episode.info;
+  Json json = {{"file", r.file},
+               {"scene", r.scene.name},
+               {"operator", info.operator_},
+               {"seed", info.seed},
+               {"trial", info.trial},
+               {"outcome", name(info.outcome)},
+               {"rows", r.episode.rows.rows()},
+               {"time_s", r.time},
+               {"recorded_s", recorded_time(r.episode)},
+               {"version", info.version},
+               {"build", info.build}};
+  const Verification& compared = r.compared;
+  if (a.verify) {
+    json["identical"] = !compared.first && !compared.largest;
+    json["tolerance"] = a.tolerance;
+    json["within_tolerance"] = !compared.first;
+    json["not_covered"] = info.inputs_sha1.empty() ? Json(kNotCovered) : Json::array();
+  }
+  if (compared.first) json["difference"] = to_json(*compared.first);
+  if (compared.largest) json["largest_difference"] = to_json(*compared.largest);
+  return json;
+}
+
+void print(const ReplayArguments& a, const Replayed& r) {
+  const EpisodeInfo& info = r.episode.info;
+  fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s of {:.2f} s\n", r.file,
+             printable(r.scene.name, 60), printable(info.operator_, 100), name(info.outcome),
+             r.episode.rows.rows(), r.time, recorded_time(r.episode));
+  if (a.verify) fmt::print("{}\n", verdict(r.compared, r.episode));
+}
+
+// All episodes of a folder, one line each.
+int replay_folder(const ReplayArguments& a) {
+  if (!a.plot.empty()) throw BadInput("--plot: draws one episode; " + a.path + " is a folder");
+  watch_for_interrupt();
+  Provenance provenance;
+  Json list = Json::array();
+  std::size_t different = 0;
+  const std::vector<std::string> files = episode_files(a.path);
+  if (files.empty()) throw BadInput(a.path + ": no episodes in it");
+  Progress progress("replaying", files.size());
+  for (const std::string& file : files) {
+    if (interrupted()) break;
+    const Replayed r = replayed(a, file);
+    provenance.read(file);
+    list.push_back(to_json(a, r));
+    different += r.compared.first.has_value();
+    progress(list.size());
+    if (a.output.text()) print(a, r);
+  }
+  if (interrupted())
+    provenance.partial(fmt::format("{} of {} episodes", list.size(), files.size()));
+  if (a.output.text()) fmt::print("{}", provenance.foot());
+  print_result(a.output, {{"folder", a.path}, {"episodes", list}}, "episodes", provenance);
+  return interrupted() ? kInterrupted : different ? kFailed : kDone;
+}
+
+int replay_file(const ReplayArguments& a) {
+  const Replayed r = replayed(a, a.path);
+  if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(r.episode, r.scene));
+  Provenance provenance;
+  provenance.in({r.scene, "", ", as recorded"}).seed("start and operator", r.episode.info.seed);
+  provenance.read(a.path);
+  if (a.output.text()) {
+    fmt::print("{}", provenance.head());
+    print(a, r);
+    if (!a.verify) print_rows(r.episode, scene_scaling(r.scene).motion);
+    fmt::print("{}", provenance.foot());
+  }
+  Json json = to_json(a, r);
+  if (a.output.csv) json["table"] = rows_json(r.episode, scene_scaling(r.scene).motion);
+  print_result(a.output, json, "table", provenance);
+  return r.compared.first ? kFailed : kDone;
 }
 
 int replay_verb(const ReplayArguments& a) {
-  const Episode episode = read_episode(a.file);
-  const EpisodeInfo& info = episode.info;
-  const Eigen::Index rows = episode.rows.rows();
-  const double time = rows ? episode.rows(rows - 1, kTime.begin) : 0.0;
-  const Scene scene = recorded_scene(episode, a.file);
-  if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(episode, scene));
-  std::optional<Difference> different;
-  if (a.verify && !(different = verify(episode))) different = derived_difference(a.file, episode);
-  if (a.json) {
-    Json json = {{"file", a.file},
-                 {"scene", scene.name},
-                 {"operator", info.operator_},
-                 {"outcome", name(info.outcome)},
-                 {"rows", rows},
-                 {"time_s", time},
-                 {"version", info.version},
-                 {"build", info.build}};
-    if (a.verify) json["identical"] = !different.has_value();
-    if (different) json["difference"] = to_json(*different);
-    print_json(json);
-  } else {
-    fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s\n", a.file, scene.name, info.operator_,
-               name(info.outcome), rows, time);
-    if (a.verify)
-      fmt::print("{}\n", verdict(different, episode));
-    else
-      print_rows(episode, scene_scaling(scene).motion);
-  }
-  return different ? kFailed : kDone;
+  return std::filesystem::is_directory(a.path) ? replay_folder(a) : replay_file(a);
 }
 
 }  // namespace
@@ -86,12 +231,22 @@ int replay_verb(const ReplayArguments& a) {
 void add_replay(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("replay", "Play a recorded episode again");
   auto a = std::make_shared<ReplayArguments>();
-  verb->add_option("episode", a->file, "Episode file")->required()->type_name("FILE.h5");
-  verb->add_flag("--verify", a->verify,
-                 "Drive the simulator from the recorded hand and compare bit for bit; exit code 1 "
-                 "at a difference");
+  verb->add_option("episode", a->path, "Episode file, or a folder of them")
+      ->required()
+      ->type_name("FILE.h5|DIR");
+  auto* verify = verb->add_flag(
+      "--verify", a->verify,
+      "Drive the simulator from the recorded hand and compare bit for bit; exit code 1 "
+      "at a difference");
+  verb->add_option("--tolerance", a->tolerance,
+                   "How far numbers may be apart, of the largest of their unit: for recordings of "
+                   "another build or compiler")
+      ->needs(verify)
+      ->check(number_between(0, 1));
   verb->add_option("--plot", a->plot, "Draw velocity and forces over time")->type_name("FILE.svg");
-  add_json(*verb, a->json);
+  add_output(*verb, a->output);
+  add_examples(*verb,
+               {"replay episodes/episode_0001.h5 --plot episode.svg", "replay episodes --verify"});
   verb->callback([a, &run] { run = [a] { return replay_verb(*a); }; });
 }
 

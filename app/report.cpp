@@ -106,7 +106,7 @@ std::string recorded_table(const Report& r) {
     for (; i < r.recorded.size() && r.recorded[i].skill == skill; ++i, ++episodes) {
       const Recorded& one = r.recorded[i].recorded;
       inserted += one.end.outcome == Outcome::inserted;
-      time.push_back(one.end.summary.time);
+      time.push_back(one.end.summary.task_time());
       force.push_back(1e6 * one.end.summary.peak_force);
     }
     html += fmt::format(
@@ -154,6 +154,26 @@ std::string summary_section(const Report& r, const CampaignSummary& learned,
              escaped(scene.name), r.seed, 1e6 * scene.start.distance, 1e6 * scene.start.lateral_sd,
              1e3 * scene.start.tilt_sd, 1e6 * scene.limits.force, r.record_seconds, r.fit_seconds,
              r.evaluate_seconds);
+}
+
+// Every input that is not as in the shipped scene that is nearest.
+std::string inputs_section(const Report& r) {
+  const SceneChanges of = changes_from_shipped(r.scene->document);
+  std::string html = "<h2>The inputs</h2>\n<p>";
+  if (of.changes.empty())
+    return html + fmt::format("All inputs are those of the shipped scene <code>{}</code>.</p>\n",
+                              escaped(of.from));
+  html += fmt::format(
+      "All inputs are those of the shipped scene <code>{}</code>, but for these:</p>\n<table><tr>"
+      "<th>key</th><th>here</th><th>in {}</th></tr>\n",
+      escaped(of.from), escaped(of.from));
+  const auto text = [](const Json& value) {
+    return value.is_null() ? std::string("none") : escaped(value.dump());
+  };
+  for (const SceneChange& c : of.changes)
+    html += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n", escaped(c.key),
+                        text(c.value), text(c.shipped));
+  return html + "</table>\n";
 }
 
 std::string forces_section(const Scene& scene) {
@@ -215,16 +235,15 @@ std::string commands_section(const Report& r) {
              "./ferrule evaluate controller.json {0} --trials {2} --seed {3} "
              "--baseline constant-velocity",
              r.scene_arguments, r.seed, r.learned.size(), r.trial_seed())) +
-         fmt::format("</pre>\n<p>ferrule {}, {}.</p>\n", program_version(),
-                     escaped(program_build()));
+         "</pre>\n<p>" + escaped(r.provenance.head() + r.provenance.foot()) + "</p>\n";
 }
 
 }  // namespace
 
 void write_report(const std::string& file, const Report& r) {
   const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
-  write_text(file, kHead + summary_section(r, learned, baseline) + forces_section(*r.scene) +
-                       demonstrations_section(r) + law_section(r.fit) +
+  write_text(file, kHead + summary_section(r, learned, baseline) + inputs_section(r) +
+                       forces_section(*r.scene) + demonstrations_section(r) + law_section(r.fit) +
                        trials_section(r, learned, baseline) + commands_section(r) +
                        "</body></html>\n");
 }

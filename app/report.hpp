@@ -1,6 +1,7 @@
 // The report of a demo: one HTML file that opens from disk and needs no network.
 #pragma once
 
+#include "app/provenance.hpp"
 #include "app/recording.hpp"
 #include "controller/campaign.hpp"
 #include "learn/fit_law.hpp"
@@ -9,6 +10,7 @@ namespace ferrule {
 
 struct Report {
   const Scene* scene = nullptr;
+  Provenance provenance;
   std::string scene_arguments;  // that the program was called with
   std::uint64_t seed = 0;
   struct OfSkill {

@@ -9,8 +9,11 @@
 #include <cmath>
 #include <iostream>
 #include <mutex>
+#include <thread>
 
+#include "app/csv.hpp"
 #include "app/keys.hpp"
+#include "app/scene_keys.hpp"
 #include "sim/plan/plan.hpp"
 
 namespace ferrule {
@@ -19,15 +22,15 @@ namespace {
 // Ctrl-C, kill, a terminal that was closed, Ctrl-backslash.
 constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
-std::atomic<bool> g_interrupted = false;
-static_assert(std::atomic<bool>::is_always_lock_free);  // for the signal handler
+std::atomic<int> g_interrupted = 0;                    // the signal
+static_assert(std::atomic<int>::is_always_lock_free);  // for the signal handler
 
-void on_interrupt(int) {
+void on_interrupt(int which) {
   if (g_interrupted) {
     restore_terminal();
     ::_exit(kInterrupted);
   }
-  g_interrupted = true;
+  g_interrupted = which;
 }
 
 double parse_number(const std::string& text, const std::string& option) {
@@ -44,10 +47,14 @@ double parse_number(const std::string& text, const std::string& option) {
 
 }  // namespace
 
-void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
-  scene = default_scene;
-  verb.add_option("--scene", scene, "Scene file, or the name of one that ships with the program")
-      ->capture_default_str()
+void SceneArguments::add_to(CLI::App& verb, const std::string& usual_scene,
+                            const std::string& brought) {
+  usual = usual_scene;
+  verb.add_option("--scene", scene,
+                  "Scene file, or the name of one that ships with the program; unless given " +
+                      (brought.empty() ? usual
+                       : usual.empty() ? "that of " + brought
+                                       : "that of " + brought + ", without one " + usual))
       ->type_name("NAME|FILE");
   verb.add_option("--set", settings, "Change one value of the scene; may be given again")
       ->type_name("KEY=VALUE")
@@ -56,36 +63,153 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& default_scene) {
 }
 
 Scene SceneArguments::load() const {
-  Scene loaded = planned(load_scene(scene, settings));
-  const auto number = [&](const char* key) { return loaded.document.value(key, 0.0); };
-  if (const double bound = number("planned_error_bound"); bound > number("planned_accuracy"))
+  for (const std::string& setting : settings) refuse_unknown_key(setting);
+  if (settings.empty()) return load_scene(name());
+  const std::string file = scene_file(name());
+  Json document = parse_json(read_text(file), file);
+  for (const std::string& setting : settings) apply_with_tolerance(document, setting);
+  Scene changed = parse_scene(document, file + " with --set");
+  refuse_contradictions(changed, file + " with --set");
+  return changed;
+}
+
+namespace {
+
+// Whoever reads no more than stderr is told too.
+void note_accuracy(const Json& document) {
+  const double bound = document.value("planned_error_bound", 0.0);
+  const double accuracy = document.value("planned_accuracy", 0.0);
+  if (bound > accuracy)
     fmt::print(stderr,
                "note: accuracy = {:g} is not reached: the error bound of the plan is {:.2g} "
                "(see ferrule plan)\n",
-               number("planned_accuracy"), bound);
-  return loaded;
+               accuracy, bound);
 }
 
-void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help) {
-  const auto whole = [](const std::string& text) {
-    const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
-    const bool fits = text.size() < 19 || (text.size() == 19 && text <= "9223372036854775807");
-    return digits && fits ? std::string()
-                          : "must be a whole number from 0 to 2^63 - 1, not " + text;
+}  // namespace
+
+ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
+  ChosenScene chosen;
+  for (const std::string& setting : settings) refuse_unknown_key(setting);
+  const bool brings = !brought.document.is_null();
+  if (scene.empty() && (brings || !brought.open.empty())) {
+    if (!brings) throw BadInput(brought.open + "; choose a scene with --scene");
+    Json document = brought.document;
+    for (const std::string& setting : settings) apply_with_tolerance(document, setting);
+    const std::string source = "the scene that " + brought.how;
+    chosen.scene = parse_scene(document, source);
+    if (!settings.empty()) refuse_contradictions(chosen.scene, source);
+    chosen.scene = planned(chosen.scene);
+    note_accuracy(chosen.scene.document);
+    chosen.other = !same_scene(document, brought.document);
+    chosen.relation = (chosen.other ? ", changed from what " : ", as ") + brought.how;
+    return chosen;
+  }
+  chosen.file = scene_file(name());
+  const Scene loaded = load();
+  chosen.scene = planned(loaded);
+  note_accuracy(chosen.scene.document);
+  if (!brings) {
+    if (!brought.open.empty()) chosen.relation = "; " + brought.open;
+    return chosen;
+  }
+  chosen.other = !same_scene(chosen.scene.document, brought.document) &&
+                 !same_scene(loaded.document, brought.document);
+  chosen.relation = chosen.other ? ", NOT the scene " + brought.document.value("name", "") +
+                                       " that " + brought.how
+                                 : ", as " + brought.how;
+  return chosen;
+}
+
+namespace {
+
+bool is_seed(const std::string& text) {
+  const bool digits = !text.empty() && text.find_first_not_of("0123456789") == text.npos;
+  return digits && (text.size() < 19 || (text.size() == 19 && text <= "9223372036854775807"));
+}
+
+}  // namespace
+
+CLI::Validator seed_rule() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return is_seed(text) ? std::string()
+                             : "must be a whole number from 0 to 2^63 - 1, not " + text;
+      },
+      "WHOLE");
+}
+
+void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help, const char* flag) {
+  verb.add_option(flag, seed, help)->capture_default_str()->check(seed_rule());
+}
+
+void add_seeds(CLI::App& verb, std::string& seeds, const std::string& help) {
+  verb.add_option("--seeds", seeds, help)->type_name("FROM..TO|N,N,...");
+}
+
+std::vector<std::uint64_t> parse_seeds(const std::string& text) {
+  constexpr std::uint64_t kMost = 1000;
+  const auto refuse = [&]() {
+    return BadInput("--seeds " + text +
+                    ": must be FROM..TO or N,N,..., up to 1000 whole numbers from 0 to 2^63 - 1");
   };
-  verb.add_option("--seed", seed, help)
-      ->capture_default_str()
-      ->check(CLI::Validator(whole, "WHOLE"));
+  std::vector<std::uint64_t> seeds;
+  if (const auto dots = text.find(".."); dots != text.npos) {
+    const std::string from = text.substr(0, dots), to = text.substr(dots + 2);
+    if (!is_seed(from) || !is_seed(to)) throw refuse();
+    const std::uint64_t first = std::stoull(from), last = std::stoull(to);
+    if (last < first || last - first >= kMost) throw refuse();
+    for (std::uint64_t seed = first; seed <= last; ++seed) seeds.push_back(seed);
+    return seeds;
+  }
+  for (const std::string& part : CLI::detail::split(text, ',')) {
+    if (!is_seed(part) || seeds.size() == kMost) throw refuse();
+    seeds.push_back(std::stoull(part));
+  }
+  return seeds;
 }
 
 void add_threads(CLI::App& verb, int& threads) {
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const auto at_most_cores = [cores](std::string& text) {
+    int wanted = 0;
+    if (CLI::detail::lexical_cast(text, wanted) && wanted > cores) {
+      fmt::print(stderr, "note: --threads {}: this machine has {}, which are used\n", wanted,
+                 cores);
+      text = std::to_string(cores);
+    }
+    return std::string();
+  };
   verb.add_option("--threads", threads, "0: all cores; the result does not depend on it")
       ->capture_default_str()
+      ->transform(CLI::Validator(at_most_cores, ""))
       ->check(CLI::Range(0, 4096));
+}
+
+void add_examples(CLI::App& verb, const std::vector<std::string>& examples) {
+  std::string text = "Examples:";
+  for (const std::string& example : examples) text += "\n  ferrule " + example;
+  verb.footer(text);
 }
 
 void add_json(CLI::App& verb, bool& json) {
   verb.add_flag("--json", json, "One JSON document on stdout");
+}
+
+void add_output(CLI::App& verb, Output& output) {
+  auto* json = verb.add_flag("--json", output.json, "One JSON document on stdout");
+  verb.add_flag("--csv", output.csv, "The table as CSV on stdout, one line of names first")
+      ->excludes(json);
+}
+
+void print_result(const Output& output, Json document, const char* table,
+                  const Provenance& provenance) {
+  if (output.json) print_json(std::move(document), provenance);
+  if (output.csv) std::cout << csv_text(document.at(table), provenance) << std::flush;
+}
+
+void end_if_interrupted() {
+  if (interrupted()) throw Stopped();
 }
 
 CLI::Validator number_between(double low, double high) {
@@ -101,6 +225,11 @@ CLI::Validator number_between(double low, double high) {
 
 void print_json(const Json& json) {
   std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
+}
+
+void print_json(Json json, const Provenance& provenance) {
+  json["provenance"] = provenance.to_json();
+  print_json(json);
 }
 
 std::string number_or(const char* otherwise, const char* format, double x) {
@@ -124,7 +253,15 @@ void watch_for_interrupt() {
 }
 
 bool interrupted() noexcept {
-  return g_interrupted;
+  return g_interrupted != 0;
+}
+
+const char* stopped_by() noexcept {
+  const int which = g_interrupted;
+  return which == SIGTERM   ? "SIGTERM"
+         : which == SIGHUP  ? "SIGHUP (the terminal was closed)"
+         : which == SIGQUIT ? "SIGQUIT"
+                            : "Ctrl-C";
 }
 
 void stop_watching_for_interrupt() {
@@ -153,19 +290,21 @@ Progress::~Progress() {
   if (state_.use_count() == 1 && state_->shown) fmt::print(stderr, "\r\033[K");
 }
 
-void Progress::operator()(std::size_t done, const std::string& note) {
+void Progress::operator()(std::size_t done, const std::string& note, std::size_t total) {
   State& s = *state_;
   if (!s.shown) return;
   const std::lock_guard lock(s.mutex);
+  if (total > 0) s.total = total;
   const auto now = State::Clock::now();
   if (done < s.total && now - s.last < std::chrono::milliseconds(100)) return;
   s.last = now;
   const double seconds = std::chrono::duration<double>(now - s.begin).count();
   const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
-  const auto filled = 30 * done / std::max<std::size_t>(1, s.total);
-  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {:.3g}/s  {:.0f} s left{}", s.what,
+  const auto filled = std::min<std::size_t>(30, 30 * done / std::max<std::size_t>(1, s.total));
+  const double left = static_cast<double>(s.total - std::min(done, s.total)) / rate;
+  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {:.3g}/s  {} s left{}", s.what,
              std::string(filled, '#'), std::string(30 - filled, ' '), done, s.total, rate,
-             static_cast<double>(s.total - done) / rate, note);
+             number_or("?", "{:.0f}", left), note);
 }
 
 std::vector<double> parse_range(const std::string& text, const std::string& option) {

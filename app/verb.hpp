@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "sim/scene/scene.hpp"
+#include "app/provenance.hpp"
 
 namespace ferrule {
 
 // Exit codes (README): 0 done, 1 a stated criterion failed, 2 bad usage or input, 3 file trouble,
-// 4 device trouble, 130 stopped by Ctrl-C.
+// 4 device trouble, 130 stopped by Ctrl-C or another signal.
 enum ExitCode {
   kDone = 0,
   kFailed = 1,
@@ -24,6 +24,7 @@ enum ExitCode {
 // What the chosen verb does; set when the command line is parsed.
 using Run = std::function<int()>;
 
+void add_scene(CLI::App& app, Run& run);
 void add_forces(CLI::App& app, Run& run);
 void add_contact(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
@@ -41,29 +42,56 @@ void add_demo(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
 
-// --scene NAME|FILE and --set dotted.key=value.
+// --scene NAME|FILE and --set dotted.key=value. One rule for all verbs: a controller or a recording
+// brings its scene along, --scene takes another, and where there is neither it is `usual`.
 struct SceneArguments {
-  std::string scene;
+  std::string scene;  // empty: not given
+  std::string usual;
   std::vector<std::string> settings;
 
-  void add_to(CLI::App& verb, const std::string& default_scene);
-  // Says on stderr where an "accuracy" asked for in the scene is not reached.
+  // `brought`: what brings a scene along, for the help; empty: nothing does.
+  void add_to(CLI::App& verb, const std::string& usual_scene, const std::string& brought = "");
+  const std::string& name() const { return scene.empty() ? usual : scene; }
+  // What --scene and --set say alone, not planned. Throws BadInput, FileTrouble.
   Scene load() const;
+  // Throws BadInput, FileTrouble.
+  ChosenScene choose(const BroughtScene& brought = {}) const;
 };
 
-// --seed: a whole number from 0 to 2^63 - 1.
-void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help);
+// A whole number from 0 to 2^63 - 1, the rule of every seed.
+CLI::Validator seed_rule();
+// --seed, or another flag: a whole number from 0 to 2^63 - 1.
+void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help,
+              const char* flag = "--seed");
+// --seeds: "1..5" or "1,2,7".
+void add_seeds(CLI::App& verb, std::string& seeds, const std::string& help);
+// Throws BadInput.
+std::vector<std::uint64_t> parse_seeds(const std::string& text);
 
 // --threads of a campaign. 0: all cores.
 void add_threads(CLI::App& verb, int& threads);
+// At the end of --help; without "ferrule".
+void add_examples(CLI::App& verb, const std::vector<std::string>& examples);
 // --json, for what ends in print_json.
 void add_json(CLI::App& verb, bool& json);
+
+// --json or --csv instead of text, for what ends in print_result.
+struct Output {
+  bool json = false, csv = false;
+  bool text() const { return !json && !csv; }
+};
+void add_output(CLI::App& verb, Output& output);
+// Prints `document` with its provenance, or as CSV the rows that it holds at `table`; nothing as
+// text.
+void print_result(const Output& output, Json document, const char* table,
+                  const Provenance& provenance);
 
 // A finite number within bounds.
 CLI::Validator number_between(double low, double high);
 
 // The one JSON document of --json, on stdout.
 void print_json(const Json& json);
+void print_json(Json json, const Provenance& provenance);
 // An array of it: `of(row)` for each of `rows`.
 template <class Rows, class Of>
 Json json_list(const Rows& rows, const Of& of) {
@@ -79,15 +107,25 @@ std::string number_or(const char* otherwise, const char* format, double x);
 // the second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;  // from any thread
+// What ended it: "Ctrl-C", "SIGTERM" ...
+const char* stopped_by() noexcept;
 // Ctrl-C ends the program at once again.
 void stop_watching_for_interrupt();
+
+// For long work that is not worth anything unless it is whole: ends the verb where Ctrl-C asked for
+// it, with exit code 130.
+struct Stopped {
+  std::string kept = "nothing of it is kept";
+};
+void end_if_interrupted();  // throws Stopped
 
 // Progress of long work on a terminal: a bar with rate and time left; nothing elsewhere.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);
   ~Progress();
-  void operator()(std::size_t done, const std::string& note = "");  // from any thread
+  // From any thread. `total`: where it is not the one that was said before; 0: as it was.
+  void operator()(std::size_t done, const std::string& note = "", std::size_t total = 0);
 
  private:
   struct State;

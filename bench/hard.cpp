@@ -14,7 +14,6 @@
 namespace ferrule {
 namespace {
 
-
 Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
   Pose p;
   p << x, y, z, ty, tz;

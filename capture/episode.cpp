@@ -1,27 +1,33 @@
 #include "capture/episode.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstring>
 #include <filesystem>
 
+#include "capture/child.hpp"
 #include "capture/hdf5.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/sensed_wrench.hpp"
+#include "sim/content_hash.hpp"
 
 namespace ferrule {
 namespace {
 
 namespace fs = std::filesystem;
-using hdf5::Handle;
+using hdf5::Content;
 using hdf5::Matrix;
 using hdf5::Reader;
 using hdf5::Table;
-using hdf5::Writer;
 
 constexpr const char* kFormat = "ferrule episode";
 constexpr std::int64_t kFormatVersion = 1;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
+constexpr const char* kInputsHash = "inputs_sha1";
 
 Json environment(const EpisodeInfo& info) {
   return {{"env_name", "ferrule"},
@@ -49,115 +55,116 @@ std::string rows_path(const Block& b) {
   return std::string(kDemo) + (b.begin == kStates.begin ? "/" : "/rows/") + b.name;
 }
 
+// The texts that are there where they are not empty.
+template <class Info>
+auto optional_texts(Info& info) {
+  return std::array{std::pair{"mapping", &info.mapping}, std::pair{"coupling", &info.coupling},
+                    std::pair{"loop", &info.loop}, std::pair{"why", &info.why}};
+}
+
+std::map<std::string, Json> root_attributes(const EpisodeInfo& info, const Scene& scene) {
+  std::map<std::string, Json> root = {{"format", kFormat},
+                                      {"format_version", kFormatVersion},
+                                      {"ferrule_version", info.version},
+                                      {"build", info.build},
+                                      {"scene", info.scene},
+                                      {"operator", info.operator_},
+                                      {"seed", info.seed},
+                                      {"trial", info.trial},
+                                      {"period_s", info.period},
+                                      {"alpha_x", scene_scaling(scene).motion},
+                                      {"alpha_f", scene_scaling(scene).force},
+                                      {"outcome", name(info.outcome)}};
+  for (const auto& [key, value] : optional_texts(info))
+    if (!value->empty()) root[key] = *value;
+  if (info.rating != 0) root["rating"] = static_cast<std::int64_t>(info.rating);
+  return root;
+}
+
+void add(Content& content, Table table, const std::string& unit, const std::string& columns) {
+  content.attributes[table.path] = {{"unit", unit}, {"columns", columns}};
+  content.tables.push_back(std::move(table));
+}
+
 // What is derived from the rows for readers of the demonstration layout.
-std::vector<Table> derived_tables(const Episode& episode, const Scene& scene) {
+void add_derived(Content& content, const Episode& episode, const Scene& scene) {
   const Rows& rows = episode.rows;
   const auto count = rows.rows();
   const std::string demo = kDemo;
   const Matrix commands = rows.middleCols(kCommand.begin, kCommand.width);
   const Matrix actions = (commands * action_scale(scene).cwiseInverse().asDiagonal());
   Matrix rewards = Matrix::Zero(count, 1), dones = Matrix::Zero(count, 1);
-  const Matrix wrench = sensed_wrench(episode, scene).absolute;
-  const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
   if (count > 0) {
     rewards(count - 1, 0) = episode.info.outcome == Outcome::inserted ? 1 : 0;
     dones(count - 1, 0) = 1;
   }
+  add(content, {demo + "/actions", actions.cwiseMax(-1.0).cwiseMin(1.0)}, "1",
+      "command / scale, cut to [-1, 1]");
+  content.attributes[demo + "/actions"]["scale_m_s"] = action_scale(scene)[0];
+  content.attributes[demo + "/actions"]["scale_rad_s"] = action_scale(scene)[4];
+  add(content, {demo + "/rewards", rewards, Table::exact, true}, "1",
+      "1 where the fibre is inserted");
+  add(content, {demo + "/dones", dones, Table::whole, true}, "1", "1 in the last row");
+
+  const Matrix wrench = sensed_wrench(episode, scene).absolute;
+  const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
   const Matrix time = rows.middleCols(kTime.begin, 1);
-
-  std::vector<Table> tables = {
-      {demo + "/actions", actions.cwiseMax(-1.0).cwiseMin(1.0), "1",
-       "command / scale, cut to [-1, 1]"},
-      {demo + "/rewards", rewards, "1", "1 where the fibre is inserted", Table::exact, true},
-      {demo + "/dones", dones, "1", "1 in the last row", Table::whole, true}};
-  for (const bool next : {false, true}) {
-    const std::string group = demo + (next ? "/next_obs" : "/obs");
-    const auto add = [&](const char* key, const Matrix& values, const char* unit,
-                         const char* columns) {
-      tables.push_back(
-          {group + key, next ? one_row_later(values) : values, unit, columns, Table::single});
+  for (const std::string& group : {demo + "/obs", demo + "/next_obs"}) {
+    content.attributes[group];
+    const auto observed = [&](const char* key, const Matrix& values, const char* unit,
+                              const char* columns) {
+      const Matrix stored = values.cast<float>().cast<double>();
+      add(content,
+          {group + key, group.ends_with("next_obs") ? one_row_later(stored) : stored,
+           Table::single},
+          unit, columns);
     };
-    add("/wrench_N", wrench, "N N N N.m N.m", "Fx Fy Fz My Mz; in the hand's world");
-    add("/depth_mm", depth, "mm", "of the hand past the entrance; in the hand's world");
-    add("/time_s", time, "s", "since the start");
-  }
-  return tables;
-}
-
-void write_tables(const Writer& out, const Episode& episode, const Scene& scene) {
-  for (const char* group : {"/rows", "/obs", "/next_obs"}) out.group(kDemo + std::string(group));
-  for (const Block& b : kBlocks)
-    out.table({rows_path(b), episode.rows.middleCols(b.begin, b.width), b.unit, b.columns,
-               Table::exact, b.width == 1});
-  if (!episode.info.mapping.empty()) {
-    out.group(kDemo + std::string("/raw"));
-    out.table({kCountsPath, episode.counts.cast<double>(), "1", "X Y Z Rx Ry Rz; of the device",
-               Table::whole});
-  }
-  for (const Table& table : derived_tables(episode, scene)) {
-    const Handle set = out.table(table);
-    if (!table.path.ends_with("/actions")) continue;
-    out.attribute(set, "scale_m_s", action_scale(scene)[0]);
-    out.attribute(set, "scale_rad_s", action_scale(scene)[4]);
+    observed("/wrench_N", wrench, "N N N N.m N.m", "Fx Fy Fz My Mz; in the hand's world");
+    observed("/depth_mm", depth, "mm", "of the hand past the entrance; in the hand's world");
+    observed("/time_s", time, "s", "since the start");
   }
 }
 
-}  // namespace
-
-std::string program_version() {
-  return FERRULE_VERSION;
-}
-std::string program_build() {
-  return FERRULE_BUILD;
-}
-
-Scene recorded_scene(const Episode& episode, const std::string& file) {
-  return parse_scene(parse_json(episode.info.scene, file), file);
+// The hash of what cannot be computed again from the rest: all attributes, and what the hand did.
+std::string inputs_sha1(const Content& content) {
+  const auto bytes = Json::to_cbor(content.attributes);
+  std::string all(bytes.begin(), bytes.end());
+  for (const Table& table : content.tables)
+    if (table.path == rows_path(kCommand) || table.path == kCountsPath)
+      all.append(reinterpret_cast<const char*>(table.values.data()),
+                 static_cast<std::size_t>(table.values.size()) * sizeof(double));
+  return sha1(all);
 }
 
-void write_episode(const std::string& file, const Episode& episode) {
+Content content_of(const Episode& episode, const Scene& scene) {
   const EpisodeInfo& info = episode.info;
-  const Scene scene = parse_scene(parse_json(info.scene, file), file);
-  Writer out(file);
-  const hid_t h5 = out.root();
-  out.attribute(h5, "format", std::string(kFormat));
-  out.attribute(h5, "format_version", kFormatVersion);
-  out.attribute(h5, "ferrule_version", info.version);
-  out.attribute(h5, "build", info.build);
-  out.attribute(h5, "scene", info.scene);
-  out.attribute(h5, "operator", info.operator_);
-  out.attribute(h5, "seed", info.seed);
-  out.attribute(h5, "trial", info.trial);
-  out.attribute(h5, "period_s", info.period);
-  out.attribute(h5, "alpha_x", scene_scaling(scene).motion);
-  out.attribute(h5, "alpha_f", scene_scaling(scene).force);
-  out.attribute(h5, "outcome", std::string(name(info.outcome)));
-  for (const auto& [key, value] : {std::pair{"mapping", &info.mapping},
-                                   {"coupling", &info.coupling},
-                                   {"loop", &info.loop},
-                                   {"why", &info.why}})
-    if (!value->empty()) out.attribute(h5, key, *value);
-  if (info.rating != 0) out.attribute(h5, "rating", static_cast<std::int64_t>(info.rating));
-  {
-    const Handle data = out.group("/data");
-    out.attribute(data, "total", static_cast<std::int64_t>(episode.rows.rows()));
-    out.attribute(data, "env_args", environment(info).dump());
-    const Handle demo = out.group(kDemo);
-    out.attribute(demo, "num_samples", static_cast<std::int64_t>(episode.rows.rows()));
-    write_tables(out, episode, scene);
+  const auto count = static_cast<std::int64_t>(episode.rows.rows());
+  Content content;
+  content.attributes["/"] = root_attributes(info, scene);
+  content.attributes["/data"] = {{"total", count}, {"env_args", environment(info).dump()}};
+  content.attributes[kDemo] = {{"num_samples", count}};
+  content.attributes[kDemo + std::string("/rows")];
+  for (const Block& b : kBlocks)
+    add(content,
+        {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
+        b.unit, b.columns);
+  if (!info.mapping.empty()) {
+    content.attributes[kDemo + std::string("/raw")];
+    add(content, {kCountsPath, episode.counts.cast<double>(), Table::whole}, "1",
+        "X Y Z Rx Ry Rz; of the device");
   }
-  write_text(file, out.image(), false);
+  add_derived(content, episode, scene);
+  content.attributes["/"][kInputsHash] = inputs_sha1(content);
+  return content;
 }
 
-Episode read_episode(const std::string& file) {
-  if (!fs::is_regular_file(file)) throw FileTrouble(file + ": no such file");
-  const Reader in(file, "a ferrule episode");
-  if (in.text("format") != kFormat) throw FileTrouble(file + ": not a ferrule episode");
+EpisodeInfo read_info(const Reader& in, const std::string& file) {
+  if (!in.has("format") || in.text("format") != kFormat)
+    throw FileTrouble(file + ": not a ferrule episode");
   if (const auto version = in.whole("format_version"); version != kFormatVersion)
     throw FileTrouble(file + ": episode format " + std::to_string(version) +
                       "; this program reads format " + std::to_string(kFormatVersion));
-  Episode episode;
-  EpisodeInfo& info = episode.info;
+  EpisodeInfo info;
   info.version = in.text("ferrule_version");
   info.build = in.text("build");
   info.scene = in.text("scene");
@@ -171,20 +178,205 @@ Episode read_episode(const std::string& file) {
   } catch (const BadInput& error) {
     throw FileTrouble(file + ": damaged: " + error.what());
   }
-  for (const auto& [key, value] : {std::pair{"mapping", &info.mapping},
-                                   {"coupling", &info.coupling},
-                                   {"loop", &info.loop},
-                                   {"why", &info.why}})
+  for (const auto& [key, value] : optional_texts(info))
     if (in.has(key)) *value = in.text(key);
-  if (in.has("rating")) info.rating = static_cast<int>(in.whole("rating"));
-  if (!(info.period > 0)) throw FileTrouble(file + ": damaged: period_s is not positive");
-  const Eigen::Index count = in.table(rows_path(kTime), 1, -1).rows();
-  if (count == 0) throw FileTrouble(file + ": damaged: it holds no rows");
+  if (in.has(kInputsHash)) info.inputs_sha1 = in.text(kInputsHash);
+  if (in.has("rating"))
+    info.rating = static_cast<int>(std::min<std::uint64_t>(in.whole("rating"), 6));
+  if (info.rating > 5) throw FileTrouble(file + ": damaged: rating must be from 1 to 5");
+  if (!period_rule().allows(info.period))
+    throw FileTrouble(
+        fmt::format("{}: damaged: period_s = {:g}: {}", file, info.period, period_rule().text));
+  return info;
+}
+
+// The rows' times, one after the other: that there are as many as the file says.
+Matrix read_times(const Reader& in, double period, const std::string& file) {
+  const Matrix times = in.table(rows_path(kTime), 1, -1).values;
+  for (Eigen::Index n = 0; n < times.rows(); ++n)
+    if (!(std::abs(times(n, 0) - static_cast<double>(n) * period) <= 0.5 * period))
+      throw FileTrouble(fmt::format("{}: damaged: {} at row {} is {:g}, with a period of {:g} s",
+                                    file, rows_path(kTime), n, times(n, 0), period));
+  if (times.rows() == 0) throw FileTrouble(file + ": damaged: it holds no rows");
+  return times;
+}
+
+// What a child may take: at first, and with so many rows, each of which is there.
+void allow_file(const std::string& file) {
+  constexpr std::size_t kMost = 512 << 20;
+  const std::size_t size = fs::file_size(file);
+  Child::Parent::allow(std::min(kMost, 16 * size), size >> 26);
+}
+void allow_rows(Eigen::Index rows) {
+  const auto count = static_cast<std::size_t>(rows);
+  Child::Parent::allow(8 * count * sizeof(RowVector), count / 20000);
+}
+
+Episode read_in_child(const std::string& file) {
+  allow_file(file);
+  const Reader in(file, "a ferrule episode");
+  Episode episode;
+  episode.info = read_info(in, file);
+  const Matrix times = read_times(in, episode.info.period, file);
+  const Eigen::Index count = times.rows();
+  allow_rows(count);
   episode.rows.resize(count, Eigen::NoChange);
-  for (const Block& b : kBlocks)
-    episode.rows.middleCols(b.begin, b.width) = in.table(rows_path(b), b.width, count);
-  if (!info.mapping.empty())
-    episode.counts = in.table(kCountsPath, kRawAxes, count).cast<std::int32_t>();
+  for (const Block& b : kBlocks) {
+    const Matrix values = in.table(rows_path(b), b.width, count).values;
+    for (Eigen::Index n = 0; n < count; ++n)
+      if (!values.row(n).allFinite())
+        throw FileTrouble(
+            fmt::format("{}: damaged: {} at row {} is not a finite number", file, rows_path(b), n));
+    episode.rows.middleCols(b.begin, b.width) = values;
+  }
+  if (!episode.info.mapping.empty()) {
+    const Matrix counts = in.table(kCountsPath, kRawAxes, count).values;
+    if (counts.size() > 0 && !(counts.cwiseAbs().maxCoeff() <= INT32_MAX))
+      throw FileTrouble(file + ": damaged: " + kCountsPath + " is beyond what a device counts");
+    episode.counts = counts.cast<std::int32_t>();
+  }
+  return episode;
+}
+
+// To and from a child.
+Json to_json(const EpisodeInfo& info, Eigen::Index rows) {
+  return {info.scene,    info.operator_, info.seed,    info.trial,       info.period,
+          info.outcome,  info.why,       info.version, info.build,       info.mapping,
+          info.coupling, info.loop,      info.rating,  info.inputs_sha1, rows};
+}
+EpisodeInfo info_of(const Json& j) {
+  EpisodeInfo info{j[0], j[1], j[2], j[3],  j[4],  j[5],  j[6],
+                   j[7], j[8], j[9], j[10], j[11], j[12], j[13]};
+  return info;
+}
+
+void send(Child::Parent& parent, const Json& json) {
+  const auto bytes = Json::to_cbor(json);
+  const std::uint64_t size = bytes.size();
+  parent.send(&size, sizeof size);
+  parent.send(bytes.data(), bytes.size());
+}
+Json receive(Child& child, const std::string& file) {
+  std::uint64_t size = 0;
+  child.receive(&size, sizeof size);
+  std::vector<std::uint8_t> bytes(std::min<std::uint64_t>(size, fs::file_size(file) + (1 << 20)));
+  child.receive(bytes.data(), bytes.size());
+  const Json json = Json::from_cbor(bytes, true, false);
+  if (json.is_discarded()) throw FileTrouble(file + ": damaged: reading it fails");
+  return json;
+}
+
+// What a number or text of an attribute should be.
+void compare_attribute(const std::string& key, const std::string& path, const Json& recorded,
+                       const Json& expected, Verification& found) {
+  const std::string column = fmt::format("attribute {} of {}", key, path);
+  if (recorded == expected && recorded.is_number_float() == expected.is_number_float()) return;
+  if (recorded.is_number() && expected.is_number()) {
+    const double a = recorded, b = expected;
+    return found.add({0, column, recorded, expected, std::abs(a - b) / std::abs(b)});
+  }
+  if (recorded.is_string() && expected.is_string()) {  // of JSON: where it differs
+    const Json a = Json::parse(recorded.get<std::string>(), nullptr, false);
+    const Json b = Json::parse(expected.get<std::string>(), nullptr, false);
+    if (a.is_object() && b.is_object() && a != b) {
+      const Json::json_pointer place(Json::diff(a, b).at(0).at("path").get<std::string>());
+      const auto at = [&](const Json& j) { return j.contains(place) ? j.at(place) : Json(); };
+      return found.add({0, column + " at " + place.to_string(), at(a), at(b)});
+    }
+  }
+  found.add({0, column, recorded, expected});
+}
+
+void compare_attributes(const Reader& in, const Content& expected, Verification& found) {
+  const auto there = in.names();
+  for (const auto& [path, keys] : there) {
+    const auto known = expected.attributes.find(path);
+    if (known == expected.attributes.end()) found.add({0, "object " + path, path, nullptr});
+    for (const std::string& key : keys)
+      if (known != expected.attributes.end() && !known->second.contains(key))
+        found.add(
+            {0, fmt::format("attribute {} of {}", key, path), in.attribute(key, path), nullptr});
+  }
+  for (const auto& [path, attributes] : expected.attributes) {
+    const auto known = there.find(path);
+    if (known == there.end()) found.add({0, "object " + path, nullptr, path});
+    for (const auto& [key, value] : attributes)
+      if (known != there.end() && known->second.contains(key))
+        compare_attribute(key, path, in.attribute(key, path), value, found);
+      else if (known != there.end())
+        found.add({0, fmt::format("attribute {} of {}", key, path), nullptr, value});
+  }
+}
+
+void compare_table(const Table& recorded, const Table& expected, const std::string& units,
+                   Verification& found) {
+  if (recorded.stored != expected.stored || recorded.flat != expected.flat)
+    found.add({0, expected.path + ": type or shape", nullptr, nullptr});
+  const Eigen::RowVectorXd scale = largest_by_unit(expected.values, units);
+  const auto column = [&](Eigen::Index c) { return fmt::format("{}[{}]", expected.path, c); };
+  for (Eigen::Index n = 0; n < recorded.values.rows() && !found.over(); ++n)
+    compare_numbers(recorded.values.row(n), expected.values.row(n), scale,
+                    static_cast<std::size_t>(n), column, found);
+}
+
+Verification compare_in_child(const std::string& file, const Episode& episode, double tolerance) {
+  allow_file(file);
+  allow_rows(2 * episode.rows.rows());
+  const Reader in(file, "a ferrule episode");
+  Content expected = content_of(episode, recorded_scene(episode, file));
+  if (episode.info.inputs_sha1.empty()) expected.attributes["/"].erase(kInputsHash);
+  Verification found{tolerance, {}, {}};
+  compare_attributes(in, expected, found);
+  for (const Table& table : expected.tables) {
+    if (found.over()) break;
+    compare_table(in.table(table.path, table.values.cols(), table.values.rows()), table,
+                  expected.attributes.at(table.path).at("unit"), found);
+  }
+  return found;
+}
+
+}  // namespace
+
+Rule period_rule() {
+  return rule::between(1e-6, 1, "must be from 1e-6 to 1");
+}
+
+std::string program_version() {
+  return FERRULE_VERSION;
+}
+std::string program_build() {
+  return FERRULE_BUILD;
+}
+
+Scene recorded_scene(const Episode& episode, const std::string& file) {
+  return parse_scene(parse_json(episode.info.scene, file), file);
+}
+
+void write_episode(const std::string& file, const Episode& episode) {
+  const Scene scene = recorded_scene(episode, file);
+  write_text(file, hdf5::image(file, content_of(episode, scene)), false);
+}
+
+Episode read_episode(const std::string& file) {
+  std::error_code error;
+  if (!fs::is_regular_file(file, error)) throw FileTrouble(file + ": no such file");
+  Child child(file, [&](Child::Parent& parent) {
+    const Episode read = read_in_child(file);
+    send(parent, to_json(read.info, read.rows.rows()));
+    parent.send(read.rows.data(), static_cast<std::size_t>(read.rows.size()) * sizeof(double));
+    parent.send(read.counts.data(),
+                static_cast<std::size_t>(read.counts.size()) * sizeof(std::int32_t));
+  });
+  Episode episode;
+  const Json info = receive(child, file);
+  const auto rows = info.back().get<Eigen::Index>();
+  episode.info = info_of(info);
+  episode.rows.resize(rows, Eigen::NoChange);
+  child.receive(episode.rows.data(),
+                static_cast<std::size_t>(episode.rows.size()) * sizeof(double));
+  if (!episode.info.mapping.empty()) episode.counts.resize(rows, Eigen::NoChange);
+  child.receive(episode.counts.data(),
+                static_cast<std::size_t>(episode.counts.size()) * sizeof(std::int32_t));
   return episode;
 }
 
@@ -204,38 +396,21 @@ SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {
   return all;
 }
 
-std::optional<Difference> derived_difference(const std::string& file, const Episode& episode) {
-  const Reader in(file, "a ferrule episode");
-  const Scene scene = recorded_scene(episode, file);
-  const double rows = static_cast<double>(episode.rows.rows());
-  const std::string actions = kDemo + std::string("/actions");
-  const struct {
-    const char *key, *place;
-    double expected;
-  } attributes[] = {{"alpha_x", "/", scene_scaling(scene).motion},
-                    {"alpha_f", "/", scene_scaling(scene).force},
-                    {"total", "/data", rows},
-                    {"num_samples", kDemo, rows},
-                    {"scale_m_s", actions.c_str(), action_scale(scene)[0]},
-                    {"scale_rad_s", actions.c_str(), action_scale(scene)[4]}};
-  for (const auto& [key, place, expected] : attributes)
-    if (const double recorded = in.number(key, place); recorded != expected)
-      return Difference{0, std::string("attribute ") + key, recorded, expected};
-  if (in.text("env_args", "/data") != environment(episode.info).dump())
-    return Difference{0, "attribute env_args", 0, 0};
-  for (const Table& table : derived_tables(episode, scene)) {
-    const auto width = static_cast<int>(table.values.cols());
-    const Matrix recorded = in.table(table.path, width, table.values.rows());
-    for (Eigen::Index n = 0; n < recorded.rows(); ++n)
-      for (int c = 0; c < width; ++c) {
-        double expected = table.values(n, c);
-        if (table.stored == Table::single) expected = static_cast<float>(expected);
-        if (std::memcmp(&recorded(n, c), &expected, sizeof(double)) != 0)
-          return Difference{static_cast<std::size_t>(n), table.path + "[" + std::to_string(c) + "]",
-                            recorded(n, c), expected};
-      }
-  }
-  return std::nullopt;
+void compare_file(const std::string& file, const Episode& episode, Verification& comparison) {
+  Child child(file, [&](Child::Parent& parent) {
+    const Verification found = compare_in_child(file, episode, comparison.tolerance);
+    Json differences = Json::array();
+    for (const auto& d : {found.largest, found.first})
+      if (d) differences.push_back({d->row, d->column, d->recorded, d->expected, d->relative});
+    send(parent, differences);
+  });
+  for (const Json& d : receive(child, file)) comparison.add({d[0], d[1], d[2], d[3], d[4]});
+}
+
+std::optional<Difference> file_difference(const std::string& file, const Episode& episode) {
+  Verification comparison;
+  compare_file(file, episode, comparison);
+  return comparison.first;
 }
 
 std::string mapping_text(const Mapping& mapping) {

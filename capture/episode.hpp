@@ -2,7 +2,8 @@
 //
 // Layout (the demonstration layout of robomimic, with exact rows beside it):
 //   /                    attributes: format, format_version, ferrule_version, build, scene (JSON),
-//                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome; for a
+//                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome, inputs_sha1
+//                        (of all other attributes in CBOR, rows/command and raw/counts); for a
 //                        device with raw axes: mapping (JSON); where they are known: why (what
 //                        ended it), rating (1 to 5, by the operator), loop (JSON: how well a loop
 //                        with a device kept its period), coupling (JSON, where the device was
@@ -26,11 +27,13 @@
 #include <string>
 #include <vector>
 
+#include "capture/difference.hpp"
 #include "capture/row.hpp"
 #include "haptic/device.hpp"
 #include "haptic/stability.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/watch.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 
@@ -46,6 +49,7 @@ struct EpisodeInfo {
   std::string coupling;        // coupling_text where there is one between device and holder
   std::string loop;            // loop_json of a loop in time (capture/haptic_loop.hpp)
   int rating = 0;              // by the operator, 1 to 5; 0: none
+  std::string inputs_sha1;     // of the file it was read from; empty where that has none
 };
 
 // Row n: the counts that the pose at t_n, or its rate from then on, follows from.
@@ -61,6 +65,9 @@ struct Episode {
 std::string mapping_text(const Mapping& mapping);
 // The attribute `coupling`: {"stiffness_N_m", "damping_N_s_m"}.
 std::string coupling_text(const Coupling& coupling);
+
+// What period_s of an episode must be.
+Rule period_rule();
 
 // Version and build of this program.
 std::string program_version();
@@ -79,22 +86,19 @@ SensedRows sensed_wrench(const Episode& episode, const Scene& scene);
 void write_episode(const std::string& file, const Episode& episode);
 
 // Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it
-// can, the first damaged row) and BadInput (scene or outcome not valid).
+// can, the first damaged row). The file may be anybody's: it is read in a child process with limits
+// (capture/child.hpp), and a row is believed only where its time is that of its number.
 Episode read_episode(const std::string& file);
 
 // The scene that the episode in `file` was recorded in. Throws BadInput.
 Scene recorded_scene(const Episode& episode, const std::string& file);
 
-// A number in a file that is not what it should be.
-struct Difference {
-  std::size_t row;     // first row that differs
-  std::string column;  // data set or block, and the index in it; or "outcome"
-  double recorded, expected;
-};
-
-// Compares actions, rewards, dones, obs, next_obs and the attributes of `file` with what follows
-// from its rows.
-std::optional<Difference> derived_difference(const std::string& file, const Episode& episode);
+// Compares every object and attribute of `file` with what an episode of these rows and this info has,
+// and nothing else: data sets that follow from the rows, units, columns, types, and the hash of what
+// does not follow from anything (`inputs_sha1`).
+void compare_file(const std::string& file, const Episode& episode, Verification& comparison);
+// The first difference.
+std::optional<Difference> file_difference(const std::string& file, const Episode& episode);
 
 // The episode files of a folder, sorted. Throws FileTrouble if there is no such folder.
 std::vector<std::string> episode_files(const std::string& folder);

@@ -1,12 +1,17 @@
 #include "capture/hdf5.hpp"
 
 #include <algorithm>
+#include <filesystem>
+#include <iterator>
 
 namespace ferrule::hdf5 {
 namespace {
 
 constexpr hsize_t kChunk = 1024;            // rows
 constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
+constexpr hsize_t kMostChunk = 1 << 22;     // numbers
+constexpr hsize_t kMostDeflated = 1032;     // bytes from one
+constexpr std::size_t kMostNames = 1000;    // of objects, and of the attributes of one
 
 void check(herr_t status, const std::string& what) {
   if (status < 0) throw FileTrouble(what);
@@ -21,153 +26,256 @@ hid_t create_in_memory(const std::string& name) {
   const std::string trouble = name + ": cannot be built";
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, trouble);
   check(H5Pset_fapl_core(access, 1 << 22, false), trouble);
-  return H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access);
+  const Handle how(H5Pcreate(H5P_FILE_CREATE), H5Pclose, trouble);
+  check(H5Pset_obj_track_times(how, false), trouble);
+  return H5Fcreate(name.c_str(), H5F_ACC_TRUNC, how, access);
 }
 
+// Nothing of another file or library comes in: no filter, no link, no data from there.
 hid_t open_to_read(const std::string& name) {
   silence();
+  H5PLset_loading_state(0);
+  H5Lunregister(H5L_TYPE_EXTERNAL);
   return H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
-hid_t stored_type(const Table& table) {
-  return table.stored == Table::exact    ? H5T_IEEE_F64LE
-         : table.stored == Table::single ? H5T_IEEE_F32LE
-                                         : H5T_STD_I64LE;
+hid_t stored_type(Table::Stored stored) {
+  return stored == Table::exact    ? H5T_IEEE_F64LE
+         : stored == Table::single ? H5T_IEEE_F32LE
+                                   : H5T_STD_I64LE;
 }
 
-}  // namespace
-
-Writer::Writer(const std::string& name)
-    : name_(name), file_(create_in_memory(name), H5Fclose, name + ": cannot be built") {}
-
-Handle Writer::group(const std::string& path) const {
-  return {H5Gcreate2(file_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose,
-          trouble(path)};
+std::string cannot_be_built(const std::string& name, const std::string& path) {
+  return name + ": cannot be built (at " + path + ")";
 }
 
-void Writer::attribute(hid_t where, const char* key, const std::string& value) const {
-  const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, trouble(key));
-  check(H5Tset_size(type, std::max<std::size_t>(1, value.size())), trouble(key));
-  check(H5Tset_cset(type, H5T_CSET_UTF8), trouble(key));
-  scalar(where, key, type, value.empty() ? "" : value.data());
+void write_attribute(hid_t where, const std::string& key, const Json& value,
+                     const std::string& trouble) {
+  const auto scalar = [&](hid_t type, const void* bytes) {
+    const Handle space(H5Screate(H5S_SCALAR), H5Sclose, trouble);
+    const Handle made(H5Acreate2(where, key.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
+                      H5Aclose, trouble);
+    check(H5Awrite(made, type, bytes), trouble);
+  };
+  if (value.is_string()) {
+    const auto& text = value.get_ref<const std::string&>();
+    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, trouble);
+    check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), trouble);
+    check(H5Tset_cset(type, H5T_CSET_UTF8), trouble);
+    scalar(type, text.c_str());
+  } else if (value.is_number_float()) {
+    const double number = value;
+    scalar(H5T_NATIVE_DOUBLE, &number);
+  } else if (value.is_number_unsigned()) {
+    const std::uint64_t number = value;
+    scalar(H5T_NATIVE_UINT64, &number);
+  } else {
+    const std::int64_t number = value;
+    scalar(H5T_NATIVE_INT64, &number);
+  }
 }
 
-void Writer::attribute(hid_t where, const char* key, double value) const {
-  scalar(where, key, H5T_NATIVE_DOUBLE, &value);
-}
-
-void Writer::attribute(hid_t where, const char* key, std::int64_t value) const {
-  scalar(where, key, H5T_NATIVE_INT64, &value);
-}
-
-void Writer::attribute(hid_t where, const char* key, std::uint64_t value) const {
-  scalar(where, key, H5T_NATIVE_UINT64, &value);
-}
-
-Handle Writer::table(const Table& t) const {
+Handle write_table(hid_t file, const Table& t, const std::string& trouble) {
   const auto rows = static_cast<hsize_t>(t.values.rows());
   const auto width = static_cast<hsize_t>(t.values.cols());
   const hsize_t size[2] = {rows, width};
   const hsize_t chunk[2] = {std::min(kChunk, std::max<hsize_t>(1, rows)), width};
   const int rank = t.flat ? 1 : 2;
-  const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, trouble(t.path));
-  const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, trouble(t.path));
-  check(H5Pset_chunk(how, rank, chunk), trouble(t.path));
-  check(H5Pset_shuffle(how), trouble(t.path));
-  check(H5Pset_deflate(how, 3), trouble(t.path));
+  const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, trouble);
+  const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, trouble);
+  check(H5Pset_obj_track_times(how, false), trouble);
+  check(H5Pset_chunk(how, rank, chunk), trouble);
+  check(H5Pset_shuffle(how), trouble);
+  check(H5Pset_deflate(how, 3), trouble);
   Handle set(
-      H5Dcreate2(file_, t.path.c_str(), stored_type(t), space, H5P_DEFAULT, how, H5P_DEFAULT),
-      H5Dclose, trouble(t.path));
-  check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t.values.data()),
-        trouble(t.path));
-  attribute(set, "unit", t.unit);
-  attribute(set, "columns", t.columns);
+      H5Dcreate2(file, t.path.c_str(), stored_type(t.stored), space, H5P_DEFAULT, how, H5P_DEFAULT),
+      H5Dclose, trouble);
+  check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t.values.data()), trouble);
   return set;
 }
 
-std::string Writer::image() const {
-  const std::string trouble = name_ + ": cannot be built";
-  check(H5Fflush(file_, H5F_SCOPE_GLOBAL), trouble);
-  const ssize_t size = H5Fget_file_image(file_, nullptr, 0);
+std::string image_of(hid_t file, const std::string& trouble) {
+  check(H5Fflush(file, H5F_SCOPE_GLOBAL), trouble);
+  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
   if (size < 0) throw FileTrouble(trouble);
-  std::string image(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(file_, image.data(), image.size()) < 0) throw FileTrouble(trouble);
-  return image;
+  std::string bytes(static_cast<std::size_t>(size), '\0');
+  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0) throw FileTrouble(trouble);
+  return bytes;
 }
 
-std::string Writer::trouble(const std::string& path) const {
-  return name_ + ": cannot be written (at " + path + "; is the disk full?)";
+hsize_t size_of(const std::string& name) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(name, error)) throw FileTrouble(name + ": no such file");
+  return std::filesystem::file_size(name, error);
 }
 
-void Writer::scalar(hid_t where, const char* key, hid_t type, const void* value) const {
-  const Handle space(H5Screate(H5S_SCALAR), H5Sclose, trouble(key));
-  const Handle made(H5Acreate2(where, key, type, space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-                    trouble(key));
-  check(H5Awrite(made, type, value), trouble(key));
+using Names = std::map<std::string, std::set<std::string>>;
+
+herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
+  static_cast<std::set<std::string>*>(names)->insert(name);
+  return static_cast<std::set<std::string>*>(names)->size() > kMostNames;
+}
+
+// Called for every object once, whatever the links.
+herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* names) {
+  auto& all = *static_cast<Names*>(names);
+  const std::string path = name == std::string(".") ? "/" : "/" + std::string(name);
+  const hid_t object = H5Oopen(root, name, H5P_DEFAULT);
+  if (object < 0 || all.size() > kMostNames) return -1;
+  const herr_t status =
+      H5Aiterate2(object, H5_INDEX_NAME, H5_ITER_INC, nullptr, add_attribute, &all[path]);
+  H5Oclose(object);
+  return status;
+}
+
+}  // namespace
+
+std::string image(const std::string& name, const Content& content) {
+  const Handle file(create_in_memory(name), H5Fclose, cannot_be_built(name, "/"));
+  const auto is_table = [&](const std::string& path) {
+    return std::any_of(content.tables.begin(), content.tables.end(),
+                       [&](const Table& t) { return t.path == path; });
+  };
+  for (const auto& [path, _] : content.attributes) {
+    if (path == "/" || is_table(path)) continue;
+    const std::string trouble = cannot_be_built(name, path);
+    const Handle how(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, trouble);
+    check(H5Pset_obj_track_times(how, false), trouble);
+    const Handle group(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, how, H5P_DEFAULT), H5Gclose,
+                       trouble);
+  }
+  for (const Table& table : content.tables)
+    write_table(file, table, cannot_be_built(name, table.path));
+  for (const auto& [path, attributes] : content.attributes) {
+    const std::string trouble = cannot_be_built(name, path);
+    const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, trouble);
+    for (const auto& [key, value] : attributes) write_attribute(object, key, value, trouble);
+  }
+  return image_of(file, cannot_be_built(name, "/"));
 }
 
 Reader::Reader(const std::string& name, std::string what)
     : name_(name),
       what_(std::move(what)),
+      size_(size_of(name)),
       file_(open_to_read(name), H5Fclose, name + ": not a readable HDF5 file") {}
 
-std::string Reader::text(const char* key, const char* place) const {
-  const Handle a = open_attribute(key, place);
-  const Handle type(H5Aget_type(a), H5Tclose, trouble(key));
-  if (H5Tget_class(type) != H5T_STRING || H5Tis_variable_str(type) > 0)
-    throw FileTrouble(trouble(key));
-  std::string value(H5Tget_size(type), '\0');
-  check(H5Aread(a, type, value.data()), trouble(key));
-  while (!value.empty() && value.back() == '\0') value.pop_back();
+Json Reader::attribute(const std::string& key, const std::string& place) const {
+  const std::string damaged = trouble("attribute " + key);
+  const Handle a(H5Aopen_by_name(file_, place.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT),
+                 H5Aclose, damaged);
+  const Handle space(H5Aget_space(a), H5Sclose, damaged);
+  const Handle type(H5Aget_type(a), H5Tclose, damaged);
+  const H5T_class_t kind = H5Tget_class(type);
+  const std::size_t size = H5Tget_size(type);
+  if (H5Sget_simple_extent_type(space) != H5S_SCALAR || size == 0 || size > size_)
+    throw FileTrouble(damaged);
+  if (kind == H5T_STRING && H5Tis_variable_str(type) == 0) {
+    std::string value(size, '\0');
+    check(H5Aread(a, type, value.data()), damaged);
+    value.resize(value.find_last_not_of('\0') + 1);
+    return value;
+  }
+  if (size > sizeof(double)) throw FileTrouble(damaged);
+  if (kind == H5T_FLOAT) {
+    double value = 0;
+    check(H5Aread(a, H5T_NATIVE_DOUBLE, &value), damaged);
+    return value;
+  }
+  if (kind != H5T_INTEGER) throw FileTrouble(damaged);
+  if (H5Tget_sign(type) == H5T_SGN_NONE) {
+    std::uint64_t value = 0;
+    check(H5Aread(a, H5T_NATIVE_UINT64, &value), damaged);
+    return value;
+  }
+  std::int64_t value = 0;
+  check(H5Aread(a, H5T_NATIVE_INT64, &value), damaged);
   return value;
 }
 
-double Reader::number(const char* key, const char* place) const {
-  double value = 0;
-  check(H5Aread(open_attribute(key, place), H5T_NATIVE_DOUBLE, &value), trouble(key));
+std::string Reader::text(const char* key) const {
+  const Json value = attribute(key);
+  if (!value.is_string()) throw FileTrouble(trouble(key));
+  return value;
+}
+
+double Reader::number(const char* key) const {
+  const Json value = attribute(key);
+  if (!value.is_number()) throw FileTrouble(trouble(key));
   return value;
 }
 
 std::uint64_t Reader::whole(const char* key) const {
-  std::uint64_t value = 0;
-  check(H5Aread(open_attribute(key, "/"), H5T_NATIVE_UINT64, &value), trouble(key));
+  const Json value = attribute(key);
+  if (!value.is_number_integer() || value < 0) throw FileTrouble(trouble(key));
   return value;
 }
 
-Matrix Reader::table(const std::string& path, int width, Eigen::Index count) const {
-  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose,
-                   name_ + ": damaged: " + path + " is missing");
-  const Handle space(H5Dget_space(set), H5Sclose, trouble(path));
+// What the file says of a data set must fit into the file.
+void Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const {
+  const std::string damaged = name_ + ": damaged: " + path;
+  const Handle how(H5Dget_create_plist(set), H5Pclose, damaged);
+  const H5D_layout_t layout = H5Pget_layout(how);
+  if (H5Pget_external_count(how) != 0 || layout == H5D_VIRTUAL || layout < 0)
+    throw FileTrouble(damaged + " has its numbers elsewhere");
+  hsize_t chunk[2] = {1, 1};
+  const int rank = layout == H5D_CHUNKED ? H5Pget_chunk(how, 2, chunk) : 1;
+  if (rank < 1 || rank > 2 || chunk[0] > kMostChunk || chunk[1] > kMostChunk ||
+      chunk[0] * chunk[1] > kMostChunk)
+    throw FileTrouble(damaged + " has chunks larger than any that are read here");
+  // No data set has fewer bytes than rows, nor is compressed by more than deflate can.
+  const hsize_t stored = H5Dget_storage_size(set);
+  if (rows > size_ || stored > size_ ||
+      rows * width * sizeof(float) > kMostDeflated * (stored + 64))
+    throw FileTrouble(damaged + " claims " + std::to_string(rows) +
+                      " rows, more than are in the file");
+}
+
+Table Reader::table(const std::string& path, Eigen::Index width, Eigen::Index count) const {
+  const std::string damaged = name_ + ": damaged: " + path;
+  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing");
+  const Handle space(H5Dget_space(set), H5Sclose, damaged);
+  const Handle type(H5Dget_type(set), H5Tclose, damaged);
+  Table table;
+  table.path = path;
   const int rank = H5Sget_simple_extent_ndims(space);
   hsize_t size[2] = {0, 1};
   if (rank < 1 || rank > 2 || H5Sget_simple_extent_dims(space, size, nullptr) < 0 ||
       size[1] != static_cast<hsize_t>(width) || size[0] > kMostRows)
-    throw FileTrouble(name_ + ": damaged: " + path + " has the wrong shape");
+    throw FileTrouble(damaged + " has the wrong shape");
   if (count >= 0 && static_cast<Eigen::Index>(size[0]) != count)
-    throw FileTrouble(name_ + ": damaged: " + path + " has " + std::to_string(size[0]) +
-                      " rows, not " + std::to_string(count));
-  Matrix values(static_cast<Eigen::Index>(size[0]), width);
+    throw FileTrouble(damaged + " has " + std::to_string(size[0]) + " rows, not " +
+                      std::to_string(count));
+  constexpr Table::Stored kinds[] = {Table::exact, Table::single, Table::whole};
+  const auto* const kind = std::find_if(std::begin(kinds), std::end(kinds), [&](auto stored) {
+    return H5Tequal(type, stored_type(stored)) > 0;
+  });
+  if (kind == std::end(kinds)) throw FileTrouble(damaged + " has numbers of another type");
+  table.stored = *kind;
+  table.flat = rank == 1;
+  expect_room(set, size[0], size[1], path);
+  table.values.resize(static_cast<Eigen::Index>(size[0]), width);
   // Chunk by chunk, so that damage is found where it is.
   for (hsize_t from = 0; from < size[0]; from += kChunk) {
     const hsize_t start[2] = {from, 0};
     const hsize_t extent[2] = {std::min(kChunk, size[0] - from), size[1]};
-    const Handle memory(H5Screate_simple(rank, extent, nullptr), H5Sclose, trouble(path));
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, extent, nullptr),
-          trouble(path));
+    const Handle memory(H5Screate_simple(rank, extent, nullptr), H5Sclose, damaged);
+    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, extent, nullptr), damaged);
     check(H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT,
-                  values.row(static_cast<Eigen::Index>(from)).data()),
-          name_ + ": damaged: " + path + " cannot be read at row " + std::to_string(from));
+                  table.values.row(static_cast<Eigen::Index>(from)).data()),
+          damaged + " cannot be read at row " + std::to_string(from));
   }
-  return values;
+  return table;
+}
+
+Names Reader::names() const {
+  Names all;
+  check(H5Ovisit(file_, H5_INDEX_NAME, H5_ITER_INC, add_object, &all), trouble("its objects"));
+  return all;
 }
 
 std::string Reader::trouble(const std::string& key) const {
   return name_ + ": not " + what_ + ", or damaged (at " + key + ")";
-}
-
-Handle Reader::open_attribute(const char* key, const char* place) const {
-  return {H5Aopen_by_name(file_, place, key, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-          trouble(std::string("attribute ") + key)};
 }
 
 }  // namespace ferrule::hdf5

@@ -6,10 +6,13 @@
 #include <hdf5.h>
 
 #include <Eigen/Core>
+#include <map>
+#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
-#include "sim/error.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule::hdf5 {
 
@@ -33,56 +36,49 @@ class Handle {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// One data set, with its attributes `unit` and `columns`.
+// One data set.
 struct Table {
   std::string path;
   Matrix values;
-  std::string unit, columns;
-  enum { exact, single, whole } stored = exact;  // float64, float32, int64
-  bool flat = false;                             // (N) and not (N, 1)
+  enum Stored { exact, single, whole } stored = exact;  // float64, float32, int64
+  bool flat = false;                                    // (N) and not (N, 1)
 };
 
-// A file in memory. Throws FileTrouble.
-class Writer {
- public:
-  explicit Writer(const std::string& name);  // of the file that it becomes, for messages
-
-  hid_t root() const noexcept { return file_; }
-  Handle group(const std::string& path) const;
-  Handle table(const Table& table) const;  // compressed by chunks of rows
-  void attribute(hid_t where, const char* key, const std::string& value) const;
-  void attribute(hid_t where, const char* key, double value) const;
-  void attribute(hid_t where, const char* key, std::int64_t value) const;
-  void attribute(hid_t where, const char* key, std::uint64_t value) const;
-  // Its bytes.
-  std::string image() const;
-
- private:
-  std::string trouble(const std::string& path) const;
-  void scalar(hid_t where, const char* key, hid_t type, const void* value) const;
-
-  std::string name_;
-  Handle file_;
+// All that is in a file. An attribute is a text, a double, or a whole number of 64 bits.
+struct Content {
+  // Of every group and data set, by its path; "/" is the root.
+  std::map<std::string, std::map<std::string, Json>> attributes;
+  std::vector<Table> tables;  // compressed by chunks of rows
 };
 
-// A file on disk. Throws FileTrouble, naming what is damaged.
+// The bytes of a file with this content, always the same ones. `name` is that of the file, for
+// messages. Throws FileTrouble.
+std::string image(const std::string& name, const Content& content);
+
+// A file on disk that anybody may have written: everything is checked before it is read, and no size
+// is believed that the file cannot hold. HDF5 itself may still fail on what is damaged: to be used
+// in a Child (capture/child.hpp). Throws FileTrouble, naming what is damaged.
 class Reader {
  public:
   // `what` the file should be: "an episode".
   Reader(const std::string& name, std::string what);
 
   bool has(const char* key) const { return H5Aexists(file_, key) > 0; }
-  std::string text(const char* key, const char* place = "/") const;
-  double number(const char* key, const char* place = "/") const;
+  Json attribute(const std::string& key, const std::string& place = "/") const;
+  std::string text(const char* key) const;
+  double number(const char* key) const;
   std::uint64_t whole(const char* key) const;
   // A data set of `width` columns and `count` rows, or any number of rows where `count` is -1.
-  Matrix table(const std::string& path, int width, Eigen::Index count) const;
+  Table table(const std::string& path, Eigen::Index width, Eigen::Index count) const;
+  // Of every group and data set by its path, the names of its attributes.
+  std::map<std::string, std::set<std::string>> names() const;
 
  private:
   std::string trouble(const std::string& key) const;
-  Handle open_attribute(const char* key, const char* place) const;
+  void expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const;
 
   std::string name_, what_;
+  hsize_t size_;  // of the file [bytes]
   Handle file_;
 };
 

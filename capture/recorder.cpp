@@ -3,13 +3,17 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+
+#include "sim/scene/written_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -23,11 +27,6 @@ constexpr double kFlushEvery = 0.1;  // [s] of recording
 // A row in the journal: its numbers, and the counts where there is a mapping.
 Eigen::Index row_size(const EpisodeInfo& info) {
   return kRowSize + (info.mapping.empty() ? 0 : static_cast<Eigen::Index>(kRawAxes));
-}
-
-void append(int fd, const void* data, std::size_t size, const std::string& file) {
-  if (const int error = write_all(fd, static_cast<const char*>(data), size))
-    throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
 }
 
 std::string header(const EpisodeInfo& info) {
@@ -52,88 +51,122 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   f.integer("row_size", row_size(info), row_size(info));
   info.scene = f.text("scene");
   info.operator_ = f.text("operator");
-  info.seed = f.raw("seed").get<std::uint64_t>();
-  info.trial = f.raw("trial").get<std::uint64_t>();
-  info.period = f.number("period_s", rule::positive());
+  info.seed = static_cast<std::uint64_t>(f.integer("seed", 0, INT64_MAX));
+  info.trial = static_cast<std::uint64_t>(f.integer("trial", 0, INT64_MAX));
+  info.period = f.number("period_s", period_rule());
   info.version = f.text("version");
   info.build = f.text("build");
   return info;
 }
 
-// Half-written files that a killed recorder left beside the name of its episode.
-void remove_half_written(const fs::path& episode) {
-  const std::string begins = episode.filename().string() + ".";
-  std::error_code error;
-  for (const auto& entry : fs::directory_iterator(episode.parent_path(), error)) {
-    const std::string name = entry.path().filename().string();
-    if (name.starts_with(begins) && name.ends_with(".tmp")) fs::remove(entry.path(), error);
-  }
+// Opens and locks a journal; -1 with errno, EWOULDBLOCK where somebody has it. Whoever had it before
+// may have removed the file that was opened: that is nobody's.
+int lock_journal(const std::string& journal, int flags) {
+  const int fd = ::open(journal.c_str(), flags | O_CLOEXEC, 0644);
+  if (fd < 0) return -1;
+  struct stat ours {};
+  struct stat there {};
+  if (::flock(fd, LOCK_EX | LOCK_NB) == 0 && ::fstat(fd, &ours) == 0 &&
+      ::stat(journal.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
+      ours.st_dev == there.st_dev)
+    return fd;
+  ::close(fd);
+  errno = EWOULDBLOCK;
+  return -1;
 }
 
-// Makes `file` of the rows that are whole in the journal's `text` after its header, which ends at
-// `line`.
-void recover_rows(const std::string& text, std::size_t line, const fs::path& journal,
-                  const fs::path& file, Recovered& result) {
+// What a journal holds.
+struct Journal {
   Episode episode;
-  episode.info = parse_header(text.substr(0, line), journal.string());
-  episode.info.outcome = Outcome::interrupted;
-  const Eigen::Index width = row_size(episode.info);
-  result.rows = (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
-  if (fs::exists(file)) {
-    const auto whole = static_cast<std::size_t>(read_episode(file.string()).rows.rows());
-    if (whole < result.rows)
-      throw BadInput(file.string() + " has fewer rows (" + std::to_string(whole) + ")");
-    fs::remove(journal);
-    result.rows = 0;
-    result.remark = "was already whole as " + file.filename().string() + ": journal removed";
-    return;
+  std::size_t damaged = 0;  // rows from the first that is damaged on
+};
+
+using Numbers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// How many rows from the start on can be rows of `info`.
+Eigen::Index sound_rows(const EpisodeInfo& info, const Numbers& numbers) {
+  for (Eigen::Index n = 0; n < numbers.rows(); ++n) {
+    const auto row = numbers.row(n);
+    const auto counts = row.tail(row.size() - kRowSize).array();
+    if (!row.allFinite() || row[kTime.begin] != static_cast<double>(n) * info.period ||
+        !(counts == counts.rint() && counts.abs() <= INT32_MAX).all())
+      return n;
   }
-  if (result.rows == 0) {
-    fs::remove(journal);
-    result.remark = "was killed before its first flush: removed";
-    return;
-  }
-  const auto count = static_cast<Eigen::Index>(result.rows);
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> numbers(count, width);
+  return numbers.rows();
+}
+
+// Of the rows that are whole in the `text` of a journal after its header, which ends at `line`.
+Journal parse_journal(const std::string& text, std::size_t line, const std::string& file) {
+  Journal journal;
+  EpisodeInfo& info = journal.episode.info;
+  info = parse_header(text.substr(0, line), file);
+  const Eigen::Index width = row_size(info);
+  const std::size_t rows =
+      (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
+  Numbers numbers(static_cast<Eigen::Index>(rows), width);
   std::memcpy(numbers.data(), text.data() + line + 1,
               static_cast<std::size_t>(numbers.size()) * sizeof(double));
-  episode.rows = numbers.leftCols<kRowSize>();
-  if (width > kRowSize) episode.counts = numbers.rightCols<kRawAxes>().cast<std::int32_t>();
-  write_episode(file.string(), episode);
-  result.file = file.string();
-  fs::remove(journal);
+  const Eigen::Index sound = sound_rows(info, numbers);
+  journal.damaged = rows - static_cast<std::size_t>(sound);
+  journal.episode.rows = numbers.topRows(sound).leftCols<kRowSize>();
+  if (width > kRowSize)
+    journal.episode.counts = numbers.topRows(sound).rightCols<kRawAxes>().cast<std::int32_t>();
+  return journal;
 }
 
-Recovered recover_one(const fs::path& journal) {
-  Recovered result;
-  result.journal = journal.string();
-  fs::path file = journal;
-  file.replace_extension(".h5");
+// Whether `whole` has all that a journal has.
+bool agrees(const Episode& whole, const Episode& journal) {
+  const Eigen::Index rows = journal.rows.rows();
+  return header(whole.info) == header(journal.info) && whole.rows.rows() >= rows &&
+         whole.rows.topRows(rows) == journal.rows &&
+         whole.counts.topRows(journal.counts.rows()) == journal.counts;
+}
 
-  const int fd = ::open(journal.c_str(), O_RDONLY | O_CLOEXEC);
-  if (fd < 0) {
-    result.remark = std::string("cannot be read: ") + std::strerror(errno);
-    result.damaged = true;
-    return result;
-  }
-  const bool free = ::flock(fd, LOCK_EX | LOCK_NB) == 0;
-  ::close(fd);
-  if (!free) {
-    result.remark = "is still being recorded: left alone";
-    return result;
-  }
-  remove_half_written(file);
-  const std::string text = read_text(journal.string());
+void recover_claimed(EpisodeClaim& claim, Recovered& result) {
+  const std::string text = read_text(claim.journal());
   const auto line = text.find('\n');
   if (line == std::string::npos) {
-    fs::remove(journal);
+    claim.remove();
     result.remark = "was killed before its first row: removed";
+    return;
+  }
+  const Journal journal = parse_journal(text, line, claim.journal());
+  const Eigen::Index rows = journal.episode.rows.rows();
+  if (journal.damaged > 0) {
+    const std::string kept = claim.journal() + ".damaged";
+    fs::copy_file(claim.journal(), kept, fs::copy_options::overwrite_existing);
+    result.damaged = true;
+    result.remark = fmt::format("row {} is damaged; the journal is kept as {}", rows, kept);
+  } else if (fs::exists(claim.file()) && agrees(read_episode(claim.file()), journal.episode)) {
+    claim.remove();
+    result.remark =
+        "was already whole as " + fs::path(claim.file()).filename().string() + ": journal removed";
+    return;
+  }
+  if (rows == 0) {
+    claim.remove();
+    if (!result.damaged) result.remark = "was killed before its first flush: removed";
+    return;
+  }
+  claim.write(journal.episode);
+  result.rows = static_cast<std::size_t>(rows);
+  result.file = claim.file();
+}
+
+Recovered recover_one(const std::string& journal) {
+  Recovered result;
+  result.journal = journal;
+  std::optional<EpisodeClaim> claim = EpisodeClaim::of_left(journal);
+  if (!claim) {
+    const bool held = errno == EWOULDBLOCK || errno == ENOENT;
+    result.remark = held ? "is still being recorded: left alone"
+                         : std::string("cannot be read: ") + std::strerror(errno);
+    result.damaged = !held;
     return result;
   }
   try {
-    recover_rows(text, line, journal, file, result);
+    recover_claimed(*claim, result);
   } catch (const std::exception& error) {
-    result.rows = 0;
     result.damaged = true;
     result.remark = std::string("was left as it is: ") + error.what();
   }
@@ -150,48 +183,97 @@ int next_episode_number(const std::string& folder) {
   int next = 1;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    const std::string_view head = "episode_";
     int number = 0;
-    if (std::sscanf(entry.path().filename().c_str(), "episode_%d.", &number) == 1)
-      next = std::max(next, number + 1);
+    if (!name.starts_with(head)) continue;
+    const char* const end = name.data() + name.size();
+    const auto [rest, trouble] = std::from_chars(name.data() + head.size(), end, number);
+    if (rest == end || *rest != '.' || rest == name.data() + head.size()) continue;
+    if (trouble != std::errc() || number > kMostNumber)
+      throw BadInput(
+          fmt::format("{}: {}: numbers of episodes go up to {}", folder, name, kMostNumber));
+    next = std::max(next, number + 1);
   }
   return next;
 }
 
-int claim_episode(const std::string& folder, int first) {
+EpisodeClaim::EpisodeClaim(const std::string& folder, int first) : folder_(folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileTrouble(folder + ": cannot be made: " + error.message());
-  for (int number = first;; ++number) {
-    const std::string stem = folder + "/" + episode_name(number);
-    if (fs::exists(stem + ".h5")) continue;
-    const std::string journal = stem + ".part";
-    const int fd = ::open(journal.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0644);
-    if (fd < 0 && errno == EEXIST) continue;
-    if (fd < 0) throw FileTrouble(journal + ": cannot be made: " + std::strerror(errno));
-    ::close(fd);
+  for (number_ = first; number_ <= kMostNumber; ++number_) {
+    stem_ = folder + "/" + episode_name(number_);
+    if (fs::exists(file(), error)) continue;
+    fd_ = lock_journal(journal(), O_CREAT | O_EXCL | O_WRONLY | O_APPEND);
+    if (fd_ < 0 && (errno == EEXIST || errno == EWOULDBLOCK)) continue;
+    if (fd_ < 0) throw FileTrouble(journal() + ": cannot be made: " + std::strerror(errno));
     // Another recorder may have finished this number since it was looked at.
-    if (!fs::exists(stem + ".h5")) return number;
-    ::unlink(journal.c_str());
+    if (!fs::exists(file(), error)) return;
+    remove();
   }
+  throw FileTrouble(fmt::format("{}: no number up to {} is free", folder, kMostNumber));
 }
 
-Recorder::Recorder(const std::string& folder, int number, const EpisodeInfo& info) {
-  episode_.info = info;
-  const std::string stem = folder + "/" + episode_name(number);
-  journal_ = stem + ".part";
-  file_ = stem + ".h5";
-  fd_ = ::open(journal_.c_str(), O_CREAT | O_WRONLY | O_APPEND | O_CLOEXEC, 0644);
-  if (fd_ < 0) throw FileTrouble(journal_ + ": cannot be made: " + std::strerror(errno));
-  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 || ::lseek(fd_, 0, SEEK_END) != 0) {
+EpisodeClaim::EpisodeClaim(EpisodeClaim&& other) noexcept
+    : folder_(std::move(other.folder_)),
+      stem_(std::move(other.stem_)),
+      number_(other.number_),
+      fd_(std::exchange(other.fd_, -1)) {}
+
+EpisodeClaim::~EpisodeClaim() {
+  if (fd_ < 0) return;
+  if (::lseek(fd_, 0, SEEK_END) == 0)
+    remove();
+  else
     ::close(fd_);
-    throw FileTrouble(journal_ + ": another recording is in it");
-  }
-  const std::string start = header(info);
-  append(fd_, start.data(), start.size(), journal_);
 }
 
-Recorder::~Recorder() {
-  if (fd_ >= 0) ::close(fd_);
+std::optional<EpisodeClaim> EpisodeClaim::of_left(const std::string& journal) {
+  EpisodeClaim claim;
+  claim.fd_ = lock_journal(journal, O_RDWR | O_APPEND);
+  if (claim.fd_ < 0) return std::nullopt;
+  claim.folder_ = fs::path(journal).parent_path().string();
+  claim.stem_ = fs::path(journal).replace_extension().string();
+  return claim;
+}
+
+void EpisodeClaim::append(const void* data, std::size_t size) const {
+  if (const int error = write_all(fd_, static_cast<const char*>(data), size))
+    throw FileTrouble(journal() + ": cannot be written: " + std::strerror(error));
+}
+
+void EpisodeClaim::write(const Episode& episode) {
+  std::error_code error;
+  for (;; move_on()) {
+    if (fs::exists(file(), error)) continue;
+    try {
+      write_episode(file(), episode);
+      return remove();
+    } catch (const FileTrouble&) {
+      if (!fs::exists(file(), error)) throw;  // else somebody has just taken the name
+    }
+  }
+}
+
+void EpisodeClaim::move_on() {
+  EpisodeClaim next(folder_, number_ + 1);
+  if (::rename(journal().c_str(), next.journal().c_str()) != 0)
+    throw FileTrouble(journal() + ": cannot be renamed: " + std::strerror(errno));
+  ::close(std::exchange(next.fd_, -1));
+  stem_ = next.stem_;
+  number_ = next.number_;
+}
+
+void EpisodeClaim::remove() noexcept {
+  ::unlink(journal().c_str());
+  ::close(std::exchange(fd_, -1));
+}
+
+Recorder::Recorder(EpisodeClaim claim, const EpisodeInfo& info) : claim_(std::move(claim)) {
+  episode_.info = info;
+  const std::string start = header(info);
+  claim_.append(start.data(), start.size());
 }
 
 void Recorder::add(const RowVector& row, const RawCounts& counts) {
@@ -210,7 +292,7 @@ void Recorder::flush() {
     numbers.insert(numbers.end(), rows_[n].begin(), rows_[n].end());
     if (width > kRowSize) numbers.insert(numbers.end(), counts_[n].begin(), counts_[n].end());
   }
-  append(fd_, numbers.data(), numbers.size() * sizeof(double), journal_);
+  claim_.append(numbers.data(), numbers.size() * sizeof(double));
   flushed_ = rows_.size();
 }
 
@@ -222,25 +304,24 @@ std::string Recorder::finish(Outcome outcome) {
   episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
   if (!counts_.empty())
     std::memcpy(episode_.counts.data(), counts_.data(), counts_.size() * sizeof(RawCounts));
-  write_episode(file_, episode_);
-  discard();
-  return file_;
+  claim_.write(episode_);
+  return claim_.file();
 }
 
 void Recorder::discard() noexcept {
-  ::close(std::exchange(fd_, -1));
-  ::unlink(journal_.c_str());
+  claim_.remove();
 }
 
 std::vector<Recovered> recover(const std::string& folder) {
   std::vector<Recovered> results;
-  std::vector<fs::path> journals;
-  std::error_code error;
+  std::vector<std::string> journals;
+  std::error_code error, ignored;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".part" && entry.is_regular_file())
-      journals.push_back(entry.path());
+    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored))
+      journals.push_back(entry.path().string());
   if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
   std::sort(journals.begin(), journals.end());
+  remove_half_written(folder, [](const std::string& name) { return name.ends_with(".h5"); });
   for (const auto& journal : journals) results.push_back(recover_one(journal));
   return results;
 }

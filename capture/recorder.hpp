@@ -8,6 +8,7 @@
 // killed; `recover` makes a file of it up to the last flush.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,14 +16,53 @@
 
 namespace ferrule {
 
+// A number of a folder that nobody else has: its journal, locked from the start. Who holds the lock
+// owns the journal; `recover` leaves it alone.
+class EpisodeClaim {
+ public:
+  // The first number from `first` on that no file and no other recorder has, with an empty journal;
+  // makes the folder if it is not there. Throws FileTrouble.
+  EpisodeClaim(const std::string& folder, int first);
+  EpisodeClaim(EpisodeClaim&& other) noexcept;
+  EpisodeClaim& operator=(EpisodeClaim&&) = delete;
+  // Gives the number back where there is nothing in the journal.
+  ~EpisodeClaim();
+
+  // A journal that somebody left. Empty where somebody holds it, or it is gone.
+  static std::optional<EpisodeClaim> of_left(const std::string& journal);
+
+  int number() const noexcept { return number_; }
+  std::string journal() const { return stem_ + ".part"; }
+  std::string file() const { return stem_ + ".h5"; }
+
+  // Throws FileTrouble.
+  void append(const void* data, std::size_t size) const;
+  // Writes `episode` to `file()`, and removes the journal. Where another has taken that name
+  // meanwhile, the journal moves on to the next free number first. Throws FileTrouble.
+  void write(const Episode& episode);
+  // Removes the journal.
+  void remove() noexcept;
+
+ private:
+  EpisodeClaim() = default;
+  void move_on();
+
+  std::string folder_, stem_;
+  int number_ = 0;  // 0: of a journal that has none
+  int fd_ = -1;
+};
+
 class Recorder {
  public:
-  // Starts episode `number` in `folder`, which must be there. Throws FileTrouble.
-  Recorder(const std::string& folder, int number, const EpisodeInfo& info);
+  // Starts the claimed episode. Throws FileTrouble.
+  Recorder(EpisodeClaim claim, const EpisodeInfo& info);
+  // In `folder`, episode `number` or the next that is free.
+  Recorder(const std::string& folder, int number, const EpisodeInfo& info)
+      : Recorder(EpisodeClaim(folder, number), info) {}
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
   // Leaves the journal if `finish` was not called.
-  ~Recorder();
+  ~Recorder() = default;
 
   // Throws FileTrouble when the disk is full; the rows flushed before stay recoverable.
   // `counts` are kept where the episode has a mapping.
@@ -41,32 +81,32 @@ class Recorder {
   void discard() noexcept;
 
  private:
-  std::string journal_, file_;
+  EpisodeClaim claim_;
   Episode episode_;
   std::vector<RowVector> rows_;
   std::vector<RawCounts> counts_;
   std::size_t flushed_ = 0;
-  int fd_ = -1;
 };
 
-// Name of an episode file, and the first number that is free in a folder.
+// Name of an episode file, and the first number that is free in a folder. Throws BadInput where the
+// folder has a number above kMostNumber.
+inline constexpr int kMostNumber = 999'999'999;
 std::string episode_name(int number);
 int next_episode_number(const std::string& folder);
-
-// Reserves the first number from `first` on that no file and no other recorder has, with an empty
-// journal; makes the folder if it is not there. Throws FileTrouble.
-int claim_episode(const std::string& folder, int first);
 
 // What became of one journal.
 struct Recovered {
   std::string journal, file;  // `file` is empty where nothing was recovered
   std::size_t rows = 0;
   std::string remark;
-  bool damaged = false;  // it could not be read, and was left as it is
+  bool damaged = false;  // it, or rows of it, could not be read; what could not was kept
 };
 
 // Turns every journal in `folder` that nobody is writing to into an episode with outcome
-// `interrupted`. Throws FileTrouble.
+// `interrupted`, of the rows before the first that is damaged; such a journal is kept as
+// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if header
+// and rows agree with it, and else becomes an episode of the next number. Also removes half-written
+// files of recordings that were killed. Throws FileTrouble.
 std::vector<Recovered> recover(const std::string& folder);
 
 }  // namespace ferrule

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstring>
+#include <algorithm>
 
 #include "insertion/loop.hpp"
 #include "sim/scene/draw.hpp"
@@ -37,47 +37,62 @@ class RecordedHand : public Device {
   Eigen::Index next_ = 0;
 };
 
-std::string column_name(int column) {
+std::string column_name(Eigen::Index column) {
   for (const Block& b : kBlocks)
     if (column < b.begin + b.width) return fmt::format("{}[{}]", b.name, column - b.begin);
   return "?";
 }
 
+// Of each column the largest number of its unit in its block.
+Eigen::RowVectorXd row_scale(const Rows& rows) {
+  const std::string contact = " 1 m m m m 1", pose = " m m m rad rad";
+  const std::string rates = " m/s m/s m/s rad/s rad/s";
+  Eigen::RowVectorXd scale(kRowSize);
+  for (const Block& b : kBlocks)
+    scale.segment(b.begin, b.width) = largest_by_unit(
+        rows.middleCols(b.begin, b.width),
+        b.begin == kStates.begin
+            ? pose + pose + " s 1 1" + contact + contact + rates + pose + rates + " s"
+            : b.unit);
+  return scale;
+}
+
 }  // namespace
 
-std::optional<Difference> verify(const Episode& episode) {
-  const Scene scene =
-      parse_scene(parse_json(episode.info.scene, "the episode's scene"), "the episode's scene");
+void verify(const Episode& episode, Verification& comparison) {
+  const Scene scene = recorded_scene(episode, "the episode's scene");
   const Rows& rows = episode.rows;
-  if (rows.rows() == 0) return std::nullopt;
   RecordedHand hand(episode);
   const EpisodeInfo& info = episode.info;
-  std::optional<Difference> first;
+  const Eigen::RowVectorXd scale = row_scale(rows);
   Eigen::Index n = 0;
   const InsertionEnd end = run_insertion(
       scene, draw_start(scene, info.seed, info.trial), hand,
       ForceSensor(scene.sensor, info.seed, info.trial),
       {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
       [&](const Tick& tick) {
-        RowVector recorded = rows.row(n), recomputed = make_row(tick);
+        RowVector recomputed = make_row(tick);
         // The last command is what the recorded hand was built from, not a result.
         if (n == rows.rows() - 1)
-          recomputed.segment<kPose>(kCommand.begin) = recorded.segment<kPose>(kCommand.begin);
-        for (int c = 0; c < kRowSize && !first; ++c)
-          if (std::memcmp(&recorded[c], &recomputed[c], sizeof(double)) != 0)
-            first =
-                Difference{static_cast<std::size_t>(n), column_name(c), recorded[c], recomputed[c]};
+          recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);
+        compare_numbers(rows.row(n), recomputed, scale, static_cast<std::size_t>(n), column_name,
+                        comparison);
         ++n;
-        return !first;
+        return !comparison.over();
       });
-  if (first) return first;
-  if (n != rows.rows())
-    return Difference{static_cast<std::size_t>(n), "outcome", static_cast<double>(info.outcome),
-                      static_cast<double>(end.outcome)};
-  if (end.outcome != info.outcome && info.outcome != Outcome::interrupted)
-    return Difference{static_cast<std::size_t>(n - 1), "outcome", static_cast<double>(info.outcome),
-                      static_cast<double>(end.outcome)};
-  return std::nullopt;
+  if (comparison.over()) return;
+  // Recordings of before called a failure past the success depth their outcome.
+  const bool same = end.outcome == info.outcome || info.outcome == Outcome::interrupted ||
+                    end.afterwards == info.outcome;
+  if (n != rows.rows() || !same)
+    comparison.add({static_cast<std::size_t>(std::max<Eigen::Index>(0, n - 1)), "outcome",
+                    name(info.outcome), name(end.outcome)});
+}
+
+std::optional<Difference> verify(const Episode& episode) {
+  Verification comparison;
+  verify(episode, comparison);
+  return comparison.first;
 }
 
 }  // namespace ferrule

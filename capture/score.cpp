@@ -83,12 +83,11 @@ Measures measure(const Episode& episode, const Scene& scene) {
   const Rows& rows = episode.rows;
   const double period = episode.info.period;
   InsertionWatch watch(scene, step_of(rows.row(0)).state);
-  double time = -1, depth = 0, contact = 0, force = 0;
+  double depth = 0, contact = 0, force = 0;
   for (Eigen::Index n = 0; n < rows.rows(); ++n) {
     const StepResult result = step_of(rows.row(n));
     watch.after(result);
     depth = std::max(depth, watch.summary().depth);
-    if (time < 0 && depth >= scene.success.depth) time = result.state.time;
     const bool touches = result.state.contact[kEnd].closed || result.state.contact[kSide].closed;
     if (!touches) continue;
     contact += period;
@@ -98,7 +97,7 @@ Measures measure(const Episode& episode, const Scene& scene) {
   const Eigen::VectorXd speed = rows.middleCols<3>(kCommand.begin).rowwise().norm();
   const int moves = movements(rows.col(kCommand.begin), motion * scene.limits.speed, period);
   const InsertionSummary& summary = watch.summary();
-  return {{time < 0 ? summary.time : time, summary.peak_force, contact > 0 ? force / contact : 0,
+  return {{summary.task_time(), summary.peak_force, contact > 0 ? force / contact : 0,
            summary.friction_work, -spectral_arc_length(speed, period),
            static_cast<double>(std::max(0, moves - 1)), contact},
           episode.info.outcome,

@@ -12,6 +12,7 @@ _ferrule() {
     case $before,$word in
       *,-*) choices=$(grep -oE '^ +(-h,)?--[a-z-]+' <<<"$help" | grep -oE -- '--[a-z-]+') ;;
       --scene,* | --transfer,*) choices=$(basename -s .json "$shared"/scenes/*.json | grep -v schema) ;;
+      --set,*) choices=$("$program" scene 2>/dev/null | sed -nE 's/^([a-z_]+(\.[A-Za-z0-9_]+)*) .*/\1=/p') ;;
       --profile,*) choices=$(basename -s .json "$shared"/devices/*.json | grep -v schema) ;;
       --*) choices=$(sed -nE "s/^ +$before .*\{([a-z0-9,._-]+)\}.*/\1/p" <<<"$help" | tr , ' ') ;;
     esac

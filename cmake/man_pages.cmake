@@ -4,7 +4,8 @@ file(MAKE_DIRECTORY ${OUT})
 execute_process(COMMAND ${PROGRAM} --version OUTPUT_VARIABLE version COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCH "[0-9.]+" version "${version}")
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX REPLACE ".*\nSubcommands:\n" "" verbs "${help}")
+string(REPLACE ";" "," help "${help}") # of a CMake list
+string(REGEX REPLACE ".*\nSubcommands:\n" "" verbs "\n${help}")
 string(REGEX MATCHALL "(^|\n)  [a-z]+ +[^\n]+" verbs "${verbs}")
 
 function(page name command brief)
@@ -12,7 +13,7 @@ function(page name command brief)
   set(asks ${OUT}/${name})
   file(WRITE ${asks} "#!/bin/sh\nexec ${command} \"$@\"\n")
   file(CHMOD ${asks} PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE)
-  execute_process(COMMAND ${HELP2MAN} --no-info --section=1 --name=${brief}
+  execute_process(COMMAND ${HELP2MAN} --no-info --section=1 "--name=${brief}"
     --version-string=${version} --source=ferrule --manual=ferrule --output=${OUT}/${name}.1 ${asks}
     COMMAND_ERROR_IS_FATAL ANY)
   execute_process(COMMAND gzip -9n ${OUT}/${name}.1 COMMAND_ERROR_IS_FATAL ANY)

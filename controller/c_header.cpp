@@ -73,8 +73,20 @@ std::string no_tilts() {
   return text;
 }
 
+// By how much, and within which limits it was trained; files of before do not state it.
+std::string scaling_told(const TrainedOn& trained) {
+  if (!trained.scaling) return {};
+  return fmt::format(
+      ":\n"
+      "     motions by {:.17g}, forces by {:.17g};\n"
+      "     trained at up to {:g} um/s and {:g} uN, both of the tip",
+      trained.scaling->motion, trained.scaling->force, 1e6 * trained.speed_limit,
+      1e6 * trained.force_limit);
+}
+
 // What comes before and after the numbers and the functions of one kind of controller.
-std::string framed(const std::string& origin, const std::string& period, const std::string& body) {
+std::string framed(const std::string& origin, const TrainedOn& trained, const std::string& period,
+                   const std::string& body) {
   std::string from;  // nothing that could end the comment
   for (const char c : origin) from += c >= ' ' && c < 127 && c != '/' && c != '\\' ? c : '_';
   return "/* A controller of ferrule, from " + from +
@@ -82,7 +94,9 @@ std::string framed(const std::string& origin, const std::string& period, const s
          "\n"
          "   Call ferrule_start before the start, then ferrule_command once per period" +
          period + ":\n" + arguments_told() +
-         "   All in the hand's world: forces and motions of the tip, scaled up. */\n"
+         "   All in the hand's world: forces and motions of the tip, scaled up" +
+         scaling_told(trained) +
+         ". */\n"
          "#ifndef FERRULE_CONTROLLER_H\n"
          "#define FERRULE_CONTROLLER_H\n"
          "\n"
@@ -257,14 +271,14 @@ static inline void ferrule_start(ferrule_state* s) { s->unused = 0; }
 
 )" + command_head() +
           "  const double* g = ferrule_gain;\n" + law_body(law.kind()) + no_tilts() + "}\n";
-  return framed(origin, "", body);
+  return framed(origin, file.trained_on, "", body);
 }
 
 std::string c_header(const PolicyFile& file, const std::string& origin) {
   const Policy& policy = file.policy;
   const MembersInC members = members_in_c(policy);
   return framed(
-      origin, fmt::format(" of {:g} s", policy.period),
+      origin, file.trained_on, fmt::format(" of {:g} s", policy.period),
       table("double", "ferrule_mean", policy.mean.data(), kPolicyChannels) +
           table("double", "ferrule_scale", policy.scale.data(), kPolicyChannels) +
           table("double", "ferrule_velocity_mean", policy.velocity_mean.data(), kVelocity) +

@@ -1,6 +1,5 @@
 #include "controller/campaign.hpp"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -13,19 +12,24 @@ namespace ferrule {
 std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
                                       const MakeController& make, std::uint64_t seed,
                                       std::size_t trials, int threads,
-                                      const std::function<void(std::size_t)>& progress) {
+                                      const std::function<void(std::size_t)>& progress,
+                                      const std::function<bool()>& stop) {
   std::vector<TrialResult> results(trials);
-  std::atomic<std::size_t> done = 0;
+  std::atomic<std::size_t> next = 0, done = 0;
+  // Trials are begun in their order, and what is begun is ended: so those done are the first ones.
+  const auto work = [&](int) {
+    while (!stop || !stop()) {
+      const std::size_t k = next++;
+      if (k >= trials) return;
+      results[k] = run_trial(scene, scaling, *make(k), seed, k);
+      const std::size_t so_far = ++done;
+      if (progress) progress(so_far);
+    }
+  };
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, trials, 1), [&](const auto& range) {
-      for (std::size_t k = range.begin(); k < range.end(); ++k) {
-        results[k] = run_trial(scene, scaling, *make(k), seed, k);
-        const std::size_t so_far = ++done;
-        if (progress) progress(so_far);
-      }
-    });
-  });
+  arena.execute(
+      [&] { tbb::parallel_for(0, arena.max_concurrency(), work, tbb::simple_partitioner()); });
+  results.resize(done);
   return results;
 }
 

@@ -11,11 +11,13 @@
 namespace ferrule {
 
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
-// of trials done, from any thread.
+// of trials done, from any thread. Once `stop` says so, from any thread, no trial is begun any more:
+// the results are those of the first trials, fewer than `trials`.
 std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
                                       const MakeController& make, std::uint64_t seed,
                                       std::size_t trials, int threads,
-                                      const std::function<void(std::size_t)>& progress);
+                                      const std::function<void(std::size_t)>& progress,
+                                      const std::function<bool()>& stop = {});
 
 struct Spread {
   double median, p95;  // NaN where there is nothing to take them of

@@ -30,8 +30,16 @@ ControllerFile read_controller(const std::string& file) {
   return kKinds[JsonFields(json, file).choice("method", methods)].parse(json, file);
 }
 
+MakeController maker(const ControllerFile& controller) {
+  return std::visit([](const auto& c) { return c.maker(); }, controller);
+}
+
+const TrainedOn& trained_on(const ControllerFile& controller) {
+  return std::visit([](const auto& c) -> const TrainedOn& { return c.trained_on; }, controller);
+}
+
 MakeController load_controller(const std::string& file) {
-  return std::visit([](const auto& c) { return c.maker(); }, read_controller(file));
+  return maker(read_controller(file));
 }
 
 }  // namespace ferrule

@@ -18,6 +18,9 @@ void write_controller(const std::string& file, const ControllerFile& controller)
 // Throws FileTrouble, BadInput.
 ControllerFile read_controller(const std::string& file);
 
+MakeController maker(const ControllerFile& controller);
+const TrainedOn& trained_on(const ControllerFile& controller);
+
 // What makes the controller of `file` for each trial. Throws FileTrouble, BadInput.
 MakeController load_controller(const std::string& file);
 

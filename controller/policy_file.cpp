@@ -4,15 +4,18 @@
 
 #include <filesystem>
 
-#include "controller/content_hash.hpp"
 #include "controller/safetensors.hpp"
+#include "sim/content_hash.hpp"
 #include "sim/scene/json_fields.hpp"
+#include "sim/scene/written_file.hpp"
 
 namespace ferrule {
 namespace {
 
 namespace fs = std::filesystem;
 
+constexpr std::string_view kWeights = ".safetensors";
+constexpr std::size_t kHashDigits = 12;  // in the name of a file of weights
 constexpr std::int64_t kMostMembers = 100, kMostLayers = 8, kMostUnits = 1024;
 constexpr std::int64_t kMostSamples = 100, kMostSpacing = 10000;
 constexpr double kPeriod = 1e-3;                // of trials and recordings [s]
@@ -159,6 +162,28 @@ std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
   return widths;
 }
 
+// Removes weights that were made for `file` and that no controller file beside it names any more.
+void remove_old_weights(const std::string& file) {
+  std::error_code error;
+  const std::string stem = fs::path(file).stem().string() + ".";
+  const fs::path folder = fs::path(file).parent_path();
+  std::vector<fs::path> old;
+  std::string controllers;
+  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (!entry.is_regular_file(error)) continue;
+    if (name.ends_with(".json") || entry.path() == fs::path(file))
+      controllers += read_text(entry.path().string());
+    const bool sized = name.size() == stem.size() + kHashDigits + kWeights.size();
+    if (sized && name.starts_with(stem) && name.ends_with(kWeights) &&
+        name.find_first_not_of("0123456789abcdef", stem.size()) == stem.size() + kHashDigits)
+      old.push_back(entry.path());
+  }
+  for (const fs::path& weights : old)
+    if (controllers.find(weights.filename().string()) == controllers.npos)
+      fs::remove(weights, error);
+}
+
 std::string read_weights(const std::string& file) {
   std::error_code error;
   if (fs::is_regular_file(file, error) && fs::file_size(file, error) > kMostBytes)
@@ -168,11 +193,12 @@ std::string read_weights(const std::string& file) {
 
 }  // namespace
 
-std::string weights_file(const std::string& file) {
-  const fs::path weights = fs::path(file).replace_extension(".safetensors");
-  if (weights == fs::path(file))
+std::string weights_file(const std::string& file, const std::string& hash) {
+  if (file.ends_with(kWeights))
     throw BadInput(file + ": a controller file must not end in .safetensors, its weights do");
-  return weights.string();
+  return fs::path(file)
+      .replace_extension("." + hash.substr(0, kHashDigits) + std::string(kWeights))
+      .string();
 }
 
 std::size_t PolicyFile::parameters() const {
@@ -184,10 +210,10 @@ std::size_t PolicyFile::parameters() const {
 
 void write_controller(const std::string& file, const PolicyFile& p) {
   const Policy& policy = p.policy;
-  const fs::path weights = weights_file(file);
-  if (fs::is_directory(file)) throw FileTrouble(file + ": is a directory");
   const std::string bytes = safetensors_bytes(to_tensors(policy.members),
                                               {{"format", kControllerFormat}, {"method", "torch"}});
+  const std::string hash = sha1(bytes);
+  const fs::path weights = weights_file(file, hash);
 
   Json hidden = Json::array(), inputs = Json::array(), outputs = Json::array();
   Json training = Json::array(), rounds = Json::array();
@@ -214,7 +240,7 @@ void write_controller(const std::string& file, const PolicyFile& p) {
       {"method", "torch"},
       {"world", "hand"},
       {"weights", weights.filename().string()},
-      {"weights_sha1", sha1(bytes)},
+      {"weights_sha1", hash},
       {"ensemble", policy.members.size()},
       {"hidden", hidden},
       {"activation", "tanh"},
@@ -234,9 +260,13 @@ void write_controller(const std::string& file, const PolicyFile& p) {
         {"residual_m_s", p.residual},
         {"held_out_residual_m_s", p.held_out_residual},
         {"dagger", rounds}}}};
-  // The weights first: a controller file never names weights that are not there yet.
-  write_text(weights.string(), bytes);
-  write_text(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  // The weights first, under a name of their own: until the rename of `file` the controller of before
+  // is whole, and from then on this one.
+  WrittenFile written_weights(weights.string(), bytes);
+  WrittenFile written(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+  written_weights.commit();
+  written.commit();
+  remove_old_weights(file);
 }
 
 PolicyFile read_policy(const std::string& file) {

@@ -43,10 +43,12 @@ struct PolicyFile {
   std::size_t parameters() const;  // weights and biases, of all members
 };
 
-// Where the weights of a controller `file` are: beside it, its stem with .safetensors. Throws
-// BadInput where that is `file` itself.
-std::string weights_file(const std::string& file);
-// Writes the weights, then `file`, which names them and their hash. Throws BadInput, FileTrouble.
+// Where weights of that SHA-1 are written for a controller `file`: beside it, STEM.HASH.safetensors
+// with 12 digits of it. Throws BadInput where `file` itself ends so.
+std::string weights_file(const std::string& file, const std::string& hash);
+// Writes the weights, then `file`, which names them and their hash, and removes the weights of the
+// controller that it replaces; killed at any point, one of the two controllers is there and whole.
+// Throws BadInput, FileTrouble.
 void write_controller(const std::string& file, const PolicyFile& policy);
 // Throws FileTrouble, BadInput.
 PolicyFile read_policy(const std::string& file);

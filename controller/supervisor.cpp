@@ -1,5 +1,7 @@
 #include "controller/supervisor.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
@@ -13,6 +15,8 @@ constexpr double kAside = 0.1;     // of the force: a lateral force that tells w
 constexpr double kHugest = 1e100;  // components beyond are cut, so that their squares are finite
 constexpr double kToFullSpeed = 5e-3;  // [s]
 constexpr double kRounding = 1e-9;     // of the speed
+constexpr double kLeastForce = 0.25;   // of the force limit, to brake for: less stops everything
+constexpr double kDeviations = 4;      // of noise and bias, that the margin covers
 
 const double kGoldenAngle = std::numbers::pi * (3 - std::sqrt(5.0));  // 137.5 degrees
 
@@ -45,6 +49,10 @@ SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
   limits.acceleration = limits.speed / kToFullSpeed;
   limits.stiffness = Eigen::SelfAdjointEigenSolver<Matrix5>(stiffness).eigenvalues().maxCoeff() *
                      scaling.force / scaling.motion;
+  const ForceSensorModel& sensor = scene.sensor;
+  limits.follows = -std::expm1(-2 * std::numbers::pi * sensor.bandwidth * limits.period);
+  limits.misread = scaling.force * (kDeviations * std::hypot(sensor.noise, sensor.bias) +
+                                    sensor.resolution);  // half of it now, half in the tare
   limits.lever = scaling.motion * holder.tilt_length;
   limits.disagreement = 0.2 * limits.speed;
   limits.jam_force = 0.25 * limits.force;
@@ -53,14 +61,30 @@ SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
   return limits;
 }
 
+double SupervisorLimits::brakes_for() const noexcept {
+  return std::max(std::min((1 - margin) * force, force - misread), kLeastForce * force);
+}
+
+std::string cannot_hold(const SupervisorLimits& limits) {
+  if (limits.force - limits.misread >= kLeastForce * limits.force) return {};
+  return fmt::format(
+      "the force limit cannot be held: the sensor may err by {:.3g} of it (four standard "
+      "deviations "
+      "of noise and bias); the supervisor brakes for {:.3g} of it",
+      limits.misread / limits.force, limits.brakes_for() / limits.force);
+}
+
 Supervisor::Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits)
     : inner_(std::move(inner)),
       limits_(limits),
+      // At a steady speed s the way that is unseen is s T (1 - follows) / follows.
       fastest_(std::min(limits.speed,
-                        speed_within((1 - limits.margin) * limits.force / limits.stiffness))) {}
+                        speed_within(limits.brakes_for() / limits.stiffness,
+                                     limits.period * (1 - limits.follows) / limits.follows))) {}
 
 HandTwist Supervisor::command(const Observation& observation) noexcept {
   pose_ += limits_.period * velocity_;
+  unseen_ = (1 - limits_.follows) * (unseen_ + limits_.period * velocity_.norm());
   HandTwist wanted = inner_->command(observation);
   const bool finite = wanted.allFinite() && observation.wrench.allFinite();
   note(Intervention::not_finite, !finite);
@@ -100,7 +124,7 @@ HandTwist Supervisor::follow(const Observation& observation, HandTwist wanted) n
     return now && observation.time - since >= limits_.patience;
   };
   const Eigen::Vector3d force = observation.wrench.head<3>();
-  const double braked = braked_speed(force.norm());
+  const double braked = braked_speed(by_now(force));
   const bool held = braked < kSlow * fastest_ && straining_part(wanted, force).norm() > braked;
   if (jammed(observation))
     give_way(Intervention::jam, observation);
@@ -207,7 +231,8 @@ HandTwist Supervisor::go_back(const Observation& observation) noexcept {
 
 // The velocity closest to `wanted` that keeps the limits after the last one.
 HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d& force) noexcept {
-  const double change = limits_.acceleration * limits_.period, strength = force.norm();
+  const double change = limits_.acceleration * limits_.period, strength = by_now(force);
+  const double most = std::max(limits_.force - limits_.misread, limits_.brakes_for());
   const double braked = braked_speed(strength);
   const bool following = phase_ == Phase::follow;
 
@@ -225,20 +250,26 @@ HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d
   note(Intervention::acceleration, following && (goal - velocity_).norm() > change * (1 + 1e-9));
 
   const HandTwist rest = straining_part(v, force);
-  const bool stops = strength + limits_.stiffness * rest.norm() * limits_.period > limits_.force &&
-                     rest.norm() > 0;
+  const bool stops =
+      strength + limits_.stiffness * rest.norm() * limits_.period > most && rest.norm() > 0;
   note(Intervention::force_stop, stops);
   return stops ? HandTwist(v - rest) : v;
 }
 
-// The speed from which it stops within `distance` [m], the period in which it notices included.
-double Supervisor::speed_within(double distance) const noexcept {
-  const double half = 0.5 * limits_.period, a = limits_.acceleration;
+// The speed from which it stops within `distance` [m], the period in which it notices and a `lag`
+// [s] included.
+double Supervisor::speed_within(double distance, double lag) const noexcept {
+  const double half = 0.5 * limits_.period + lag, a = limits_.acceleration;
   return a * (std::sqrt(half * half + 2 * std::max(0.0, distance) / a) - half);
 }
 
 double Supervisor::braked_speed(double force) const noexcept {
-  return speed_within(((1 - limits_.margin) * limits_.force - force) / limits_.stiffness);
+  return speed_within((limits_.brakes_for() - force) / limits_.stiffness);
+}
+
+// What the force may be, of which `force` is observed.
+double Supervisor::by_now(const Eigen::Vector3d& force) const noexcept {
+  return force.norm() + limits_.stiffness * unseen_;
 }
 
 void Supervisor::note(Intervention kind, bool now) noexcept {

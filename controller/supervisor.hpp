@@ -5,18 +5,24 @@
 //   speed         |u| <= speed, u = (v, lever omega): tilts count at a lever
 //   acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start
 //   force         the speed falls with what is left to the force it brakes for,
-//                 F_b = (1 - margin) force:  s^2 / (2 acceleration) + s T / 2 <= (F_b - |f|) / k,
+//                 F_b = min((1 - margin) force, force - misread):
+//                   s^2 / (2 acceleration) + s T / 2 <= (F_b - F) / k,
 //                 k the largest stiffness in the hand's world: a hand that brakes with the
 //                 acceleration stops before F_b if the force rises by no more than k per metre.
 //                 The part of v along the observed force f relieves it, and is not braked.
-// Force wins over acceleration: where |f| + k s T > force, the next period could exceed the limit
-// itself; all but the relieving part is then stopped at once, however fast it was. A jerk can be
-// mended, a broken fibre cannot. Nothing else exceeds the acceleration: stopping, retreating and
+//                 F is what the force may be by now: |f| + k l, l the way of which a sensor of first
+//                 order has not shown the force yet, l_n = (1 - follows) (l_n-1 + |u_n| T).
+// Force wins over acceleration: where F + misread + k s T > force, the next period could exceed the
+// limit itself; all but the relieving part is then stopped at once, however fast it was. A jerk can
+// be mended, a broken fibre cannot. Nothing else exceeds the acceleration: stopping, retreating and
 // giving up brake by it.
 //
 // Within contact laws that only resist (convex potentials) the force rises by at most k s T in a
-// period, so the measured force exceeds no limit. A surface that snaps the fibre in can raise it
-// without any motion of the hand; nobody can brake for that.
+// period, and the sensor has shown all of it but k l, so the true force exceeds no limit while the
+// sensor errs by no more than `misread` beside its lag. A surface that snaps the fibre in can raise
+// it without any motion of the hand; nobody can brake for that. A sensor whose `misread` leaves less
+// than a quarter of the force to brake for is taken to err by less: the limit does not hold then,
+// and cannot_hold() says so.
 //
 // What leads nowhere:
 //   held          the force held it below a tenth of the speed for `patience`
@@ -32,6 +38,7 @@
 #pragma once
 
 #include <array>
+#include <string>
 
 #include "controller/controller.hpp"
 #include "sim/scene/scene.hpp"
@@ -46,6 +53,8 @@ struct SupervisorLimits {
   double stiffness = 0;     // k: the largest in the hand's world [N/m], > 0
   double lever = 0;         // at which a tilt counts as a motion [m], > 0
   double margin = 0.1;      // of the force, kept free by braking [-], 0 to 1
+  double follows = 1;  // of a step of the force, the sensor shows so much a period later, (0, 1]
+  double misread = 0;  // by which the sensor errs beside its lag, hardly ever more [N], >= 0
   double disagreement = 0;  // [m/s], > 0
   double jam_force = 0;     // [N], > 0
   double jam_window = 0.2;  // [s], > 0
@@ -54,13 +63,19 @@ struct SupervisorLimits {
   double offset = 0;        // [m], > 0
   int tries = 8;            // retreats before it gives up, >= 0
   double period = 1e-3;     // T [s], > 0
+
+  double brakes_for() const noexcept;  // F_b [N], hand's world
 };
 
-// Of a scene: its speed and force limits and its holder's stiffness; acceleration to full speed in
-// 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any stage); a fifth of the speed as
-// disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and offsets
-// of 10 um.
+// Of a scene: its speed and force limits and its holder's stiffness; what its sensor's bandwidth
+// lets through in a period, and four standard deviations of its noise and bias with its resolution as
+// misread; acceleration to full speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any
+// stage); a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the tip a
+// retreat of 20 um and offsets of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling);
+
+// Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.
+std::string cannot_hold(const SupervisorLimits& limits);
 
 class Supervisor : public Controller {
  public:
@@ -83,7 +98,8 @@ class Supervisor : public Controller {
   void remember_way() noexcept;
   HandTwist go_back(const Observation& observation) noexcept;
   HandTwist keep_limits(const HandTwist& wanted, const Eigen::Vector3d& force) noexcept;
-  double speed_within(double distance) const noexcept;
+  double speed_within(double distance, double lag = 0) const noexcept;
+  double by_now(const Eigen::Vector3d& force) const noexcept;
   double braked_speed(double force) const noexcept;
   void note(Intervention kind, bool now) noexcept;
 
@@ -98,7 +114,8 @@ class Supervisor : public Controller {
   // Tilts times the lever in these.
   HandTwist velocity_ = HandTwist::Zero();  // over the last period
   HandPose pose_ = HandPose::Zero();        // relative to the start
-  std::array<HandPose, kWay> way_;          // ring of where it came along
+  double unseen_ = 0;               // way of which the sensor has not shown the force yet [m]
+  std::array<HandPose, kWay> way_;  // ring of where it came along
   std::size_t way_end_ = 0, way_length_ = 0;
   HandPose aside_ = HandPose::Zero();  // the shift after a retreat
   HandPose goal_ = HandPose::Zero();   // and where that leads

@@ -16,7 +16,10 @@ std::vector<std::string> read_texts(JsonFields& fields, const std::string& key) 
 
 Json to_json(const std::vector<TrainedEpisode>& episodes) {
   Json list = Json::array();
-  for (const TrainedEpisode& e : episodes) list.push_back({{"file", e.file}, {"sha1", e.sha1}});
+  for (const TrainedEpisode& e : episodes) {
+    list.push_back({{"file", e.file}, {"sha1", e.sha1}});
+    if (e.seed) list.back().update({{"seed", *e.seed}, {"trial", e.trial.value_or(0)}});
+  }
   return list;
 }
 
@@ -27,7 +30,13 @@ std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string&
   std::vector<TrainedEpisode> episodes;
   for (std::size_t i = 0; i < list.size(); ++i) {
     JsonFields entry(list[i], file, "trained_on." + key + "[" + std::to_string(i) + "]");
-    episodes.push_back({entry.text("file"), entry.text("sha1")});
+    TrainedEpisode& episode = episodes.emplace_back();
+    episode.file = entry.text("file");
+    episode.sha1 = entry.text("sha1");
+    if (entry.present("seed")) {
+      episode.seed = static_cast<std::uint64_t>(entry.integer("seed", 0, INT64_MAX));
+      episode.trial = static_cast<std::uint64_t>(entry.integer("trial", 0, INT64_MAX));
+    }
     entry.finish();
   }
   return episodes;
@@ -36,11 +45,18 @@ std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string&
 }  // namespace
 
 Json to_json(const TrainedOn& t) {
-  return {{"scenes", t.scenes},
-          {"episodes", to_json(t.episodes)},
-          {"held_out", to_json(t.held_out)},
-          {"rows", t.rows},
-          {"seed", t.seed}};
+  Json json = {{"scenes", t.scenes},
+               {"episodes", to_json(t.episodes)},
+               {"held_out", to_json(t.held_out)},
+               {"rows", t.rows},
+               {"seed", t.seed}};
+  if (t.partial) json["partial"] = true;
+  if (t.rollouts > 0) json["rollouts"] = t.rollouts;
+  if (t.scaling) json["scaling"] = {{"alpha_x", t.scaling->motion}, {"alpha_f", t.scaling->force}};
+  if (t.speed_limit > 0)
+    json["limits"] = {{"speed_um_s", 1e6 * t.speed_limit}, {"force_uN", 1e6 * t.force_limit}};
+  if (!t.scene.is_null()) json["scene"] = t.scene;
+  return json;
 }
 
 TrainedOn read_trained_on(JsonFields& fields, const std::string& file) {
@@ -51,6 +67,29 @@ TrainedOn read_trained_on(JsonFields& fields, const std::string& file) {
   t.held_out = read_episodes(trained, "held_out", file);
   t.rows = static_cast<std::size_t>(trained.integer("rows", 0, INT64_MAX));
   t.seed = static_cast<std::uint64_t>(trained.integer("seed", 0, INT64_MAX));
+  if (trained.present("partial")) {
+    if (!trained.raw("partial").is_boolean()) trained.refuse("partial", "must be true or false");
+    t.partial = trained.raw("partial");
+  }
+  if (trained.present("rollouts"))
+    t.rollouts = static_cast<std::size_t>(trained.integer("rollouts", 0, INT64_MAX));
+  if (trained.present("scaling")) {
+    JsonFields scaling = trained.object("scaling");
+    t.scaling.emplace();
+    scaling.number("alpha_x", rule::positive(), t.scaling->motion);
+    scaling.number("alpha_f", rule::positive(), t.scaling->force);
+    scaling.finish();
+  }
+  if (trained.present("limits")) {
+    JsonFields limits = trained.object("limits");
+    limits.number("speed_um_s", rule::positive(), t.speed_limit, 1e-6);
+    limits.number("force_uN", rule::positive(), t.force_limit, 1e-6);
+    limits.finish();
+  }
+  if (trained.present("scene")) {
+    t.scene = trained.raw("scene");
+    parse_scene(t.scene, file + ": trained_on.scene");
+  }
   trained.finish();
   return t;
 }

@@ -3,10 +3,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
-#include "sim/scene/json_fields.hpp"
+#include "haptic/scaling.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 
@@ -14,6 +16,8 @@ inline constexpr const char* kControllerFormat = "ferrule controller";
 
 struct TrainedEpisode {
   std::string file, sha1;  // and the hash of its bytes
+  // What its start and its operator's chance were drawn with. Files of before do not state it.
+  std::optional<std::uint64_t> seed{}, trial{};
   bool operator==(const TrainedEpisode&) const = default;
 };
 
@@ -23,6 +27,13 @@ struct TrainedOn {
   std::vector<TrainedEpisode> held_out;  // to measure the error on
   std::size_t rows = 0;                  // of the episodes, that were fitted to
   std::uint64_t seed = 0;                // of the choice of what is held out, and of the fit
+  bool partial = false;                  // stopped before the fit was whole
+  std::size_t rollouts = 0;  // of its own, labelled by the simulated operator, learned from too
+  // Files of before do not state what follows.
+  std::optional<Scaling> scaling{};  // between hand and tip, of all episodes
+  double speed_limit = 0;            // of the scene at the tip, the largest [m/s]; 0: not stated
+  double force_limit = 0;            // at the holder, the smallest [N]; 0: not stated
+  Json scene{};                      // the document, where all episodes are of one scene; or null
 };
 
 Json to_json(const TrainedOn& trained_on);

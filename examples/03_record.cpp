@@ -19,7 +19,7 @@ std::string record(const Scene& scene, const std::string& folder, int trial) {
   const auto hand = simulated_operator(scene, start, skill, period, seed, number);
   EpisodeInfo info;
   info.scene = scene.document.dump();
-  info.operator_ = "simulated, skill 0.9";
+  info.operator_ = simulated_operator_name(0.9);
   info.seed = seed;
   info.trial = number;
   Recorder recorder(folder, trial, info);

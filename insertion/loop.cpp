@@ -71,7 +71,13 @@ InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
   SensedWrench sensed(settings.scaling, sensor, period);
   Grip grip(scene, hand, settings);
   const auto end = [&](Outcome outcome, const char* why = "", bool lost = false) {
-    return InsertionEnd{outcome, watch.summary(), why, lost};
+    return InsertionEnd{outcome, watch.summary(), why, lost, {}};
+  };
+  const auto past_success = [&](Outcome seen) {
+    InsertionEnd ended = end(Outcome::inserted);
+    ended.why = std::string("past the success depth: ") + name(seen);
+    ended.afterwards = seen;
+    return ended;
   };
   State state = start;
   HandTwist velocity = HandTwist::Zero();
@@ -91,16 +97,18 @@ InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
     if (grip.fault()) return end(Outcome::interrupted, grip.fault());
     state = result.state;
     const std::optional<Outcome> seen = watch.after(result);
-    if (seen) outcome = *seen;
+    const bool past = outcome == Outcome::inserted;  // what is seen now comes after success
+    if (seen && !past) outcome = *seen;
     const bool over = seen && !(settings.past_success && *seen == Outcome::inserted);
 
     const Held next = grip.read(static_cast<double>(n + 1) * period, state);
     if (!next.holder.allFinite())
-      return over ? end(outcome) : end(Outcome::invalid_output, kNotFinite);
+      return over ? past ? past_success(*seen) : end(outcome)
+                  : end(Outcome::invalid_output, kNotFinite);
     const HandTwist command = (next.holder - now.holder) / period;
     const bool go_on = !on_tick || on_tick({t, now.sample, now.holder, velocity, command, result,
                                             sensed.absolute(), sensed.relative()});
-    if (over) return end(outcome);
+    if (over) return past ? past_success(*seen) : end(outcome);
     if (next.sample.lost) return end(Outcome::interrupted, "the device was lost", true);
     if (!go_on) return end(Outcome::interrupted);
     if (settings.past_success && t >= scene.limits.time) return end(outcome);

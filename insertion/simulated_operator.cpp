@@ -1,6 +1,9 @@
 #include "insertion/simulated_operator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <charconv>
 
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/random.hpp"
@@ -9,6 +12,8 @@ namespace ferrule {
 namespace {
 
 constexpr double kPress = 0.6;  // 0.7 uN at the tip with the paper's scaling [N]
+
+constexpr std::string_view kSimulated = "simulated, skill ";
 
 }  // namespace
 
@@ -26,6 +31,19 @@ std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& star
       [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
         return random.uniform();
       });
+}
+
+std::string simulated_operator_name(double skill) {
+  return fmt::format("{}{}", kSimulated, skill);
+}
+
+std::optional<double> simulated_skill(const std::string& operator_name) {
+  if (!operator_name.starts_with(kSimulated)) return std::nullopt;
+  const char* const end = operator_name.data() + operator_name.size();
+  double skill = -1;
+  const auto read = std::from_chars(operator_name.data() + kSimulated.size(), end, skill);
+  if (read.ec != std::errc() || read.ptr != end || !(skill >= 0 && skill <= 1)) return std::nullopt;
+  return skill;
 }
 
 }  // namespace ferrule

@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 
 #include "haptic/trainee.hpp"
 #include "sim/scene/scene.hpp"
@@ -18,5 +20,10 @@ TraineeTask trainee_task(const Scene& scene, const State& start, double period) 
 // is that of (seed, trial).
 std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
                                            double period, std::uint64_t seed, std::uint64_t trial);
+
+// What a recording calls its operator where he is simulated: "simulated, skill 0.8"; and the skill
+// of an operator of that name, empty for any other.
+std::string simulated_operator_name(double skill);
+std::optional<double> simulated_skill(const std::string& operator_name);
 
 }  // namespace ferrule

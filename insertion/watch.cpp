@@ -36,6 +36,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   summary_.peak_stress =
       std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.command));
   summary_.depth = now.inserted_length();
+  if (summary_.reached < 0 && summary_.depth >= scene_.success.depth) summary_.reached = now.time;
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();
   tip_before_ = now.tip;

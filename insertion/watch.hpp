@@ -30,13 +30,17 @@ const char* name(Outcome outcome) noexcept;
 Outcome outcome_from_name(const std::string& name);
 
 struct InsertionSummary {
-  double time = 0;           // [s]
+  double time = 0;           // of the last step [s]
+  double reached = -1;       // when the success depth first was [s]; < 0: never
   double peak_force = 0;     // largest force at the holder, weight apart [N]
   double peak_stress = 0;    // largest bending stress of the free length [Pa]
   double friction_work = 0;  // work done against friction [J], >= 0
   double depth = 0;          // inserted length [m]
   double offset = 0;         // distance of the end's centre from the bore's axis [m]
   double tilt = 0;           // angle of the end to it [rad]
+
+  // What an insertion took: until the success depth, or else to its end [s].
+  double task_time() const noexcept { return reached < 0 ? time : reached; }
 };
 
 // Watches an insertion step by step.

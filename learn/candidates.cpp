@@ -74,16 +74,18 @@ std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set
 }
 
 Candidate learned(const Learner& learner, const Learner::Variant& variant,
-                  const DemonstrationSet& set, std::uint64_t seed) {
+                  const DemonstrationSet& set, std::uint64_t seed,
+                  const LearnerProgress& progress) {
   LearnerSettings settings{seed, variant.options};
   for (const LearnerOption& option : learner.options)
     settings.options.emplace(option.flag, option.value);  // where the variant has none
   const auto begin = std::chrono::steady_clock::now();
-  const Learned result = learner.learn(set, settings, {});
+  const Learned result = learner.learn(set, settings, progress);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   return std::visit(
       [&](const auto& c) -> Candidate {
-        return {variant.name, c.maker(), c.parameters(), took.count(), c.held_out_residual};
+        return {variant.name, c.maker(),           c.parameters(),
+                took.count(), c.held_out_residual, c.trained_on.rollouts};
       },
       result.controller);
 }

@@ -15,6 +15,7 @@ struct Candidate {
   std::size_t parameters = 0;  // numbers that were fitted; 0 where nothing was
   double fit_seconds = 0;
   std::optional<double> held_out{};  // root mean square velocity error, hand's world [m/s]
+  std::size_t rollouts = 0;  // labelled ones of its own, learned from beside the demonstrations
 };
 
 // What an engineer sets without demonstrations: straight in at `speed` [m/s, hand's world], at half
@@ -30,9 +31,11 @@ std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set
 // All learners. Those that need libtorch throw BadInput where it is missing.
 const std::vector<Learner>& learners();
 
-// What one variant of a learner makes of demonstrations. `seed`: of the fit. Throws BadInput.
+// What one variant of a learner makes of demonstrations. `seed`: of the fit. Throws BadInput, and
+// what `progress` throws.
 Candidate learned(const Learner& learner, const Learner::Variant& variant,
-                  const DemonstrationSet& set, std::uint64_t seed);
+                  const DemonstrationSet& set, std::uint64_t seed,
+                  const LearnerProgress& progress = {});
 
 // The first `count` demonstrations of a set.
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count);

@@ -4,8 +4,9 @@
 
 #include <algorithm>
 
-#include "controller/content_hash.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "sim/content_hash.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 
@@ -13,6 +14,9 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   const Rows& rows = episode.rows;
   Demonstration d;
   d.file = file;
+  d.operator_ = episode.info.operator_;
+  d.seed = episode.info.seed;
+  d.trial = episode.info.trial;
   d.outcome = episode.info.outcome;
   d.period = episode.info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
@@ -24,45 +28,75 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   return d;
 }
 
-DemonstrationSet load_demonstrations(const std::string& folder) {
-  DemonstrationSet set;
-  Scaling first{};
-  std::string first_file;
-  for (const std::string& file : episode_files(folder)) {
-    const Episode episode = read_episode(file);
-    const Scene scene = parse_scene(parse_json(episode.info.scene, file), file);
-    const Scaling scaling = scene_scaling(scene);
-    if (first_file.empty()) {
-      first_file = file;
-      first = scaling;
-    }
-    if (std::find(set.documents.begin(), set.documents.end(), scene.document) ==
-        set.documents.end()) {
-      set.documents.push_back(scene.document);
-      if (std::find(set.scenes.begin(), set.scenes.end(), scene.name) == set.scenes.end())
-        set.scenes.push_back(scene.name);
-    }
-    set.speed_scale = std::max(set.speed_scale, scaling.motion * scene.limits.speed);
-    if (scaling.motion != first.motion || scaling.force != first.force)
-      throw BadInput(file + ": was recorded with another scaling than " + first_file +
-                     "; a law is learned in one hand's world");
-    if (episode.info.outcome == Outcome::inserted) {
-      set.demonstrations.push_back(demonstration(episode, scene, file));
-      set.demonstrations.back().sha1 = sha1(read_text(file));
-    } else {
-      ++set.unsuccessful;
-    }
+namespace {
+
+bool add_new(std::vector<Json>& documents, const Json& document) {
+  const bool is_new = std::find(documents.begin(), documents.end(), document) == documents.end();
+  if (is_new) documents.push_back(document);
+  return is_new;
+}
+
+}  // namespace
+
+void DemonstrationSet::add(const Episode& episode, const std::string& file,
+                           const std::string& hash) {
+  const Scene scene = recorded_scene(episode, file);
+  const Scaling its = scene_scaling(scene);
+  if (!scaling) {
+    scaling = its;
+    force_limit = scene.limits.force;
   }
-  std::sort(set.scenes.begin(), set.scenes.end());
+  if (its.motion != scaling->motion || its.force != scaling->force)
+    throw BadInput(file +
+                   ": was recorded with another scaling than the episodes before it; a law is "
+                   "learned in one hand's world");
+  add_new(undrawn_documents, undrawn(scene.document));
+  if (add_new(documents, scene.document) &&
+      std::find(scenes.begin(), scenes.end(), scene.name) == scenes.end())
+    scenes.insert(std::upper_bound(scenes.begin(), scenes.end(), scene.name), scene.name);
+  speed_scale = std::max(speed_scale, its.motion * scene.limits.speed);
+  speed_limit = std::max(speed_limit, scene.limits.speed);
+  force_limit = std::min(force_limit, scene.limits.force);
+  operators.push_back(episode.info.operator_);
+  if (episode.info.outcome != Outcome::inserted) {
+    ++unsuccessful;
+    return;
+  }
+  demonstrations.push_back(demonstration(episode, scene, file));
+  demonstrations.back().sha1 = hash;
+}
+
+DemonstrationSet load_demonstrations(
+    const std::string& folder, const std::function<void(std::size_t, std::size_t)>& progress) {
+  DemonstrationSet set;
+  std::size_t read = 0;
+  const std::vector<std::string> files = episode_files(folder);
+  for (const std::string& file : files) {
+    if (progress) progress(read++, files.size());
+    set.add(read_episode(file), file, sha1(read_text(file)));
+  }
   return set;
 }
 
-std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstration*>& set) {
-  std::vector<TrainedEpisode> episodes;
-  for (const Demonstration* d : set) episodes.push_back({d->file, d->sha1});
-  std::sort(episodes.begin(), episodes.end(),
-            [](const auto& a, const auto& b) { return a.file < b.file; });
-  return episodes;
+TrainedOn trained_on(const DemonstrationSet& set, const std::vector<const Demonstration*>& training,
+                     const std::vector<const Demonstration*>& held_out, std::uint64_t seed) {
+  const auto episodes = [](const std::vector<const Demonstration*>& part) {
+    std::vector<TrainedEpisode> list;
+    for (const Demonstration* d : part) list.push_back({d->file, d->sha1, d->seed, d->trial});
+    std::sort(list.begin(), list.end(),
+              [](const auto& a, const auto& b) { return a.file < b.file; });
+    return list;
+  };
+  TrainedOn t;
+  t.scenes = set.scenes;
+  t.episodes = episodes(training);
+  t.held_out = episodes(held_out);
+  t.seed = seed;
+  t.scaling = set.scaling;
+  t.speed_limit = set.speed_limit;
+  t.force_limit = set.force_limit;
+  if (set.undrawn_documents.size() == 1) t.scene = set.undrawn_documents.front();
+  return t;
 }
 
 void refuse_too_few(const DemonstrationSet& set) {

@@ -1,6 +1,8 @@
 // Demonstrations as pairs of observation and velocity, in the hand's world.
 #pragma once
 
+#include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,6 +15,8 @@ namespace ferrule {
 // One demonstration, all rows of it.
 struct Demonstration {
   std::string file, sha1;  // and the hash of its bytes
+  std::string operator_;
+  std::uint64_t seed = 0, trial = 0;  // of its start and of the operator's chance
   Outcome outcome;
   double period;       // between rows [s]
   double speed_limit;  // of controllers, in the hand's world [m/s]
@@ -30,21 +34,33 @@ struct DemonstrationSet {
   std::vector<Demonstration> demonstrations;  // the successful ones
   std::size_t unsuccessful = 0;               // left out
   std::vector<std::string> scenes;            // names, sorted; more than one where they differ
-  std::vector<Json> documents;                // of the scenes that differ
+  std::vector<Json> documents;                // of the scenes that differ, with the parts as drawn
+  std::vector<Json> undrawn_documents;        // the same with the parts as they come
   double speed_scale = 0;  // of the hand: the scene's speed limit, scaled up, largest [m/s]
+  std::optional<Scaling> scaling{};  // of all; empty where there is no episode
+  double speed_limit = 0,
+         force_limit = 0;                // of the scenes at the tip: largest, smallest [m/s], [N]
+  std::vector<std::string> operators{};  // of all episodes, the unsuccessful ones too
+
+  // Throws BadInput where the episode was recorded with another scaling than those before.
+  void add(const Episode& episode, const std::string& file, const std::string& hash);
 };
 
 // From the row layout of one episode.
 Demonstration demonstration(const Episode& episode, const Scene& scene, const std::string& file);
 
 // All episodes of a folder. Throws FileTrouble, and BadInput if they were recorded with different
-// scalings.
-DemonstrationSet load_demonstrations(const std::string& folder);
+// scalings. `progress` is called with the number of episodes read, and of all; what it throws ends
+// the loading.
+DemonstrationSet load_demonstrations(
+    const std::string& folder, const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 // Throws BadInput if there are fewer successful demonstrations than a fit needs, three.
 void refuse_too_few(const DemonstrationSet& set);
 
-// For the file of what was learned from them, sorted by file.
-std::vector<TrainedEpisode> trained_episodes(const std::vector<const Demonstration*>& set);
+// For the file of what was learned from `training` of a set, and tested with `held_out`; each
+// sorted by file. `seed`: of the split and the fit.
+TrainedOn trained_on(const DemonstrationSet& set, const std::vector<const Demonstration*>& training,
+                     const std::vector<const Demonstration*>& held_out, std::uint64_t seed);
 
 }  // namespace ferrule

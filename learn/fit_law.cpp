@@ -85,8 +85,9 @@ std::string gains_text(const LawFile& c) {
 }
 
 Learned learn_law(const DemonstrationSet& set, const LearnerSettings& settings,
-                  const LearnerProgress&) {
-  const LawFit fit = fit_law(set, settings.seed, law_kind(settings.options.at(kLawOption)));
+                  const LearnerProgress& progress) {
+  const LawFit fit =
+      fit_law(set, settings.seed, law_kind(settings.options.at(kLawOption)), progress);
   const LawFile& c = fit.controller;
   std::string text = cross_validation_text(c);
   text += fmt::format("law: {}\n", name(c.kind)) + gains_text(c);
@@ -102,7 +103,8 @@ Learned learn_law(const DemonstrationSet& set, const LearnerSettings& settings,
 
 }  // namespace
 
-LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<LawKind> kind) {
+LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<LawKind> kind,
+               const LearnerProgress& progress) {
   refuse_too_few(set);
   const Split parts = split(set.demonstrations, seed);
 
@@ -114,17 +116,23 @@ LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<La
   refuse_uninformative(train);
   const LawScales scales{set.speed_scale, greatest_depth(train)};
 
+  const SolveProgress told = [&](std::size_t done, std::size_t all) {
+    report.controller.trained_on.partial = progress && !progress(done, all, "");
+    return !report.controller.trained_on.partial;
+  };
   if (!kind) {
-    c.cross_validation = cross_validate(train, scales);
+    c.cross_validation = cross_validate(train, scales, told);
     kind = simplest_within_one_standard_error(c.cross_validation);
   }
-  const LawSolution solution = solve_law(*kind, train, scales);
+  const LawSolution solution = solve_law(*kind, train, scales, Effort::exact, told);
+  const bool partial = c.trained_on.partial;
   if (!std::isfinite(solution.cost))
     throw BadInput("the fit did not converge from any start: " + solution.summary);
   c.kind = *kind;
   c.gains = law_gains(*kind, train, scales, solution);
-  c.trained_on = {set.scenes, trained_episodes(parts.training), trained_episodes(parts.testing),
-                  rows(train), seed};
+  c.trained_on = trained_on(set, parts.training, parts.testing, seed);
+  c.trained_on.rows = rows(train);
+  c.trained_on.partial = partial;
   c.residual = root_mean_square_error(c.law(), train);
   c.held_out_residual = root_mean_square_error(c.law(), test);
   report.summary = solution.summary;
@@ -142,7 +150,6 @@ Learner law_learner() {
                                {"auto"}}},
                   .variants = {},
                   .files = [](const std::string& file) { return std::vector{file}; },
-                  .steps = [](const LearnerSettings&) { return std::size_t{0}; },
                   .learn = learn_law};
   for (const LawKind kind : kLaws) {
     learner.options[0].choices.push_back(name(kind));

@@ -19,9 +19,10 @@ struct LawFit {
 
 // `seed` draws the split; `kind` empty: chosen. Throws BadInput where the demonstrations are too
 // few (fewer than 3 successful ones, or fewer than 300 rows in 10 ms steps) or tell nothing about
-// the answer to force.
+// the answer to force; and where `progress` ended it before there was any solution.
 LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed,
-               std::optional<LawKind> kind = LawKind::insertion);
+               std::optional<LawKind> kind = LawKind::insertion,
+               const LearnerProgress& progress = {});
 
 // fit_law in the table of learners.
 Learner law_learner();

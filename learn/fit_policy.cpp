@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "insertion/simulated_operator.hpp"
 #include "learn/relabel.hpp"
 #include "learn/samples.hpp"
 
@@ -13,7 +14,9 @@ namespace {
 
 using Demonstrations = std::vector<const Demonstration*>;
 
-constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger";  // options
+constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger",
+                     *kNetworkSeed = "--network-seed";  // options
+constexpr const char* kAsSplit = "as --seed";
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
 
@@ -117,8 +120,7 @@ PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
   f.reaction_time = reaction_time(training);
   f.input_noise = settings.training.input_noise;
   f.weight_decay = settings.training.weight_decay;
-  f.trained_on = {set.scenes, trained_episodes(training), trained_episodes(held_out), 0,
-                  settings.seed};
+  f.trained_on = trained_on(set, training, held_out, settings.seed);
   return fit;
 }
 
@@ -134,11 +136,13 @@ void train_members(PolicyFit& fit, const RawRows& train, const RawRows& test,
   fit.curves.clear();
   for (std::size_t m = 0; m < settings.members; ++m) {
     const std::size_t before = (round * settings.members + m) * epochs;
-    const TrainedNetwork trained =
-        train_network(train_scaled, test_scaled, settings.training, settings.seed + m,
-                      [&](std::size_t epoch, const Epoch& e) {
-                        if (progress) progress(before + epoch, e);
-                      });
+    bool stopped = false;
+    const TrainedNetwork trained = train_network(
+        train_scaled, test_scaled, settings.training,
+        settings.network_seed.value_or(settings.seed) + m, [&](std::size_t epoch, const Epoch& e) {
+          stopped = progress && !progress(before + epoch, e);
+          return !stopped;
+        });
     if (trained.network.empty())
       throw BadInput("the training diverged: its loss was never a finite number");
     f.policy.members.push_back(trained.network);
@@ -146,18 +150,36 @@ void train_members(PolicyFit& fit, const RawRows& train, const RawRows& test,
                          trained.curve[trained.best].training_loss,
                          trained.curve[trained.best].held_out_loss});
     fit.curves.push_back(trained.curve);
+    f.trained_on.partial |= stopped;
+    if (stopped) return;
   }
 }
 
-// A round of DAgger: appends to `met` the states that the policy met, with the operator's answers.
-DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f, std::uint64_t seed,
-                          std::size_t round, std::vector<Demonstration>& met) {
+// Skill of each simulated operator who demonstrated. Throws BadInput where there is none.
+std::vector<double> teachers(const Demonstrations& training) {
+  std::vector<double> skills;
+  for (const Demonstration* d : training)
+    if (const auto skill = simulated_skill(d->operator_)) skills.push_back(*skill);
+  if (skills.empty())
+    throw BadInput(
+        "--dagger: asks the simulated operator who demonstrated what he would have done; the "
+        "demonstrations are by \"" +
+        training.front()->operator_ + "\"");
+  return skills;
+}
+
+// A round of DAgger: appends to `met` the states that the policy met, with the answers of the
+// operators who demonstrated, in turn.
+DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f,
+                          const std::vector<double>& skills, std::uint64_t seed, std::size_t round,
+                          std::vector<Demonstration>& met) {
   DaggerRound now;
   for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
     const Scene scene =
         parse_scene(set.documents[k % set.documents.size()], "a scene of the episodes");
-    met.push_back(relabelled_trial(scene, f.policy, f.reaction_time, seed,
-                                   kFirstTrial + round * kTrialsPerRound + k));
+    const std::uint64_t trial = round * kTrialsPerRound + k;
+    met.push_back(relabelled_trial(scene, f.policy, skills[trial % skills.size()], f.reaction_time,
+                                   seed, kFirstTrial + trial));
     ++now.trials;
     now.inserted += met.back().outcome == Outcome::inserted;
   }
@@ -175,9 +197,13 @@ std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
     text += fmt::format("round: {} of {} inserted, {} rows added, held-out loss then {:.4f}\n",
                         r.inserted, r.trials, r.rows, r.held_out_loss);
   text += fmt::format("reaction time {:.2f} s (identified, not imitated)\n", f.reaction_time);
-  text += fmt::format("{} training episodes, {} held out, {} unsuccessful left out, {} rows\n",
-                      f.trained_on.episodes.size(), f.trained_on.held_out.size(), unsuccessful,
-                      f.trained_on.rows);
+  text += fmt::format("{} training episodes{}, {} held out, {} unsuccessful left out, {} rows\n",
+                      f.trained_on.episodes.size(),
+                      f.trained_on.rollouts
+                          ? fmt::format(" and {} rollouts labelled by the simulated operator",
+                                        f.trained_on.rollouts)
+                          : std::string(),
+                      f.trained_on.held_out.size(), unsuccessful, f.trained_on.rows);
   return text + fmt::format("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand)\n",
                             1e3 * f.residual, 1e3 * f.held_out_residual);
 }
@@ -188,10 +214,14 @@ Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
   settings.members = chosen.number(kEnsemble);
   settings.dagger_rounds = chosen.number(kDagger);
   settings.seed = chosen.seed;
+  if (chosen.options.at(kNetworkSeed) != kAsSplit)
+    settings.network_seed = std::stoull(chosen.options.at(kNetworkSeed));
+  const std::size_t all = (settings.dagger_rounds + 1) * settings.members *
+                          static_cast<std::size_t>(settings.training.epochs);
   const PolicyFit fit = fit_policy(set, settings, [&](std::size_t done, const Epoch& e) {
-    if (progress)
-      progress(done,
-               fmt::format("  loss {:.3f}, held out {:.3f}", e.training_loss, e.held_out_loss));
+    return !progress || progress(done, all,
+                                 fmt::format("  loss {:.3f}, held out {:.3f}", e.training_loss,
+                                             e.held_out_loss));
   });
   return {fit.file, text_of(fit.file, set.unsuccessful), fit.curves};
 }
@@ -216,6 +246,8 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
                      const PolicyProgress& progress) {
   refuse_too_few(set);
   auto [training, held_out] = split(set.demonstrations, settings.seed);
+  std::vector<double> skills;
+  if (settings.dagger_rounds > 0) skills = teachers(training);
   PolicyFit fit = begun(set, settings, training, held_out);
   PolicyFile& f = fit.file;
   const RawRows test = rows_of(held_out, f.reaction_time, f.policy);
@@ -234,10 +266,11 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     train_members(fit, train, test, settings, round, progress);
     if (round > 0)
       for (const MemberTraining& m : f.members)
-        f.dagger.back().held_out_loss += m.held_out_loss / static_cast<double>(settings.members);
-    if (round == settings.dagger_rounds) break;
+        f.dagger.back().held_out_loss += m.held_out_loss / static_cast<double>(f.members.size());
+    if (round == settings.dagger_rounds || f.trained_on.partial) break;
     const std::size_t before = met.size();
-    f.dagger.push_back(let_it_insert(set, f, settings.seed, round, met));
+    f.dagger.push_back(let_it_insert(set, f, skills, settings.seed, round, met));
+    f.trained_on.rollouts = met.size();
     for (std::size_t k = before; k < met.size(); ++k) training.push_back(&met[k]);
   }
   f.residual = root_mean_square(f.policy, train);
@@ -246,29 +279,32 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
 }
 
 Learner policy_learner() {
-  return {.name = "policy",
-          .method = "torch",
-          .options = {{kEnsemble, "With torch: how many networks", "1", {}, 1, 100},
-                      {kDagger,
-                       "With torch: rounds of letting the policy insert and asking the simulated "
-                       "operator what it would have done",
-                       "0",
-                       {},
-                       0,
-                       100}},
-          .variants = {{"torch", "torch", {}},
-                       {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
-                       {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
-          .files =
-              [](const std::string& file) {
-                return std::vector{file, weights_file(file)};
-              },
-          .steps =
-              [](const LearnerSettings& s) {
-                return (s.number(kDagger) + 1) * s.number(kEnsemble) *
-                       static_cast<std::size_t>(TrainingSettings{}.epochs);
-              },
-          .learn = learn_policy};
+  return {
+      .name = "policy",
+      .method = "torch",
+      .options = {{kEnsemble, "With torch: how many networks", "1", {}, 1, 100},
+                  {kNetworkSeed,
+                   "With torch: seed of the networks' first weights and batches, apart from that "
+                   "of the split",
+                   kAsSplit,
+                   {},
+                   0,
+                   LearnerOption::kSeed},
+                  {kDagger,
+                   "With torch: rounds of letting the policy insert and asking the simulated "
+                   "operator what it would have done",
+                   "0",
+                   {},
+                   0,
+                   100}},
+      .variants = {{"torch", "torch", {}},
+                   {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
+                   {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
+      .files =
+          [](const std::string& file) {
+            return std::vector{file, weights_file(file, "")};
+          },
+      .learn = learn_policy};
 }
 
 }  // namespace ferrule

@@ -24,6 +24,7 @@ struct PolicySettings {
   double spacing = 0.04;    // between them [s]
   std::size_t dagger_rounds = 0;
   std::uint64_t seed = 1;  // of the split, of the members and of the trials of DAgger
+  std::optional<std::uint64_t> network_seed{};  // of the members, apart from the others
 };
 
 struct PolicyFit {
@@ -32,8 +33,8 @@ struct PolicyFit {
 };
 
 // `progress` gets the epochs done, of (dagger_rounds + 1) members epochs at most, and the last
-// one's losses.
-using PolicyProgress = std::function<void(std::size_t done, const Epoch&)>;
+// one's losses. False ends it with what there is.
+using PolicyProgress = std::function<bool(std::size_t done, const Epoch&)>;
 
 // Throws BadInput where the demonstrations are too few (fewer than 3 successful ones, or fewer than
 // 300 rows in 10 ms steps) and as train_network.

@@ -115,8 +115,31 @@ struct Solution {
   double cost;
 };
 
+constexpr int kCoarseIterations = 10, kIterations = 25;  // at most
+
+// How far it is, and whether it goes on.
+class Going : public ceres::IterationCallback {
+ public:
+  Going(const IdentifyProgress& progress, std::size_t all) : progress_(progress), all_(all) {}
+
+  bool stopped() const { return stopped_; }
+  // After a step; false: no more of them.
+  bool step() {
+    stopped_ |= progress_ && !progress_(std::min(++done_, all_), all_);
+    return !stopped_;
+  }
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return step() ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const IdentifyProgress& progress_;
+  std::size_t done_ = 0, all_;
+  bool stopped_ = false;
+};
+
 Solution solve(const Replays& replays, const VectorXd& start, const std::vector<Eigen::Index>& free,
-               Replays::Steps steps) {
+               Replays::Steps steps, Going& going) {
   std::vector<double> at;
   for (const Eigen::Index i : free) at.push_back(start[i]);
   ceres::Problem problem;
@@ -128,7 +151,8 @@ Solution solve(const Replays& replays, const VectorXd& start, const std::vector<
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   const bool coarse = steps == Replays::coarse;
-  options.max_num_iterations = coarse ? 10 : 25;
+  options.max_num_iterations = coarse ? kCoarseIterations : kIterations;
+  options.callbacks.push_back(&going);
   options.function_tolerance = coarse ? 1e-3 : 1e-5;
   options.parameter_tolerance = 1e-5;
   options.gradient_tolerance = 1e-14;
@@ -159,10 +183,10 @@ std::vector<Eigen::Index> free_parameters(const Replays& replays, Eigen::Index p
 
 // The start, and the best of random points within the bounds.
 std::vector<VectorXd> starts(const Replays& replays, const std::vector<Eigen::Index>& free,
-                             Eigen::Index parameters, std::uint64_t seed) {
+                             Eigen::Index parameters, std::uint64_t seed, Going& going) {
   RandomStream random(seed, 0, Draw::split);
   std::vector<Solution> tried;
-  for (std::size_t k = 0; k < kRandomPoints * free.size(); ++k) {
+  for (std::size_t k = 0; k < kRandomPoints * free.size() && going.step(); ++k) {
     VectorXd x = VectorXd::Zero(parameters);
     for (const Eigen::Index i : free) x[i] = kRange * (2 * random.uniform() - 1);
     MatrixXd residual;
@@ -236,7 +260,8 @@ const char* name(Told told) noexcept {
 }
 
 Identification identify(const std::vector<Recording>& recordings, const Scene& scene,
-                        const std::vector<std::string>& keys, std::uint64_t seed) {
+                        const std::vector<std::string>& keys, std::uint64_t seed,
+                        const IdentifyProgress& progress) {
   if (recordings.size() < kFewestRecordings)
     throw BadInput(fmt::format("too few episodes with rows: {}; {} are needed", recordings.size(),
                                kFewestRecordings));
@@ -250,17 +275,20 @@ Identification identify(const std::vector<Recording>& recordings, const Scene& s
   const Replays replays(recordings, scene, numbers);
   const std::vector<Eigen::Index> free = free_parameters(replays, parameters);
 
+  Going going(progress, kRandomPoints * free.size() + kStarts * kCoarseIterations + kIterations);
   Solution best{VectorXd::Zero(parameters), INFINITY};
   if (!free.empty()) {
-    for (const VectorXd& start : starts(replays, free, parameters, seed)) {
-      Solution s = solve(replays, start, free, Replays::coarse);
+    for (const VectorXd& start : starts(replays, free, parameters, seed, going)) {
+      if (going.stopped()) break;
+      Solution s = solve(replays, start, free, Replays::coarse, going);
       if (s.cost < best.cost) best = std::move(s);
     }
-    best = solve(replays, best.x, free, Replays::recorded);
+    if (!going.stopped()) best = solve(replays, best.x, free, Replays::recorded, going);
     if (!std::isfinite(best.cost)) throw BadInput("the identification did not converge");
   }
 
   Identification result;
+  result.partial = going.stopped();
   result.rows = static_cast<std::size_t>(replays.rows());
   result.residual_start = force_difference(replays, VectorXd::Zero(parameters));
   result.residual = force_difference(replays, best.x);

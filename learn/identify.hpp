@@ -22,6 +22,7 @@
 // (correlation of the errors above 0.99: hold one of the two fixed).
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -48,12 +49,17 @@ struct Identification {
   Eigen::MatrixXd correlation;
   double residual_start, residual;  // root mean square of the force difference [N]
   std::size_t rows;                 // compared
+  bool partial = false;             // stopped before the fit was whole
 };
+
+// Steps done, of `all` at most. False ends the identification with the best so far.
+using IdentifyProgress = std::function<bool(std::size_t done, std::size_t all)>;
 
 // `keys`: dotted names of numbers in scene.document. `seed` draws the random starts. Throws
 // BadInput: fewer than 3 recordings, a key that is no number of the scene, is there twice, or
-// cannot be varied.
+// cannot be varied; and where `progress` ended it before there was anything.
 Identification identify(const std::vector<Recording>& recordings, const Scene& scene,
-                        const std::vector<std::string>& keys, std::uint64_t seed);
+                        const std::vector<std::string>& keys, std::uint64_t seed,
+                        const IdentifyProgress& progress = {});
 
 }  // namespace ferrule

@@ -2,6 +2,7 @@
 // each is one row of the table in learn/candidates.cpp.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <map>
 #include <string>
@@ -20,6 +21,7 @@ struct LearnerOption {
   std::string value;                 // unless it is given
   std::vector<std::string> choices;  // what it may be; empty: a whole number from `least` to `most`
   std::size_t least = 0, most = 0;
+  static constexpr std::size_t kSeed = INT64_MAX;  // as `most`: it is a seed
 };
 
 struct LearnerSettings {
@@ -35,8 +37,10 @@ struct Learned {
   std::vector<std::vector<Epoch>> curves{};  // the training of each network, if there are any
 };
 
-// `done`: steps so far; `note`: how it goes.
-using LearnerProgress = std::function<void(std::size_t done, const std::string& note)>;
+// `done` steps of `all`; `note`: how it goes. False ends the learning with the best so far, marked as
+// partial (TrainedOn).
+using LearnerProgress =
+    std::function<bool(std::size_t done, std::size_t all, const std::string& note)>;
 
 struct Learner {
   const char* name;    // what it learns
@@ -51,8 +55,6 @@ struct Learner {
   std::vector<Variant> variants;
   // The files that it writes for a controller `file`. Throws BadInput where that name will not do.
   std::vector<std::string> (*files)(const std::string& file);
-  // Steps of progress; 0: it tells none.
-  std::size_t (*steps)(const LearnerSettings& settings);
   // Throws BadInput where the demonstrations are too few or tell nothing.
   Learned (*learn)(const DemonstrationSet& set, const LearnerSettings& settings,
                    const LearnerProgress& progress);

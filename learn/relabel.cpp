@@ -6,21 +6,16 @@
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
-namespace {
 
-constexpr double kSkill = 0.8;
-
-}  // namespace
-
-Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double reaction,
-                               std::uint64_t seed, std::uint64_t trial) {
+Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double skill,
+                               double reaction, std::uint64_t seed, std::uint64_t trial) {
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
   PolicyController controller(policy);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
                       1.1 * scaling.motion * scene.success.depth);
-  TraineeTraits traits = trainee_traits(kSkill);
+  TraineeTraits traits = trainee_traits(skill);
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
   Trainee trainee(traits, trainee_task(scene, start, policy.period), [] { return 0.5; });

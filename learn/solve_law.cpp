@@ -127,9 +127,21 @@ ceres::CostFunction* row_cost(LawKind kind, const Sample& sample, const std::vec
   return cost_of<LawKind::insertion>(sample, gains, speed);
 }
 
+// Ends a solve where it is no longer wanted.
+class Watch : public ceres::IterationCallback {
+ public:
+  explicit Watch(const std::function<bool()>& go_on) : go_on_(go_on) {}
+  ceres::CallbackReturnType operator()(const ceres::IterationSummary&) override {
+    return go_on_() ? ceres::SOLVER_CONTINUE : ceres::SOLVER_TERMINATE_SUCCESSFULLY;
+  }
+
+ private:
+  const std::function<bool()>& go_on_;
+};
+
 LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
                        const std::vector<Scaled>& gains, double speed, const Start& start,
-                       bool bounded, Effort effort) {
+                       bool bounded, Effort effort, const std::function<bool()>& go_on) {
   LawSolution s{{}, start.scaled, INFINITY, {}, 0};
   ceres::Problem problem;
   auto* loss = new ceres::HuberLoss(kVelocityHuber);
@@ -147,6 +159,8 @@ LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-12;
   options.logging_type = ceres::SILENT;
+  Watch watch(go_on);
+  options.callbacks.push_back(&watch);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
   s.iterations = static_cast<int>(summary.num_successful_steps);
@@ -189,13 +203,28 @@ EpisodeSums sums(LawKind kind, const Samples& episode, const std::vector<Scaled>
 }  // namespace
 
 LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const LawScales& scales,
-                      Effort effort) {
+                      Effort effort, const SolveProgress& progress) {
   const std::vector<Scaled> gains = scaled_gains(kind, scales);
+  constexpr std::size_t kRefined = 2;  // solves after the rough ones
+  std::size_t done = 0, all = kRefined;
+  bool stopped = false;
+  const std::function<bool()> go_on = [&] {
+    stopped |= progress && !progress(done, all);
+    return !stopped;
+  };
+  const auto solve = [&](const std::vector<Samples>& rows, const Start& start, bool bounded) {
+    LawSolution s = solve_from(kind, rows, gains, scales.speed, start, bounded, effort, go_on);
+    ++done;
+    return s;
+  };
   LawSolution best{{}, {}, INFINITY, "no start", 0};
   if (effort == Effort::rough) {
-    for (const Start& start : starts(kind, episodes, scales)) {
+    const std::vector<Start> from = starts(kind, episodes, scales);
+    all = from.size() + kRefined;
+    for (const Start& start : from) {
       if (start.scaled.size() != gains.size()) continue;  // the law within has no solution
-      LawSolution s = solve_from(kind, episodes, gains, scales.speed, start, true, effort);
+      if (!go_on()) break;
+      LawSolution s = solve(episodes, start, true);
       if (s.cost < best.cost || best.scaled.empty()) best = std::move(s);
     }
     if (!std::isfinite(best.cost)) return best;
@@ -203,14 +232,18 @@ LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const 
     // Fewer rows suffice to compare the starts.
     std::vector<Samples> fewer;
     for (const Samples& episode : episodes) fewer.push_back(thinned(episode, kStartStride));
-    LawSolution rough = solve_law(kind, fewer, scales, Effort::rough);
-    if (!std::isfinite(rough.cost)) return rough;
-    best = solve_from(kind, episodes, gains, scales.speed, {rough.scaled, true}, true, effort);
+    LawSolution rough =
+        solve_law(kind, fewer, scales, Effort::rough, [&](std::size_t so_far, std::size_t of) {
+          done = so_far;
+          all = of;
+          return go_on();
+        });
+    if (!std::isfinite(rough.cost) || stopped) return rough;
+    best = solve(episodes, {rough.scaled, true}, true);
     if (!std::isfinite(best.cost)) return best;
     // Bounds slow the last digits down where the data hold a gain close to one; without them the
     // solution may be reached, and is kept if it respects them.
-    const LawSolution free =
-        solve_from(kind, episodes, gains, scales.speed, {best.scaled, false}, false, effort);
+    const LawSolution free = stopped ? best : solve(episodes, {best.scaled, false}, false);
     if (free.cost < best.cost && within_bounds(free.scaled, gains)) best = free;
   }
   for (std::size_t i = 0; i < gains.size(); ++i)

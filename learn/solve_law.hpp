@@ -7,6 +7,7 @@
 // starts from the solution of that one, so it never fits worse.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -31,8 +32,12 @@ struct LawSolution {
 // To the last digits, or as good as predictions need.
 enum class Effort { exact, rough };
 
+// Called after every iteration of Ceres with how many solves of `all` are done. False ends the
+// solving with the best so far.
+using SolveProgress = std::function<bool(std::size_t done, std::size_t all)>;
+
 LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const LawScales& scales,
-                      Effort effort = Effort::exact);
+                      Effort effort = Effort::exact, const SolveProgress& progress = {});
 
 // The solution's gains, with 95 % intervals (learn/intervals.hpp) cut to the gains' bounds. A gain
 // at its bound has none, nor has one that the data tell nothing of.

@@ -104,13 +104,14 @@ TrainedNetwork train(const TrainingRows& training, const TrainingRows& held_out,
     const Epoch now = {loss_sum / static_cast<double>(x.size(0)),
                        negative_log_likelihood(perceptron.forward(x_held), v_held).item<double>()};
     result.curve.push_back(now);
-    if (progress) progress(result.curve.size(), now);
+    const bool go_on = !progress || progress(result.curve.size(), now);
     if (now.held_out_loss < least) {
       least = now.held_out_loss;
       result.best = result.curve.size() - 1;
       result.network = perceptron.network();
     }
-    if (result.curve.size() - result.best > static_cast<std::size_t>(settings.patience)) break;
+    if (!go_on || result.curve.size() - result.best > static_cast<std::size_t>(settings.patience))
+      break;
   }
   return result;
 }

@@ -40,8 +40,8 @@ struct TrainedNetwork {
   std::size_t best = 0;      // index into it
 };
 
-// `progress` is called after each epoch with its number, from 1.
-using TrainingProgress = std::function<void(std::size_t epoch, const Epoch&)>;
+// `progress` is called after each epoch with its number, from 1; false ends the training there.
+using TrainingProgress = std::function<bool(std::size_t epoch, const Epoch&)>;
 
 // Trains one network: Gaussian likelihood, AdamW, early stopping. One thread; the same arguments
 // give the same bits on one machine. Throws BadInput if the program was built without libtorch,

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <stdexcept>
+#include <string>
 
 namespace ferrule {
 
@@ -15,5 +16,9 @@ struct BadInput : std::runtime_error {
 struct FileTrouble : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
+
+// A text from outside as part of a line: control characters as \xNN, the middle as ... where it
+// is longer than `most` bytes.
+std::string printable(const std::string& text, std::size_t most);
 
 }  // namespace ferrule

@@ -9,8 +9,13 @@ cpack -G DEB >cpack.log || { cat cpack.log >&2; exit 1; }
 as_root=()
 if [[ $EUID -ne 0 ]]; then as_root=(sudo); fi
 fresh=$(mktemp -d)
-trap '"${as_root[@]}" rm -rf "$fresh"' EXIT
+away() {
+  "${as_root[@]}" umount "$fresh/proc" 2>/dev/null || true
+  "${as_root[@]}" rm -rf --one-file-system "$fresh"
+}
+trap away EXIT
 "${as_root[@]}" debootstrap --variant=minbase bookworm "$fresh" >debootstrap.log
+"${as_root[@]}" mount -t proc proc "$fresh/proc"
 "${as_root[@]}" cp ferrule_*.deb libferrule-dev_*.deb "$fresh/tmp"
 inside() { "${as_root[@]}" chroot "$fresh" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
 inside bash -c 'apt-get update -qq && apt-get install -y -qq --no-install-recommends /tmp/ferrule_*.deb' >install.log 2>&1 ||
@@ -19,12 +24,13 @@ inside bash -c 'apt-get update -qq && apt-get install -y -qq --no-install-recomm
 fail() { echo "package: $1" >&2; exit 1; }
 inside ferrule record --scene demo --operator simulated --episodes 3 --out /tmp/episodes >record.log 2>&1 ||
   { cat record.log >&2; fail "it cannot record"; }
-inside ferrule replay /tmp/episodes/episode_0001.h5 --verify | grep -q identical || fail "it cannot replay"
+[[ $(inside ferrule replay /tmp/episodes/episode_0001.h5 --verify) == *identical* ]] || fail "it cannot replay"
 inside ferrule fit /tmp/episodes --out /tmp/controller.json >fit.log 2>&1 || { cat fit.log >&2; fail "it cannot fit"; }
-inside ferrule evaluate /tmp/controller.json --scene demo --trials 20 --json | grep -q '"inserted"' || fail "it cannot evaluate"
+[[ $(inside ferrule evaluate /tmp/controller.json --scene demo --trials 20 --json) == *inserted* ]] || fail "it cannot evaluate"
 inside test -s /usr/share/ferrule/scenes/demo.json || fail "no scenes"
+contents=$(dpkg-deb -c ferrule_*.deb)
 for verb in record fit evaluate; do
-  dpkg-deb -c ferrule_*.deb | grep -q "man1/ferrule-$verb.1.gz" || fail "no man page of $verb"
+  [[ $contents == *"man1/ferrule-$verb.1.gz"* ]] || fail "no man page of $verb"
 done
 words=$(inside bash -c '. /usr/share/bash-completion/completions/ferrule
   COMP_WORDS=(ferrule evaluate --scene ti) COMP_CWORD=3; _ferrule; echo "${COMPREPLY[@]}"

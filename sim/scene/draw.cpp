@@ -23,10 +23,24 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
     throw BadInput(scene.name + ": tolerance: " + found->key + " " + found->rule);
   drawn->world = make_world(p);
   // What a recording states of its scene.
-  drawn->document.erase("tolerance");
-  drawn->document["fibre"]["diameter_um"] = p.fibre.diameter_um;
-  drawn->document["ferrule"]["bore_diameter_um"] = p.ferrule.bore_diameter_um;
+  Json& document = drawn->document;
+  document["drawn_from"] = {{"tolerance", document["tolerance"]},
+                            {"fibre_diameter_um", document["fibre"]["diameter_um"]},
+                            {"ferrule_bore_diameter_um", document["ferrule"]["bore_diameter_um"]}};
+  document.erase("tolerance");
+  document["fibre"]["diameter_um"] = p.fibre.diameter_um;
+  document["ferrule"]["bore_diameter_um"] = p.ferrule.bore_diameter_um;
   return drawn;
+}
+
+Json undrawn(Json document) {
+  if (!document.contains("drawn_from")) return document;
+  const Json from = document["drawn_from"];
+  document.erase("drawn_from");
+  document["tolerance"] = from["tolerance"];
+  document["fibre"]["diameter_um"] = from["fibre_diameter_um"];
+  document["ferrule"]["bore_diameter_um"] = from["ferrule_bore_diameter_um"];
+  return document;
 }
 
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {

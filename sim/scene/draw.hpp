@@ -14,6 +14,9 @@ namespace ferrule {
 std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
                                         std::uint64_t trial);
 
+// The document of the scene that a drawn one was drawn from; of any other scene, `document` itself.
+Json undrawn(Json document);
+
 // Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says.
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
 

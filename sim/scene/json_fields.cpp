@@ -1,7 +1,5 @@
 #include "sim/scene/json_fields.hpp"
 
-#include <fcntl.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,6 +8,8 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+
+#include "sim/scene/written_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -82,9 +82,11 @@ Json parse_json(const std::string& text, const std::string& file) {
 }
 
 std::string read_text(const std::string& file) {
-  if (std::filesystem::is_directory(file)) throw FileTrouble(file + ": is a directory");
-  if (std::filesystem::is_character_file(file))  // some never end
-    throw FileTrouble(file + ": is a device, not a file");
+  std::error_code error;  // says no more than opening it will
+  const std::filesystem::file_status there = std::filesystem::status(file, error);
+  if (std::filesystem::is_directory(there)) throw FileTrouble(file + ": is a directory");
+  if (std::filesystem::exists(there) && !std::filesystem::is_regular_file(there))
+    throw FileTrouble(file + ": is a device or a pipe, not a file");  // some never end
   std::ifstream in(file, std::ios::binary);
   if (!in) throw FileTrouble(file + ": cannot be read: " + std::strerror(errno));
   std::ostringstream text;
@@ -92,14 +94,6 @@ std::string read_text(const std::string& file) {
   if (in.bad()) throw FileTrouble(file + ": cannot be read");
   return text.str();
 }
-
-namespace {
-
-[[noreturn]] void cannot_write(const std::string& file, int error) {
-  throw FileTrouble(file + ": cannot be written: " + std::strerror(error));
-}
-
-}  // namespace
 
 int write_all(int fd, const char* bytes, std::size_t size) {
   while (size > 0) {
@@ -117,36 +111,7 @@ Json number_or_null(double x) {
 }
 
 void write_text(const std::string& name, const std::string& text, bool replace) {
-  namespace fs = std::filesystem;
-  std::error_code ignored;
-  std::string file = name;
-  const fs::file_status there = fs::status(name, ignored);
-  if (fs::is_directory(there)) throw FileTrouble(name + ": is a directory");
-  if (fs::exists(there) && !fs::is_regular_file(there)) {  // a device or a pipe
-    const int fd = ::open(name.c_str(), O_WRONLY | O_CLOEXEC);
-    if (fd < 0) cannot_write(name, errno);
-    const int error = write_all(fd, text.data(), text.size());
-    ::close(fd);
-    if (error) cannot_write(name, error);
-    return;
-  }
-  if (fs::is_symlink(fs::symlink_status(name, ignored)) && fs::exists(there))
-    file = fs::canonical(name).string();
-
-  std::string beside = file + ".XXXXXX.tmp";
-  const int fd = ::mkstemps(beside.data(), 4);
-  if (fd < 0) cannot_write(name, errno);
-  const mode_t mask = ::umask(0);
-  ::umask(mask);
-  ::fchmod(fd, 0666 & ~mask);
-  int error = write_all(fd, text.data(), text.size());
-  if (!error && ::fsync(fd) != 0 && errno != EINVAL && errno != EROFS) error = errno;
-  if (::close(fd) != 0 && !error) error = errno;
-  if (!error && replace && ::rename(beside.c_str(), file.c_str()) != 0) error = errno;
-  // A link is only made where there is no file yet.
-  if (!error && !replace && ::link(beside.c_str(), file.c_str()) != 0) error = errno;
-  if (error || !replace) ::unlink(beside.c_str());
-  if (error) cannot_write(name, error);
+  WrittenFile(name, text).commit(replace);
 }
 
 JsonFields::JsonFields(const Json& object, std::string file, std::string path,

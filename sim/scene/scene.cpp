@@ -135,6 +135,15 @@ void read_tolerance(JsonFields f, Tolerance& t) {
   f.finish();
 }
 
+// What is only said: where the diameters of a recorded pair were drawn from.
+void read_drawn_from(JsonFields f) {
+  Tolerance tolerance{};
+  read_tolerance(f.object("tolerance"), tolerance);
+  for (const char* key : {"fibre_diameter_um", "ferrule_bore_diameter_um"})
+    f.number(key, positive(1, 1e5));
+  f.finish();
+}
+
 void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
     if (f.present(key)) f.number(key, rule, value, unit);
@@ -194,6 +203,7 @@ void read_scene(JsonFields& fields, Scene& scene) {
   read_start(fields.object("start"), scene.start);
   if (fields.present("tolerance"))
     read_tolerance(fields.object("tolerance"), scene.tolerance.emplace());
+  if (fields.present("drawn_from")) read_drawn_from(fields.object("drawn_from"));
   read_sensor(fields.object("sensor"), scene.sensor);
   read_limits(fields.object("limits"), scene.limits);
   JsonFields success = fields.object("success");
@@ -281,7 +291,28 @@ Scene load_scene(const std::string& name_or_file, const std::vector<std::string>
   const std::string file = kScenes.find(name_or_file);
   Json document = parse_json(read_text(file), file);
   for (const auto& setting : settings) apply_setting(document, setting);
-  return parse_scene(document, settings.empty() ? file : file + " with --set");
+  const std::string source = settings.empty() ? file : file + " with --set";
+  Scene scene = parse_scene(document, source);
+  refuse_contradictions(scene, source);
+  return scene;
+}
+
+void refuse_contradictions(const Scene& scene, const std::string& file) {
+  const JsonFields fields(scene.document, file);
+  const double handled = scene.parameters.fibre.manipulated_length_mm;
+  const auto* elastic = std::get_if<ElasticFibre>(&scene.parameters.holder);
+  if (elastic && elastic->free_length_mm > handled)
+    refuse(fields, "holder.free_length_mm",
+           "must not exceed the length that is handled (fibre.manipulated_length_mm)");
+  const double free = elastic ? elastic->free_length_mm : handled;
+  if (scene.success.depth > milli * free)
+    refuse(fields, "success.depth_um",
+           std::string("must not exceed the length that is free to go in (") +
+               (elastic ? "holder.free_length_mm)" : "fibre.manipulated_length_mm)"));
+}
+
+std::string scene_file(const std::string& name_or_file) {
+  return kScenes.find(name_or_file);
 }
 
 std::vector<std::string> shipped_scenes() {

@@ -74,6 +74,14 @@ Scene parse_scene(const Json& document, const std::string& file);
 // FileTrouble.
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 
+// Refuses what a scene that is written must not be, though a recording of before may: a success depth
+// beyond the fibre that is free to go in, or a free length beyond the length that is handled. Throws
+// BadInput.
+void refuse_contradictions(const Scene& scene, const std::string& file);
+
+// The file of a scene, `name_or_file` as above. Throws FileTrouble.
+std::string scene_file(const std::string& name_or_file);
+
 // One of those settings. Throws BadInput.
 void apply_setting(Json& document, const std::string& setting);
 

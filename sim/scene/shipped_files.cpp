@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "sim/scene/data_folder.hpp"
 #include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
@@ -10,21 +11,16 @@ namespace ferrule {
 namespace fs = std::filesystem;
 
 std::string ShippedFiles::place() const {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (!error) {
-    const fs::path installed = program.parent_path().parent_path() / "share/ferrule" / folder;
-    if (fs::is_directory(installed)) return installed.string();
-  }
-  return std::string(FERRULE_DATA) + "/" + folder;
+  return data_folder() + "/" + folder;
 }
 
 std::string ShippedFiles::find(const std::string& name_or_file) const {
   const bool bare = name_or_file.find('/') == std::string::npos &&
                     name_or_file.find(".json") == std::string::npos;
-  if (!bare || fs::is_regular_file(name_or_file)) return name_or_file;
+  std::error_code error;
+  if (!bare || fs::is_regular_file(name_or_file, error)) return name_or_file;
   std::string shipped = place() + "/" + name_or_file + ".json";
-  if (fs::exists(shipped)) return shipped;
+  if (fs::exists(shipped, error)) return shipped;
   std::string message =
       name_or_file + ": no such " + file + ", and no shipped " + one + " of that name:";
   for (const auto& name : names()) message += " " + name;

@@ -1,5 +1,4 @@
-// JSON files that ship with the program, in folders of their own: share/ferrule/FOLDER of an
-// installed program, data/FOLDER of the source otherwise.
+// JSON files that ship with the program, in folders of their own (sim/scene/data_folder.hpp).
 #pragma once
 
 #include <string>

@@ -3,7 +3,9 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <csignal>
+#include <cstring>
 #include <fstream>
 
 #include "capture/replay.hpp"
@@ -127,6 +129,103 @@ TEST(Recover, LeavesAJournalAloneThatIsBeingWritten) {
   ::waitpid(child, &status, 0);
   EXPECT_EQ(status, 0);
   EXPECT_TRUE(fs::exists(folder / "episode_0001.part"));
+}
+
+// Rows of a short insertion in a journal that is left without an end.
+void leave_a_journal(const std::string& folder, std::size_t rows) {
+  const Scene scene = quick();
+  const State start = draw_start(scene, 1, 1);
+  auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+  Recorder recorder(folder, 1, testing::info_of(scene, 1, 1));
+  std::size_t n = 0;
+  run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+                [&](const Tick& tick) {
+                  recorder.add(make_row(tick));
+                  return ++n != rows;
+                });
+}
+
+TEST(EpisodeClaim, ThatWaitsForItsStartIsLeftAloneAndKeepsItsNumber) {
+  const testing::TemporaryFolder folder;
+  EpisodeClaim claim(folder.path(), 1);
+  const auto recovered = recover(folder.path());
+  ASSERT_EQ(recovered.size(), 1u);
+  EXPECT_NE(recovered[0].remark.find("still being recorded"), std::string::npos);
+  EXPECT_TRUE(fs::exists(claim.journal()));
+  EXPECT_EQ(EpisodeClaim(folder.path(), 1).number(), 2);
+  Recorder recorder(std::move(claim), testing::info_of(quick(), 1, 1));
+  RowVector row = RowVector::Zero();
+  recorder.add(row);
+  EXPECT_EQ(recorder.finish(Outcome::interrupted), folder / "episode_0001.h5");
+}
+
+TEST(EpisodeClaim, ThatNeverBeganLeavesNothing) {
+  const testing::TemporaryFolder folder;
+  { const EpisodeClaim claim(folder.path(), 7); }
+  EXPECT_TRUE(fs::is_empty(folder.path()));
+}
+
+TEST(Recorder, ANameThatWasTakenMeanwhileMeansTheNextNumber) {
+  const testing::TemporaryFolder folder;
+  Recorder recorder(folder.path(), 1, testing::info_of(quick(), 1, 1));
+  RowVector row = RowVector::Zero();
+  recorder.add(row);
+  std::ofstream(folder / "episode_0001.h5") << "of somebody else";
+  EXPECT_EQ(recorder.finish(Outcome::interrupted), folder / "episode_0002.h5");
+  EXPECT_EQ(read_text(folder / "episode_0001.h5"), "of somebody else");
+  EXPECT_TRUE(recover(folder.path()).empty());
+}
+
+TEST(Recover, OfAJournalBesideAnotherEpisodeOfItsNameTakesTheNextNumber) {
+  const testing::TemporaryFolder folder, elsewhere;
+  leave_a_journal(folder.path(), 500);
+  fs::copy_file(testing::record(quick(), elsewhere.path(), 2), folder / "episode_0001.h5");
+  const auto recovered = recover(folder.path());
+  ASSERT_EQ(recovered.size(), 1u);
+  EXPECT_EQ(recovered[0].file, folder / "episode_0002.h5");
+  EXPECT_EQ(read_episode(recovered[0].file).rows.rows(), 500);
+  EXPECT_FALSE(fs::exists(folder / "episode_0001.part"));
+}
+
+TEST(Recover, RemovesTheJournalOfAnEpisodeThatHasAllOfIt) {
+  const testing::TemporaryFolder folder;
+  leave_a_journal(folder.path(), 500);
+  fs::copy_file(folder / "episode_0001.part", folder / "kept");
+  ASSERT_EQ(recover(folder.path()).size(), 1u);
+  fs::copy_file(folder / "kept", folder / "episode_0001.part");
+  const auto recovered = recover(folder.path());
+  ASSERT_EQ(recovered.size(), 1u);
+  EXPECT_TRUE(recovered[0].file.empty());
+  EXPECT_FALSE(recovered[0].damaged);
+  EXPECT_FALSE(fs::exists(folder / "episode_0001.part"));
+}
+
+TEST(Recover, TakesTheRowsBeforeADamagedOneAndKeepsTheJournal) {
+  const testing::TemporaryFolder folder;
+  leave_a_journal(folder.path(), 500);
+  const std::string journal = folder / "episode_0001.part";
+  std::string bytes = read_text(journal);
+  const std::size_t row = kRowSize * sizeof(double);
+  const double not_a_number = NAN;
+  std::memcpy(&bytes[bytes.find('\n') + 1 + 317 * row + 5 * sizeof(double)], &not_a_number,
+              sizeof(double));
+  std::ofstream(journal, std::ios::binary) << bytes;
+  const auto recovered = recover(folder.path());
+  ASSERT_EQ(recovered.size(), 1u);
+  EXPECT_TRUE(recovered[0].damaged);
+  EXPECT_EQ(recovered[0].rows, 317u);
+  EXPECT_EQ(read_episode(recovered[0].file).rows.rows(), 317);
+  EXPECT_EQ(read_text(journal + ".damaged"), bytes);
+  EXPECT_FALSE(fs::exists(journal));
+}
+
+TEST(NextEpisodeNumber, DoesNotOverflow) {
+  const testing::TemporaryFolder folder;
+  std::ofstream(folder / "episode_0041.h5") << "";
+  std::ofstream(folder / "episode_x.h5") << "";
+  EXPECT_EQ(next_episode_number(folder.path()), 42);
+  std::ofstream(folder / "episode_99999999999.h5") << "";
+  EXPECT_THROW(next_episode_number(folder.path()), BadInput);
 }
 
 TEST(Recover, SaysWhatIsWrongWithGarbage) {

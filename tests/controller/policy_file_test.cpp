@@ -1,7 +1,7 @@
 #include "controller/policy_file.hpp"
 
-#include "controller/content_hash.hpp"
 #include "controller/controller_file.hpp"
+#include "sim/content_hash.hpp"
 #include "tests/compare.hpp"
 #include "tests/policies.hpp"
 #include "tests/refusal.hpp"
@@ -9,6 +9,12 @@
 
 namespace ferrule {
 namespace {
+
+// The file that a controller names.
+std::string weights_of(const std::string& file) {
+  const Json json = parse_json(read_text(file), file);
+  return std::filesystem::path(file).parent_path() / json["weights"].get<std::string>();
+}
 
 TEST(ContentHash, IsThatOfFips180) {
   EXPECT_EQ(sha1(""), "da39a3ee5e6b4b0d3255bfef95601890afd80709");
@@ -34,7 +40,7 @@ TEST(PolicyFile, IsReadBackExactly) {
   EXPECT_EQ(back.members[1].best_epoch, 25);
   EXPECT_EQ(back.dagger[0].held_out_loss, -1.125);
   write_controller(folder / "d.json", back);
-  EXPECT_EQ(read_text(folder / "c.safetensors"), read_text(folder / "d.safetensors"));
+  EXPECT_EQ(read_text(weights_of(folder / "c.json")), read_text(weights_of(folder / "d.json")));
 }
 
 TEST(PolicyFile, IsLoadedLikeAnyController) {
@@ -92,7 +98,36 @@ TEST(PolicyFile, IsWrittenWholeOrNotAtAll) {
   const testing::TemporaryFolder folder;
   std::filesystem::create_directory(folder / "c.json");
   EXPECT_THROW(write_controller(folder / "c.json", testing::random_policy_file()), FileTrouble);
-  EXPECT_FALSE(std::filesystem::exists(folder / "c.safetensors"));
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 1);
+}
+
+// A run that is killed after its weights have got their name leaves the controller of before.
+TEST(PolicyFile, WeightsOfAnotherFitDoNotTouchTheControllerThatIsThere) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "c.json";
+  PolicyFile policy = testing::random_policy_file();
+  write_controller(file, policy);
+  const std::string weights = weights_of(file);
+  policy.policy.members[0][0].bias[0] += 1;
+  write_controller(file, policy);
+  EXPECT_NE(weights_of(file), weights);
+  EXPECT_FALSE(std::filesystem::exists(weights));  // nobody names them any more
+  // As it is between the two renames of a third fit.
+  const std::string third = weights_file(file, sha1("third"));
+  write_text(third, "of a run that was killed");
+  EXPECT_EQ(read_policy(file).policy.members[0][0].bias, policy.policy.members[0][0].bias);
+  write_controller(file, policy);
+  EXPECT_FALSE(std::filesystem::exists(third));
+}
+
+TEST(PolicyFile, KeepsWeightsThatACopyOfTheControllerNames) {
+  const testing::TemporaryFolder folder;
+  PolicyFile policy = testing::random_policy_file();
+  write_controller(folder / "c.json", policy);
+  std::filesystem::copy_file(folder / "c.json", folder / "copy.json");
+  policy.policy.members[0][0].bias[0] += 1;
+  write_controller(folder / "c.json", policy);
+  EXPECT_NO_THROW(read_policy(folder / "copy.json"));
 }
 
 TEST(PolicyFile, RefusesWeightsThatAreNotItsOwn) {
@@ -101,7 +136,7 @@ TEST(PolicyFile, RefusesWeightsThatAreNotItsOwn) {
   write_controller(folder / "a.json", file);
   file.policy.members[0][0].bias[0] += 1;
   write_controller(folder / "b.json", file);
-  std::filesystem::copy_file(folder / "b.safetensors", folder / "a.safetensors",
+  std::filesystem::copy_file(weights_of(folder / "b.json"), weights_of(folder / "a.json"),
                              std::filesystem::copy_options::overwrite_existing);
   EXPECT_THROW(read_policy(folder / "a.json"), BadInput);
 }

@@ -77,13 +77,14 @@ struct Extremes {
   bool always_finite = true, stops_are_whole = true;
 };
 
-// Looks at one command after `before`, felt force f.
+// Looks at one command after `before`, felt force f; `hidden`: what the sensor's lag and errors may
+// hide of the true one.
 void look(const SupervisorLimits& limits, const Eigen::Vector3d& force, const HandTwist& before,
-          const HandTwist& now, Extremes& e) {
+          const HandTwist& now, Extremes& e, double hidden = 0) {
   e.always_finite &= now.allFinite();
   e.speed = std::max(e.speed, now.norm() / limits.speed);
   const double most = limits.acceleration * limits.period;
-  const double worth = limits.stiffness * limits.speed * limits.period;
+  const double worth = limits.stiffness * limits.speed * limits.period + hidden;
   if (force.norm() + worth < limits.force) {
     e.change = std::max(e.change, (now - before).norm() / most);
     return;
@@ -153,6 +154,7 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   HandTwist v = HandTwist::Zero();
   HandWrench rest, read_rest;
   double before = 0, unexplained = 0;
+  const double lag = limits.period * (1 / limits.follows - 1);
   Closed closed;
   for (int n = 0;; ++n) {
     pose += limits.period * v;
@@ -184,7 +186,8 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
       return closed;
     }
     v = supervisor.command({read - read_rest, hand_depth(pose), n * limits.period});
-    look(limits, felt, moved, levered(v, limits), closed.extremes);
+    look(limits, felt, moved, levered(v, limits), closed.extremes,
+         limits.misread + limits.stiffness * limits.speed * lag);
     if (supervisor.supervision()->gave_up) {
       closed.outcome = Outcome::gave_up;
       return closed;
@@ -224,29 +227,64 @@ TEST(Supervisor, KeepsTheForceWithinTheLimitInTheSimulator) {
       }
 }
 
-// What is promised with a sensor that errs: the force it reads keeps the limit as above, so the
-// true one exceeds it by no more than is misread at that moment. `bench`'s sensor, noise, drift and
-// lag together, is not that bad: there the true force itself keeps the limit.
-TEST(Supervisor, KeepsTheTrueForceWithinTheLimitBarWhatTheSensorMisreads) {
+// The true force keeps the limit, and not only the one that is read: the margin covers what the
+// sensor's lag hides, and its noise and bias.
+TEST(Supervisor, KeepsTheTrueForceWithinTheLimitWhateverTheSensor) {
   const std::vector<std::string> quick = {"limits.time_s=5", "start.distance_um=20",
-                                          "success.depth_um=20"};
-  std::vector<std::string> poor = quick;
-  for (const char* each : {"sensor.noise_uN=4", "sensor.bias_uN=8", "sensor.bandwidth_Hz=50"})
-    poor.push_back(each);
+                                          "success.depth_um=20", "ferrule.lead_in=null"};
+  const std::vector<std::vector<std::string>> sensors = {
+      {},
+      {"sensor.noise_uN=4", "sensor.bias_uN=8", "sensor.bandwidth_Hz=50"},
+      {"sensor.noise_uN=0", "sensor.bias_uN=0"},
+      {"sensor.noise_uN=0", "sensor.bias_uN=0", "sensor.bandwidth_Hz=5"},
+      {"sensor.noise_uN=0", "sensor.bias_uN=0", "sensor.bandwidth_Hz=100000"}};
   double largest = 0, misread = 0;
-  for (const bool errs : {false, true})
+  for (const std::vector<std::string>& sensor : sensors) {
+    std::vector<std::string> settings = quick;
+    settings.insert(settings.end(), sensor.begin(), sensor.end());
+    const Scene scene = load_scene("bench", settings);
     for (int kind = 0; kind < Adversary::kKinds; ++kind)
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-        const Closed c = run(load_scene("bench", errs ? poor : quick), kind, seed);
+        const Closed c = run(scene, kind, seed);
         EXPECT_LE(c.extremes.speed, 1 + 1e-12);
         EXPECT_LE(c.extremes.change, 1 + 1e-9);
         EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
-        EXPECT_LE(c.force, errs ? 1 + c.misread : 1) << kind << " " << seed;
+        EXPECT_LE(c.force, 1) << kind << " " << seed;
+        EXPECT_NE(c.outcome, Outcome::force_limit) << kind << " " << seed;
         largest = std::max(largest, c.force);
         misread = std::max(misread, c.misread);
       }
-  EXPECT_GT(largest, 0.9);  // it was braked for
+  }
+  EXPECT_GT(largest, 0.8);  // it was braked for
   EXPECT_GT(misread, 0.1);  // and a sensor did err by more than the margin
+}
+
+// Without contact the force rises by k per metre, and a sensor of first order follows: the bound on
+// what it has not shown is exact where the hand goes straight on.
+TEST(Supervisor, StopsBeforeTheLimitBehindASensorThatLags) {
+  SupervisorLimits limits = testing::demo_limits();
+  for (const double follows : {1.0, 0.5, 0.1, 0.01}) {
+    limits.follows = follows;
+    Supervisor supervisor(std::make_unique<ConstantVelocity>(2 * limits.speed), limits);
+    Observation observation{HandWrench::Zero(), 0, 0};
+    double force = 0, shown = 0;
+    for (int n = 0; n < 20000 && !supervisor.supervision()->interventions[6]; ++n) {
+      observation.wrench[0] = shown;
+      observation.time = n * limits.period;
+      force -= limits.stiffness * limits.period * supervisor.command(observation)[0];
+      shown += follows * (force - shown);
+    }
+    EXPECT_LE(force, limits.brakes_for() * (1 + 1e-3)) << follows;
+    EXPECT_GT(force, 0.3 * limits.brakes_for()) << follows;
+  }
+}
+
+TEST(Supervisor, SaysWhatItCannotHold) {
+  const Scene bench = load_scene("bench"),
+              blind = load_scene("bench", {"sensor.noise_uN=10", "sensor.bias_uN=10"});
+  EXPECT_EQ(cannot_hold(supervisor_limits(bench, scene_scaling(bench))), "");
+  const std::string why = cannot_hold(supervisor_limits(blind, scene_scaling(blind)));
+  EXPECT_NE(why.find("cannot be held"), std::string::npos) << why;
 }
 
 // Perfectly smooth surfaces snap together and pull the fibre in with more than any limit. That is

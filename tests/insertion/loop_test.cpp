@@ -167,6 +167,25 @@ TEST(Loop, PastSuccessTheHandSaysWhenItIsFinished) {
   EXPECT_GT(recording.end.summary.depth, trial.end.summary.depth);
 }
 
+// What happens to a fibre that is in already does not undo that it went in.
+TEST(Loop, AFailurePastSuccessEndsItAsInserted) {
+  const Scene scene = quick();
+  const Ended ended = run(
+      scene,
+      [&](int, HandSample& sample) {
+        const double past = hand_depth(sample.pose) / scene_scaling(scene).motion;
+        if (past > scene.success.depth + 1e-6) sample.pose[1] += 1;  // against the bore's wall
+      },
+      true, 8e-3);
+  EXPECT_EQ(ended.end.outcome, Outcome::inserted);
+  ASSERT_TRUE(ended.end.afterwards.has_value());
+  EXPECT_NE(*ended.end.afterwards, Outcome::inserted);
+  EXPECT_NE(ended.end.why.find("past the success depth"), std::string::npos);
+  EXPECT_GT(ended.end.summary.reached, 0);
+  EXPECT_LT(ended.end.summary.reached, ended.end.summary.time);
+  EXPECT_EQ(ended.end.summary.task_time(), ended.end.summary.reached);
+}
+
 TEST(Loop, ATrialWhoseTimeRunsOutSaysSo) {
   for (const char* limit : {"limits.time_s=5", "limits.time_s=10"}) {
     const Scene scene = quick({limit});

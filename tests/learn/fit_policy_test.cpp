@@ -158,7 +158,7 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   p.velocity_scale.setZero();
   p.velocity_mean = {-4e-3, 0, 0};
   const double reaction = 0.15;
-  const Demonstration d = relabelled_trial(scene, p, reaction, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, 0.8, reaction, 1, 3);
   const double yield = trainee_traits(0.8).yield;
   const auto delay = static_cast<Eigen::Index>(std::lround(1e3 * reaction));
   Eigen::Index compared = 0;
@@ -184,7 +184,7 @@ TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
   PolicyController controller(p);
   const std::string file = testing::record(scene, folder.path(), 3, &controller);
   const Demonstration recorded = demonstration(read_episode(file), scene, file);
-  const Demonstration d = relabelled_trial(scene, p, 0.15, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, 0.8, 0.15, 1, 3);
   EXPECT_EQ(d.outcome, recorded.outcome);
   ASSERT_EQ(d.rows(), recorded.rows());
   for (Eigen::Index n = 0; n < d.rows(); ++n) {

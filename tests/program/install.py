@@ -1,4 +1,5 @@
 import json
+import os
 import shutil
 import subprocess
 
@@ -25,6 +26,10 @@ class Install(Case):
         subprocess.run([*configure, "-DWANTED=sim"], check=True, stdout=subprocess.DEVNULL)
         subprocess.run(["cmake", "--build", build], check=True, stdout=subprocess.DEVNULL)
         subprocess.run([build + "/step"], check=True, stdout=subprocess.DEVNULL)
+        # The scenes are those of the installation, wherever the program lies.
+        os.rename(prefix + "/share/ferrule/scenes/paper.json", self.path("paper.json"))
+        lost = subprocess.run([build + "/step"], capture_output=True, text=True)
+        self.assertNotEqual(lost.returncode, 0)
         refused = subprocess.run([*configure, "-DWANTED=learn"], capture_output=True, text=True)
         self.assertNotEqual(refused.returncode, 0)
 

@@ -108,6 +108,18 @@ class Learning(Case):
         os.remove(out + "/episode_0001.h5")
         self.refused(2, *arguments, says=["too few episodes"])
 
+    # In `paper` the lateral forces are the hand's own making; in the quick scene they are not.
+    def test_a_gain_that_the_forces_do_not_determine_is_warned_of(self):
+        few, out = self.path("few"), self.path("c.json")
+        self.done("record", "--scene", "paper", "--episodes", 8, "--out", few)
+        run = self.done("fit", few, "--out", out)
+        self.assertIn("warning: yield_y is not determined by these forces", run.stdout)
+        low, high = (json.load(open(out))["gains"]["yield_y"][end] for end in ("low", "high"))
+        self.assertFalse(low < 0.9e-3 < high)  # the operator's own is not in the interval
+        quick = self.path("quick")
+        self.record(quick, episodes=6)
+        self.assertNotIn("warning", self.done("fit", quick, "--out", out).stdout)
+
     def test_refusals(self):
         out = self.path("out")
         self.record(out, episodes=2)

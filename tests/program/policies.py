@@ -5,13 +5,15 @@ import json
 import os
 import random
 import shutil
+import signal
 import subprocess
 import tempfile
+import time
 
 import h5py
 import numpy
 
-from case import Case, ferrule, main
+from case import PROGRAM, Case, ferrule, main
 
 
 class Policies(Case):
@@ -46,10 +48,13 @@ class Policies(Case):
             shutil.copy(file, folder)
         return folder
 
+    def weights(self, file):
+        return os.path.join(os.path.dirname(file), json.load(open(file))["weights"])
+
     # An independent reader of both files.
     def read(self, file):
         controller = json.load(open(file))
-        data = open(os.path.join(os.path.dirname(file), controller["weights"]), "rb").read()
+        data = open(self.weights(file), "rb").read()
         self.assertEqual(hashlib.sha1(data).hexdigest(), controller["weights_sha1"])
         length = int.from_bytes(data[:8], "little")
         header = json.loads(data[8:8 + length])
@@ -153,7 +158,7 @@ class Policies(Case):
         walk(good, [])
         file, refused = self.path("broken.json"), 0
         if "weights" in good:
-            shutil.copy(self.shared + "/c.safetensors", self.folder)
+            shutil.copy(self.weights(controller), self.folder)
         for _ in range(60):
             bad, path = copy.deepcopy(good), draw.choice(paths)
             # What no schema can say: what belongs to the weights.
@@ -179,8 +184,9 @@ class Policies(Case):
         few, texts = self.few(), []
         for _ in range(2):
             self.done("fit", few, "--method", "torch", "--ensemble", 2, "--out", self.path("c.json"))
-            texts.append([open(self.path(name), "rb").read()
-                          for name in ("c.json", "c.safetensors")])
+            texts.append([open(name, "rb").read()
+                          for name in (self.path("c.json"), self.weights(self.path("c.json")))])
+            self.assertEqual(len(glob.glob(self.path("c.*"))), 2)
         self.assertEqual(*texts)
 
     def test_the_weights_give_the_same_answers_to_another_reader(self):
@@ -250,6 +256,32 @@ int main(void) {
         self.assertEqual(told["trials"], 10)
         self.assertGreater(told["rows"], 1000)
         self.assertEqual(controller["trained_on"]["rows"], before + told["rows"])
+        self.assertEqual(controller["trained_on"]["rollouts"], 10)
+
+    # Nobody asks a person, nor a controller, what he would have done.
+    def test_dagger_needs_a_simulated_teacher(self):
+        self.needs_torch()
+        by_law = self.path("by_law")
+        self.done("record", "--operator", self.law, "--episodes", 4, "--out", by_law)
+        self.refused(2, "fit", by_law, "--method", "torch", "--dagger", 1, "--out",
+                     self.path("x.json"), says=["--dagger", "controller"])
+
+    def test_a_fit_that_is_stopped_leaves_what_it_has(self):
+        self.needs_torch()
+        out = self.path("p.json")
+        process = subprocess.Popen([PROGRAM, "fit", self.episodes, "--method", "torch", "--ensemble",
+                                    "20", "--out", out], stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, text=True)
+        time.sleep(6)
+        process.send_signal(signal.SIGINT)
+        told, errors = process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130, errors)
+        self.assertFalse(os.path.exists(out))
+        if "PARTIAL" in told:  # else it was still reading
+            part = json.load(open(self.path("p.partial.json")))
+            self.assertTrue(part["trained_on"]["partial"])
+            self.assertIn("whose fit was stopped",
+                          self.done("evaluate", self.path("p.partial.json"), "--trials", 1).stdout)
 
     def test_refusals(self):
         self.refused(2, "fit", self.episodes, "--ensemble", 2, "--out", self.path("x.json"),
@@ -261,16 +293,14 @@ int main(void) {
         self.needs_torch()
         self.refused(2, "fit", self.episodes, "--method", "torch", "--out", self.path("x.safetensors"),
                      says=[".safetensors"])
-        os.mkdir(self.path("taken.safetensors"))
-        self.refused(3, "fit", self.episodes, "--method", "torch", "--out", self.path("taken.json"),
-                     says=["taken.safetensors"])
-        good = open(self.shared + "/c.safetensors", "rb").read()
+        weights = os.path.basename(self.weights(self.file))
+        good = open(self.weights(self.file), "rb").read()
         shutil.copy(self.file, self.folder)
         for bad in (b"", good[:7], good[:100], good[:-4], good + b"0000", b"\xff" * 8 + good[8:],
                     good[:-4] + b"\x00\x00\xc0\x7f", good[:-1] + bytes([good[-1] ^ 1])):
-            with open(self.path("c.safetensors"), "wb") as out:
+            with open(self.path(weights), "wb") as out:
                 out.write(bad)
-            self.refused(2, "evaluate", self.path("c.json"), says=["c.safetensors"])
+            self.refused(2, "evaluate", self.path("c.json"), says=[weights])
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 import glob
 import json
 import os
+import pty
 import signal
 import subprocess
 import time
@@ -78,6 +79,7 @@ class Recording(Case):
             out = self.path(f"out{delay}")
             process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
                                         "--out", out], stdout=subprocess.PIPE, text=True)
+            self.assertTrue(process.stdout.readline().startswith("scene paper"))
             first = process.stdout.readline()
             self.assertIn("episode_0001.h5", first)
             time.sleep(delay)
@@ -105,6 +107,7 @@ class Recording(Case):
         process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
                                     "--out", out], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                                    text=True)
+        process.stdout.readline()  # the scene
         process.stdout.readline()
         time.sleep(0.2)
         process.send_signal(signal.SIGINT)
@@ -173,6 +176,7 @@ class Recording(Case):
         out = self.path("out")
         first = subprocess.Popen([PROGRAM, "record", "--scene", "paper", *QUICK, "--episodes", "6",
                                   "--seed", "1", "--out", out], stdout=subprocess.PIPE, text=True)
+        first.stdout.readline()  # the scene
         first.stdout.readline()
         second = self.done("record", "--scene", "paper", *QUICK, "--episodes", 6, "--seed", 99,
                            "--out", out, "--append").stdout
@@ -185,10 +189,33 @@ class Recording(Case):
         for file in files[1:]:
             self.assertEqual(told.count(file), 1)
 
+    def test_a_recorder_that_waits_for_its_start_keeps_its_number(self):
+        out = self.path("out")
+        terminal, other_end = pty.openpty()
+        first = subprocess.Popen([PROGRAM, "record", "--device", "fake:spacemouse", *QUICK,
+                                  "--episodes", "1", "--out", out],
+                                 stdin=other_end, stdout=subprocess.PIPE, stderr=other_end)
+        os.close(other_end)
+        told = b""
+        while b"space starts it" not in told:
+            told += os.read(terminal, 1000)
+        self.assertIn("still being recorded", self.done("recover", out).stdout)
+        self.record(out, "--append", episodes=1)
+        self.assertEqual(sorted(os.listdir(out)), ["episode_0001.part", "episode_0002.h5"])
+        os.write(terminal, b" ")
+        while b"rates it" not in told:
+            told += os.read(terminal, 1000)
+        os.write(terminal, b"4")
+        first.communicate(timeout=60)
+        os.close(terminal)
+        self.assertEqual(first.returncode, 0)
+        self.assertEqual(sorted(os.listdir(out)), ["episode_0001.h5", "episode_0002.h5"])
+
     def test_recover_keeps_a_journal_whose_episode_cannot_be_read(self):
         out = self.path("out")
         process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",
                                     "--out", out], stdout=subprocess.PIPE)
+        process.stdout.readline()  # the scene
         process.stdout.readline()
         time.sleep(0.05)
         process.kill()

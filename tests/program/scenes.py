@@ -119,6 +119,34 @@ class Scenes(Case):
             self.assertIn("--scene", text)
             self.assertIn("--set", text)
 
+    def test_keys_are_found(self):
+        found = json.loads(self.done("scene", "bore", "diameter", "--json").stdout)["rows"]
+        self.assertEqual({r["key"]: r["value"] for r in found}["ferrule.bore_diameter_um"], 126)
+        for wrong, right in (("ferrule.bore_diameter", "ferrule.bore_diameter_um"),
+                             ("sensor.noise_N", "sensor.noise_uN"),
+                             ("limits.speed", "limits.speed_um_s"),
+                             ("lateral_sd_um", "start.lateral_sd_um")):
+            self.refused(2, "forces", "--set", wrong + "=1", says=["did you mean " + right])
+        self.refused(2, "scene", "surely", "nothing", says=["no key"])
+
+    def test_tolerances(self):
+        run = json.loads(self.done("scene", "--set", "ferrule.bore_diameter_um=126+-0.3", "--set",
+                                   "fibre.diameter_um=125+-0.6", "--json").stdout)
+        values = {row["key"]: row["value"] for row in run["rows"]}
+        self.assertEqual(values["tolerance.bore_diameter_um"], [125.7, 126.3])
+        self.assertAlmostEqual(values["tolerance.fibre_diameter_sd_um"], 0.2, delta=1e-15)
+        for setting in ("fibre.young_GPa=72+-1", "fibre.diameter_um=125+-", "fibre.diameter_um=a+-1",
+                        "ferrule.bore_diameter_um=126+--0.1"):
+            self.refused(2, "scene", "--set", setting, says=["a tolerance is"])
+        self.refused(2, "evaluate", "--baseline", "constant-velocity", "--scene", "tolerance", "--set",
+                     "ferrule.bore_diameter_um=125.5", says=["draws its bores"])
+
+    def test_a_scene_must_not_contradict_itself(self):
+        holder = 'holder={"type":"elastic_fibre","free_length_mm":%g,"gripper_stiffness_N_m":1}'
+        self.refused(2, "forces", "--set", holder % 60, says=["fibre.manipulated_length_mm"])
+        self.refused(2, "forces", "--scene", "bench", "--set", "holder.free_length_mm=8", "--set",
+                     "success.depth_um=10000", says=["success.depth_um", "free to go in"])
+
     def test_messages(self):
         self.refused(2, "forces", "--set", "ferrule.bore_diameter_um=124.9",
                      says=["paper.json", "ferrule.bore_diameter_um = 124.9", "wider than the fibre"])

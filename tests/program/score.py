@@ -18,10 +18,12 @@ class Score(Case):
         self.assertEqual([e["outcome"] == "inserted" for e in result], [True] * 3 + [False] * 2)
         for part in result[0]["parts"]:
             self.assertEqual(max(e["parts"][part] for e in result[:3]), 1)
+        self.assertEqual([e["group"] for e in result], [1] * 3 + [2] * 2)
+        self.assertEqual([e["score"] is None for e in result], [False] * 3 + [True] * 2)
         for e in result:
-            mean = sum(e["parts"].values()) / len(e["parts"])
-            factor = 1 if e["outcome"] == "inserted" else 0.5 * e["completion"]
-            self.assertAlmostEqual(e["score"], 100 * mean * factor, delta=1e-9)
+            if e["score"] is not None:
+                mean = sum(e["parts"].values()) / len(e["parts"])
+                self.assertAlmostEqual(e["score"], 100 * mean, delta=1e-9)
             with h5py.File(e["file"]) as f:
                 demo = f["data/demo_0"]
                 force = demo["rows/holder_wrench"][:, :3] - demo["rows/forces"][:, 6:9]
@@ -31,8 +33,36 @@ class Score(Case):
                 self.assertAlmostEqual(e["contact_time_s"], touches.sum() * 1e-3, delta=1e-9)
         plot = self.path("curve.svg")
         table = self.done("score", out, "--plot", plot).stdout
-        self.assertEqual(table.count("\n"), 6)
+        for part in ("simulated, skill 0.9, scene paper: 3 episodes",
+                     "simulated, skill 0.2, scene paper: 2 episodes"):
+            self.assertIn(part, table)
         self.assertIn("</svg>", open(plot).read())
+
+    def test_persons_and_scenes_are_not_mixed(self):
+        out = self.path("out")
+        self.record(out, "--skill", 0.9, episodes=2)
+        alone = json.loads(self.done("score", out, "--json").stdout)["episodes"]
+        self.record(out, "--skill", 0.5, "--append", episodes=2)
+        self.record(out, "--skill", 0.9, "--append", "--set", "start.lateral_sd_um=1", episodes=2)
+        mixed = json.loads(self.done("score", out, "--json").stdout)
+        self.assertEqual([e["score"] for e in mixed["episodes"][:2]], [e["score"] for e in alone])
+        self.assertEqual([g["episodes"] for g in mixed["groups"]], [2, 2, 2])
+        # The scene that parts were drawn in is one scene.
+        drawn = self.path("drawn")
+        self.record(drawn, "--set", "fibre.diameter_um=125+-0.3", episodes=3)
+        self.assertEqual(len(json.loads(self.done("score", drawn, "--json").stdout)["groups"]), 1)
+
+    # What an insertion took, until the success depth, is the same number in every verb.
+    def test_one_time_for_one_episode(self):
+        out = self.path("out")
+        told = json.loads(self.done("record", "--scene", "demo", "--episodes", 1, "--out", out,
+                                    "--json").stdout)["episodes"][0]
+        scored = json.loads(self.done("score", out, "--json").stdout)["episodes"][0]
+        replayed = json.loads(self.done("replay", told["file"], "--json").stdout)
+        self.assertEqual(told["time_s"], scored["time_s"])
+        self.assertEqual(told["time_s"], replayed["time_s"])
+        self.assertEqual(told["recorded_s"], replayed["recorded_s"])
+        self.assertLess(told["time_s"], told["recorded_s"])
 
     def test_what_cannot_be_scored(self):
         out = self.path("out")

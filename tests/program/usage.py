@@ -15,9 +15,12 @@ class Usage(Case):
 
     def test_help_and_version(self):
         text = self.done("--help").stdout
-        for verb in ("demo", "forces", "record", "recover", "replay", "fit", "evaluate"):
+        for verb in ("demo", "scene", "forces", "contact", "plan", "record", "recover", "replay",
+                     "score", "fit", "identify", "evaluate", "compare", "export", "bench", "devices",
+                     "doctor"):
             self.assertIn(verb, text)
-            self.assertTrue(self.done(verb, "--help").stdout)
+            help = self.done(verb, "--help").stdout
+            self.assertGreaterEqual(help.count("\n  ferrule " + verb), 2, verb)
         self.assertRegex(self.done("--version").stdout, r"^\d+\.\d+\.\d+ ")
 
     def test_a_file_without_end_is_not_read(self):

@@ -1,8 +1,7 @@
-#include "controller/content_hash.hpp"
-
-#include <fmt/format.h>
+#include "sim/content_hash.hpp"
 
 #include <boost/uuid/detail/sha1.hpp>
+#include <cstdio>
 
 namespace ferrule {
 
@@ -11,8 +10,9 @@ std::string sha1(const std::string& bytes) {
   hash.process_bytes(bytes.data(), bytes.size());
   unsigned int words[5];
   hash.get_digest(words);
-  std::string text;
-  for (const unsigned int word : words) text += fmt::format("{:08x}", word);
+  char text[41];
+  std::snprintf(text, sizeof text, "%08x%08x%08x%08x%08x", words[0], words[1], words[2], words[3],
+                words[4]);
   return text;
 }
 

@@ -1,0 +1,64 @@
+#include "app/csv.hpp"
+
+#include <algorithm>
+
+namespace ferrule {
+namespace {
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+std::string csv_field(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == text.npos) return text;
+  std::string all = "\"";
+  for (const char c : text) all += c == '"' ? "\"\"" : std::string(1, c);
+  return all + "\"";
+}
+
+void add_fields(const Json& value, const std::string& name, Fields& fields) {
+  if (value.is_structured()) {
+    std::size_t i = 0;
+    for (const auto& item : value.items())
+      add_fields(
+          item.value(),
+          (name.empty() ? "" : name + ".") + (value.is_array() ? std::to_string(i++) : item.key()),
+          fields);
+    return;
+  }
+  fields.emplace_back(name, value.is_null()     ? ""
+                            : value.is_string() ? value.get<std::string>()
+                                                : value.dump());
+}
+
+template <class Row>
+auto find(Row& row, const std::string& name) {
+  return std::find_if(row.begin(), row.end(),
+                      [&](const auto& field) { return field.first == name; });
+}
+
+}  // namespace
+
+std::string csv_text(const Json& rows, const Provenance& provenance) {
+  std::vector<Fields> lines;
+  Fields names;
+  for (const Json& row : rows) {
+    Fields& line = lines.emplace_back();
+    add_fields(row, "", line);
+    for (const auto& field : line)
+      if (find(names, field.first) == names.end()) names.emplace_back(field.first, "");
+  }
+  for (const auto& column : provenance.columns())
+    if (find(names, column.first) == names.end()) names.push_back(column);
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? "," : "") + csv_field(names[i].first);
+  text += "\r\n";
+  for (const Fields& line : lines) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto field = find(line, names[i].first);
+      text += (i ? "," : "") + csv_field(field == line.end() ? names[i].second : field->second);
+    }
+    text += "\r\n";
+  }
+  return text;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,22 @@
+// What somebody who fits a controller must be warned of.
+#pragma once
+
+#include "learn/learner.hpp"
+
+namespace ferrule {
+
+// One line each:
+//   - a gain that answers a force, where the forces hardly explain the velocity: the share of the
+//     velocity's variance along its axis that is explained by force and depth together, over the
+//     rows that were fitted, is below a tenth. The hand's own motion then makes most of the force that
+//     is felt, and a regression of one on the other is biased, however tight its interval.
+//   - a controller that meets no force at all, and yet does not reach the success depth within the
+//     longest trial of a scene that it learned from.
+std::vector<std::string> fit_warnings(const DemonstrationSet& set,
+                                      const ControllerFile& controller);
+
+// Time in which a controller that feels nothing reaches the success depth of `scene` [s]; infinity
+// where it does not within the longest trial.
+double time_without_force(const MakeController& make, const Scene& scene);
+
+}  // namespace ferrule

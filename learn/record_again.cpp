@@ -1,0 +1,62 @@
+#include "learn/record_again.hpp"
+
+#include "insertion/loop.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
+
+namespace ferrule {
+namespace {
+
+Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std::uint64_t trial) {
+  constexpr int kMost = 10000;
+  std::shared_ptr<const Scene> drawn;
+  for (int i = 0; !(drawn = draw_scene(toleranced, seed, trial)); ++i) {
+    if (i == kMost) throw BadInput(toleranced.name + ": tolerance: hardly any pair fits");
+    trial += std::uint64_t{1} << 32;  // as ferrule record goes on
+  }
+  const Scene& scene = *drawn;
+  const State start = draw_start(scene, seed, trial);
+  Episode episode;
+  EpisodeInfo& info = episode.info;
+  info.scene = scene.document.dump();
+  info.operator_ = simulated_operator_name(skill);
+  info.seed = seed;
+  info.trial = trial;
+  const auto hand = simulated_operator(scene, start, skill, info.period, seed, trial);
+  std::vector<RowVector> rows;
+  info.outcome =
+      run_insertion(scene, start, *hand, ForceSensor(scene.sensor, seed, trial),
+                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
+                    [&](const Tick& tick) {
+                      rows.push_back(make_row(tick));
+                      return true;
+                    })
+          .outcome;
+  episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
+  for (std::size_t n = 0; n < rows.size(); ++n)
+    episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
+  return episode;
+}
+
+}  // namespace
+
+DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
+                              const std::function<void()>& go_on) {
+  if (set.undrawn_documents.size() != 1)
+    throw BadInput("the episodes are of several scenes: which to record in again is not clear");
+  const Scene scene = parse_scene(set.undrawn_documents.front(), "the scene of the episodes");
+  DemonstrationSet again;
+  std::uint64_t trial = 0;
+  for (const std::string& operator_name : set.operators) {
+    if (go_on) go_on();
+    const std::optional<double> skill = simulated_skill(operator_name);
+    if (!skill)
+      throw BadInput("\"" + operator_name + "\" is no simulated operator: nobody can record again");
+    ++trial;
+    again.add(recorded(scene, *skill, seed, trial),
+              "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
+  }
+  return again;
+}
+
+}  // namespace ferrule

@@ -1,0 +1,15 @@
+// The same demonstrations by chance anew: what another recording seed would have given.
+#pragma once
+
+#include "learn/demonstrations.hpp"
+
+namespace ferrule {
+
+// As many episodes as `set` was made of, by simulated operators of the same skills, in the same
+// scene with trials 1, 2, ... under `seed`, in memory. Throws BadInput where the operators were not
+// all simulated, or the episodes are of several scenes; and what `go_on` throws, called before each
+// episode.
+DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
+                              const std::function<void()>& go_on = {});
+
+}  // namespace ferrule

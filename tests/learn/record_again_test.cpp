@@ -1,0 +1,52 @@
+#include "learn/record_again.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/episodes.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+const std::vector<std::string> kQuick = {"start.distance_um=10", "success.depth_um=8",
+                                         "limits.speed_um_s=20"};
+
+// Under the seed that the episodes were recorded with, it gives them back.
+TEST(RecordAgain, IsTheRecordingOfThatSeed) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = load_scene("paper", kQuick);
+  for (const std::uint64_t trial : {1, 2, 3}) {
+    const std::string file = testing::record(scene, folder.path(), trial);
+    Episode episode = read_episode(file);
+    episode.info.operator_ = simulated_operator_name(0.8);
+    std::filesystem::remove(file);
+    write_episode(file, episode);
+  }
+  const DemonstrationSet set = load_demonstrations(folder.path());
+  const DemonstrationSet again = record_again(set, 1), other = record_again(set, 2);
+  ASSERT_EQ(again.demonstrations.size(), set.demonstrations.size());
+  for (std::size_t i = 0; i < set.demonstrations.size(); ++i)
+    EXPECT_EQ(again.demonstrations[i].velocity, set.demonstrations[i].velocity);
+  EXPECT_EQ(again.speed_scale, set.speed_scale);
+  EXPECT_EQ(again.documents, set.documents);
+  ASSERT_FALSE(other.demonstrations.empty());
+  EXPECT_NE(other.demonstrations[0].velocity, set.demonstrations[0].velocity);
+}
+
+TEST(RecordAgain, AsksNobodyButSimulatedOperators) {
+  const testing::TemporaryFolder folder;
+  testing::record(load_scene("paper", kQuick), folder.path(), 1);  // by "test"
+  EXPECT_THROW(record_again(load_demonstrations(folder.path()), 1), BadInput);
+}
+
+TEST(SimulatedOperator, HasANameThatTellsHisSkill) {
+  for (const double skill : {0.0, 0.05, 0.8, 1.0 / 3, 1.0})
+    EXPECT_EQ(simulated_skill(simulated_operator_name(skill)), skill);
+  for (const char* name :
+       {"", "pen 1234:5678", "simulated", "simulated, skill ", "simulated, skill 2",
+        "simulated, skill 0.5x", "controller simulated, skill 0.5"})
+    EXPECT_FALSE(simulated_skill(name).has_value()) << name;
+}
+
+}  // namespace
+}  // namespace ferrule
