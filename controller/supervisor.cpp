@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -175,7 +177,7 @@ void Supervisor::give_way(Intervention why, const Observation& observation) noex
       const double n = ++searches_;
       const Eigen::Vector2d there =
           limits_.offset * std::sqrt(n) *
-          Eigen::Vector2d(std::cos(n * kGoldenAngle), std::sin(n * kGoldenAngle));
+          Eigen::Vector2d(elementary::cos(n * kGoldenAngle), elementary::sin(n * kGoldenAngle));
       move = there - searched_;
       searched_ = there;
     }
