@@ -97,6 +97,15 @@ inline Power reduced_power(double x) noexcept {
   return {static_cast<std::int64_t>(k), r + r * r * sum_of_powers(kExp, r)};
 }
 
+// log(2^k (1 + f)), 1 + f between kLeastFraction and twice that.
+constexpr double kLeastFraction = 0.5 * std::numbers::sqrt2;
+inline double log_of(double k, double f) noexcept {
+  // log(1 + f) = f - (f^2/2 - s (f^2/2 + R(s^2))), s = f/(2 + f)
+  const double s = f / (2 + f), z = s * s, half = 0.5 * f * f;
+  const double R = z * sum_of_powers(kLog, z);
+  return k * kLog2 - ((half - (s * (half + R) + k * kLog2Rest)) - f);
+}
+
 // x = turns pi/2 + high + low, |high| <= pi/4.
 struct Angle {
   double high, low;
@@ -153,21 +162,15 @@ double log(double x) noexcept {
     x *= 0x1p54;
     k = -54;
   }
-  // x = 2^k (1 + f), 1 + f between 1/sqrt(2) and sqrt(2).
   const auto bits = std::bit_cast<std::int64_t>(x);
-  const std::int64_t exponent =
-      (bits - std::bit_cast<std::int64_t>(0.5 * std::numbers::sqrt2)) >> 52;
+  const std::int64_t exponent = (bits - std::bit_cast<std::int64_t>(kLeastFraction)) >> 52;
   k += static_cast<double>(exponent);
-  const double f = std::bit_cast<double>(bits - (exponent << 52)) - 1;
-  // log(1 + f) = f - (f^2/2 - s (f^2/2 + R(s^2))), s = f/(2 + f)
-  const double s = f / (2 + f), z = s * s, half = 0.5 * f * f;
-  const double R = z * sum_of_powers(kLog, z);
-  return k * kLog2 - ((half - (s * (half + R) + k * kLog2Rest)) - f);
+  return log_of(k, std::bit_cast<double>(bits - (exponent << 52)) - 1);
 }
 
 double log1p(double x) noexcept {
+  if (x > kLeastFraction - 1 && x < 2 * kLeastFraction - 1) return log_of(0, x);
   const double u = 1 + x;
-  if (u == 1) return x;
   if (!(u > 0) || u == kInfinite) return log(u);
   const double lost = x < 1 ? x - (u - 1) : 1 - (u - x);
   return log(u) + lost / u;

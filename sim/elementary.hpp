@@ -16,7 +16,7 @@ namespace ferrule::elementary {
 
 // e^x, 1 ulp: infinity from 709.79 on, 0 below -745.14; within 1 ulp of the least normal number
 // between -745.14 and -708.39, where the result is subnormal.
-double exp(double x) noexcept;
+[[gnu::const]] double exp(double x) noexcept;
 
 // The same of a dual number, with the value a and the derivatives v (ceres::Jet).
 template <class Dual>
@@ -31,25 +31,25 @@ Dual exp(const Dual& x) {
 }
 
 // e^x - 1, 2 ulp, also where x is small.
-double expm1(double x) noexcept;
+[[gnu::const]] double expm1(double x) noexcept;
 
 // Natural logarithm, 1 ulp. -infinity at 0, NaN below.
-double log(double x) noexcept;
+[[gnu::const]] double log(double x) noexcept;
 
 // log(1 + x), 2 ulp, also where x is small. -infinity at -1, NaN below.
-double log1p(double x) noexcept;
+[[gnu::const]] double log1p(double x) noexcept;
 
 // Real cube root, 1 ulp.
-double cbrt(double x) noexcept;
+[[gnu::const]] double cbrt(double x) noexcept;
 
 // Of x [rad], 1 ulp, tan 3 ulp; nearer than 1e-15 to a zero or a pole an absolute error of x of
 // 1e-28 instead. For |x| > 1e6 they are those of an x that differs by less than half an ulp.
 // NaN where x is infinite.
-double sin(double x) noexcept;
-double cos(double x) noexcept;
-double tan(double x) noexcept;
+[[gnu::const]] double sin(double x) noexcept;
+[[gnu::const]] double cos(double x) noexcept;
+[[gnu::const]] double tan(double x) noexcept;
 
 // [rad] in [-pi/2, pi/2], 1 ulp.
-double atan(double x) noexcept;
+[[gnu::const]] double atan(double x) noexcept;
 
 }  // namespace ferrule::elementary
