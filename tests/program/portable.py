@@ -3,9 +3,6 @@ import os
 import subprocess
 import sys
 
-import h5py
-import numpy
-
 from case import QUICK, Case, ferrule, main
 
 # The C library's functions as on an x86-64 processor of before 2013.
@@ -33,18 +30,6 @@ class Portable(Case):
         self.assertEqual(here, plain, arguments)
         return here
 
-    def assert_equal_files(self, one, other):
-        items = []
-        with h5py.File(one) as a, h5py.File(other) as b:
-            a.visititems(lambda name, item: items.append(name))
-            for name in items + ["/"]:
-                self.assertEqual(set(a[name].attrs), set(b[name].attrs))
-                for key in a[name].attrs:
-                    self.assertTrue(numpy.array_equal(a[name].attrs[key], b[name].attrs[key]), key)
-                if isinstance(a[name], h5py.Dataset):
-                    self.assertEqual(a[name][()].tobytes(), b[name][()].tobytes(), name)
-        self.assertGreater(len(items), 10)
-
     def test_forces_and_contact(self):
         for scene in SHIPPED:
             self.same("forces", "--scene", scene, "--gap-nm", "1:200:60:log", "--json")
@@ -58,7 +43,8 @@ class Portable(Case):
             self.done(*arguments, "--out", here)
             self.done(*arguments, "--out", plain, env=PLAIN)
             for file in sorted(os.listdir(here)):
-                self.assert_equal_files(f"{here}/{file}", f"{plain}/{file}")
+                with open(f"{here}/{file}", "rb") as a, open(f"{plain}/{file}", "rb") as b:
+                    self.assertTrue(a.read() == b.read(), file)
                 self.same("replay", f"{here}/{file}", "--verify", "--json")
 
     def test_laws(self):
