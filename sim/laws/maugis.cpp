@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/elementary.hpp"
 #include "sim/error.hpp"
 
 namespace ferrule {
@@ -20,7 +21,7 @@ constexpr double kSmallestS = 1e-9, kLargestS = 1e9;
 
 // s + (s^2 - 1) atan s. Its leading terms cancel for small s, where the series is used.
 double ring_bending(double s) noexcept {
-  if (s > 0.3) return s + (s * s - 1) * std::atan(s);
+  if (s > 0.3) return s + (s * s - 1) * elementary::atan(s);
   double sum = 0, power = s * s * s;
   for (int k = 0; k < 18; ++k, power *= -s * s)
     sum += power * (1.0 / (2 * k + 1) + 1.0 / (2 * k + 3));
@@ -29,7 +30,7 @@ double ring_bending(double s) noexcept {
 
 // s atan s - m + 1 with m - 1 = s^2/(1 + m).
 double ring_opening(double s, double m) noexcept {
-  return s * (std::atan(s) - s / (1 + m));
+  return s * (elementary::atan(s) - s / (1 + m));
 }
 
 double m_of(double s) noexcept {
@@ -91,21 +92,22 @@ MaugisPoint maugis_at_s(double lambda, double s) noexcept {
   const double a = 0.5 * lambda * ring_bending(s);
   const double b = 4.0 / 3 * lambda * lambda * ring_opening(s, m);
   const double A = 2 / (b + std::sqrt(b * b + 4 * a));
-  return {A, m, A * A * A - lambda * A * A * (s + m * m * std::atan(s)),
+  return {A, m, A * A * A - lambda * A * A * (s + m * m * elementary::atan(s)),
           A * A - 4.0 / 3 * lambda * A * s};
 }
 
 MaugisPoint maugis_at_radius(double lambda, double radius) noexcept {
   const auto closure = [&](double log_s) {
-    const double s = std::exp(log_s);
+    const double s = elementary::exp(log_s);
     return 0.5 * lambda * radius * radius * ring_bending(s) +
            4.0 / 3 * lambda * lambda * radius * ring_opening(s, m_of(s)) - 1;
   };
-  const double s = std::exp(root(closure, std::log(kSmallestS), std::log(kLargestS)));
+  const double s =
+      elementary::exp(root(closure, elementary::log(kSmallestS), elementary::log(kLargestS)));
   MaugisPoint p = maugis_at_s(lambda, s);
   // Of the given radius exactly; s is what the closure leaves to rounding.
   p.A = radius;
-  p.P = radius * radius * radius - lambda * radius * radius * (s + p.m * p.m * std::atan(s));
+  p.P = radius * radius * radius - lambda * radius * radius * (s + p.m * p.m * elementary::atan(s));
   p.D = radius * radius - 4.0 / 3 * lambda * radius * s;
   return p;
 }
@@ -121,7 +123,7 @@ double maugis_touching_disc(double lambda) noexcept {
 }
 
 double MaugisCurve::D_at(bool touching, double parameter) const noexcept {
-  return touching ? maugis_at_s(lambda_, std::exp(parameter)).D
+  return touching ? maugis_at_s(lambda_, elementary::exp(parameter)).D
                   : maugis_apart(lambda_, parameter).D;
 }
 
@@ -139,9 +141,10 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   Eigen::Matrix<double, kDegree + 1, kDegree + 1> powers;
   std::array<double, kDegree + 1> nodes;
   for (int i = 0; i <= kDegree; ++i) {
-    nodes[static_cast<std::size_t>(i)] = 0.5 * (1 - std::cos(pi * i / kDegree));
-    for (int k = 0; k <= kDegree; ++k)
-      powers(i, k) = std::pow(nodes[static_cast<std::size_t>(i)], k);
+    nodes[static_cast<std::size_t>(i)] = 0.5 * (1 - elementary::cos(pi * i / kDegree));
+    powers(i, 0) = 1;
+    for (int k = 0; k < kDegree; ++k)
+      powers(i, k + 1) = powers(i, k) * nodes[static_cast<std::size_t>(i)];
   }
   const auto solver = powers.fullPivLu();
   for (std::size_t cell = 0; cell < kCells; ++cell) {
@@ -151,8 +154,8 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
       const double D = begin + y * y * y * y;
       double parameter = from;
       if (y > 0) parameter = root([&](double p) { return D_at(touching, p) - D; }, from, to);
-      const MaugisPoint p =
-          touching ? maugis_at_s(lambda_, std::exp(parameter)) : maugis_apart(lambda_, parameter);
+      const MaugisPoint p = touching ? maugis_at_s(lambda_, elementary::exp(parameter))
+                                     : maugis_apart(lambda_, parameter);
       force[i] = p.P;
       radius[i] = p.A;
     }
@@ -172,7 +175,8 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
 // Beyond the table the equations are solved: nearly Hertz, s is small.
 MaugisCurve::Value MaugisCurve::beyond(const Piece& table, double D) const noexcept {
   const auto s_at = [&](double d) {
-    return std::exp(root([&](double p) { return D_at(true, p) - d; }, std::log(1e-14), 7.0));
+    return elementary::exp(
+        root([&](double p) { return D_at(true, p) - d; }, elementary::log(1e-14), 7.0));
   };
   const auto P_at = [&](double d) { return maugis_at_s(lambda_, s_at(d)).P; };
   const MaugisPoint p = maugis_at_s(lambda_, s_at(D));
@@ -227,12 +231,12 @@ MaugisCurve::MaugisCurve(double lambda) : lambda_(lambda) {
   attaches_ = -2 / (pi * lambda);
 
   // In contact: the smallest D, over log s. Where it is at the largest s, D grows from touch on.
-  const double touch_s = std::log(kLargestS);
+  const double touch_s = elementary::log(kLargestS);
   const auto depth = [&](double log_s) { return D_at(true, log_s); };
   double lowest = touch_s;
-  for (double log_s = std::log(1e4); log_s > std::log(1e-3); log_s -= 0.02)
+  for (double log_s = elementary::log(1e4); log_s > elementary::log(1e-3); log_s -= 0.02)
     if (depth(log_s) < depth(lowest)) lowest = log_s;
-  const bool folds = lowest < std::log(9e3);
+  const bool folds = lowest < elementary::log(9e3);
   if (folds)
     lowest = boost::math::tools::brent_find_minima(depth, lowest - 0.03, lowest + 0.03, 52).first;
   else
@@ -318,14 +322,15 @@ std::vector<MaugisPoint> MaugisCurve::points(std::size_t count) const {
   for (std::size_t i = 0; i < apart; ++i)
     all.push_back(
         maugis_apart(lambda_, touch * static_cast<double>(i) / static_cast<double>(apart)));
-  const double first = std::log(1e4);
+  const double first = elementary::log(1e4);
   double last = 0;
   while (D_at(true, last) < 6) last -= 0.1;
   while (D_at(true, last) > 6) last += 0.02;
   const std::size_t rest = count - all.size();
   for (std::size_t i = 0; i < rest; ++i)
-    all.push_back(maugis_at_s(lambda_, std::exp(first + (last - first) * static_cast<double>(i) /
-                                                            static_cast<double>(rest - 1))));
+    all.push_back(
+        maugis_at_s(lambda_, elementary::exp(first + (last - first) * static_cast<double>(i) /
+                                                         static_cast<double>(rest - 1))));
   return all;
 }
 
