@@ -10,9 +10,9 @@
 namespace ferrule {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr double kWhole =
-    0.05;                       // share of the numbers that are drawn over the schema's whole range
+constexpr double kTurn = 2 * std::numbers::pi;  // [rad]
+// Share of the numbers that are drawn over the schema's whole range.
+constexpr double kWhole = 0.05;
 constexpr double kJump = 1e-3;  // time in which a jump is made where periods are finer [s]
 
 class Chance {
@@ -142,7 +142,7 @@ class Wandering {
     for (double& a : aside_) a = chance.around(aside);
     const double lean = std::min({2 * c / depth_, 3 * scene.start.tilt_sd + 1e-6, 0.02});
     for (double& t : tilt_) t = chance.around(lean);
-    for (double& p : phase_) p = chance.between(0, 2 * pi);
+    for (double& p : phase_) p = chance.between(0, kTurn);
     duration_ =
         1e-3 * std::ceil(1e3 * std::min(longest, 2 * 1.5 * way_ / (0.7 * scene.limits.speed)));
   }
@@ -153,8 +153,8 @@ class Wandering {
     Pose tip = (1 - there) * tip_;
     tip[0] = tip_[0] - way_ * in;
     for (int i = 0; i < 2; ++i) {
-      const double wave = std::sin(2 * pi * (5 + i) * 0.37 * p + phase_[i]);
-      const double swing = std::sin(2 * pi * (3 + i) * 0.41 * p + phase_[2 + i]);
+      const double wave = std::sin(kTurn * (5 + i) * 0.37 * p + phase_[i]);
+      const double swing = std::sin(kTurn * (3 + i) * 0.41 * p + phase_[2 + i]);
       tip[1 + i] += there * aside_[i] * wave;
       tip[3 + i] += there * tilt_[i] * swing;
     }

@@ -23,28 +23,32 @@ struct Sample {
   std::vector<int> evaluations;
 };
 
-double microseconds(const World& world, const State& state, const Pose& hand, double dt,
-                    StepResult& result) {
+StepResult timed_step(const World& world, const State& state, const Pose& hand, double dt,
+                      double& us) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  result = step(world, state, hand, dt);
-  return std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+  const StepResult result = step(world, state, hand, dt);
+  us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+  return result;
 }
 
 void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand, double dt,
            Sample& sample) {
   const World& world = scene.world;
   State state = start;
-  StepResult result;
   double work = 0, turned = 0;
   for (const Pose& to : hand) {
     const Pose stretch = state.tip - 0.5 * (state.command + to);
     const double more = -(world.holder.stiffness * stretch).dot(to - state.command);
     work += more;
     turned += std::abs(more);
-    double us = microseconds(world, state, to, dt, result);
-    for (int n = 0; n < kAgain && us > kLongUs; ++n)
-      us = std::min(us, microseconds(world, state, to, dt, result));
+    double us = 0;
+    const StepResult result = timed_step(world, state, to, dt, us);
+    for (int n = 0; n < kAgain && us > kLongUs; ++n) {
+      double again = 0;
+      timed_step(world, state, to, dt, again);
+      us = std::min(us, again);
+    }
     state = result.state;
     ++sample.row.steps;
     sample.row.not_converged += result.status == StepStatus::not_converged;

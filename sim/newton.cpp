@@ -17,7 +17,7 @@ struct Magnitude {
 
   Magnitude(const Matrix2d& m, double least) noexcept {
     const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1));
-    const double spread = std::hypot(half, m(1, 0));
+    const double spread = std::sqrt(half * half + m(1, 0) * m(1, 0));
     const auto over = [&](double value) {
       return 1 / std::copysign(std::max(std::abs(value), least), value);
     };
