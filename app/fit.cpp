@@ -106,7 +106,8 @@ struct OverSeeds {
   std::vector<double> values;
 };
 
-// What each seed of --seeds makes of the same demonstrations: held-out residual, and gains of a law.
+// What each seed of --seeds makes of the same demonstrations: held-out residual, and gains of a
+// law.
 std::vector<OverSeeds> over_seeds(const Learner& learner, const DemonstrationSet& set,
                                   const FitArguments& a) {
   std::vector<OverSeeds> all;

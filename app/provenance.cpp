@@ -105,7 +105,8 @@ Provenance& Provenance::in(const ChosenScene& chosen) {
             {"changes", changes},
             {"other_than_brought", chosen.other}};
   if (!chosen.relation.empty()) scene_["relation"] = chosen.relation.substr(2);
-  if (std::filesystem::is_regular_file(chosen.file)) read(chosen.file);
+  std::error_code error;
+  if (std::filesystem::is_regular_file(chosen.file, error)) read(chosen.file);
   const double bound = document.value("planned_error_bound", 0.0),
                accuracy = document.value("planned_accuracy", 0.0);
   if (bound > accuracy) {

@@ -1,5 +1,5 @@
-// Where a result comes from: the scene and what was changed of it, seeds, what was read, version and
-// command. Every verb that computes something states it, as text around its tables and as
+// Where a result comes from: the scene and what was changed of it, seeds, what was read, version
+// and command. Every verb that computes something states it, as text around its tables and as
 // "provenance" in its JSON.
 #pragma once
 

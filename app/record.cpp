@@ -184,8 +184,9 @@ void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   std::fflush(stdout);
 }
 
+// `head` is printed before the first episode, once there is a place for it and parts that fit.
 Recordings record_all(const RecordArguments& a, const Scene& toleranced, const Holding& holding,
-                      int first) {
+                      int first, const std::string& head) {
   Recordings all;
   std::optional<Keys> keys;
   if (holding.device) keys.emplace();
@@ -198,6 +199,10 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
+    if (all.list.empty()) {
+      fmt::print("{}", head);
+      std::fflush(stdout);
+    }
     std::optional<Recorded> r;
     try {
       r = record_episode(a, holding, drawn, std::move(claim), keys);
@@ -236,11 +241,10 @@ int record_verb(const RecordArguments& a) {
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
-  if (!a.json) fmt::print("{}{}", provenance.head(), note);
   if (a.json) fmt::print(stderr, "{}", note);
-  std::fflush(stdout);
   watch_for_interrupt();
-  const Recordings all = record_all(a, toleranced, who, first);
+  const Recordings all =
+      record_all(a, toleranced, who, first, a.json ? "" : provenance.head() + note);
   if (interrupted())
     provenance.partial(fmt::format("{} of {} episodes", all.list.size(), a.episodes));
   if (a.json)

@@ -223,7 +223,8 @@ int replay_file(const ReplayArguments& a) {
 }
 
 int replay_verb(const ReplayArguments& a) {
-  return std::filesystem::is_directory(a.path) ? replay_folder(a) : replay_file(a);
+  std::error_code error;
+  return std::filesystem::is_directory(a.path, error) ? replay_folder(a) : replay_file(a);
 }
 
 }  // namespace

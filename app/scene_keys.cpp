@@ -85,7 +85,8 @@ std::vector<SceneKey> scene_keys() {
   if (shipped.empty()) return {};
   const auto file =
       std::filesystem::path(scene_file(shipped.front())).parent_path() / "scene.schema.json";
-  if (!std::filesystem::is_regular_file(file)) return {};
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(file, error)) return {};
   const Json schema = parse_json(read_text(file.string()), file.string());
   std::vector<SceneKey> keys;
   add_keys(schema, schema, "", "", keys);

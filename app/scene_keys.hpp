@@ -17,8 +17,8 @@ struct SceneKey {
 // In the order of the schema. Empty where no schema is installed.
 std::vector<SceneKey> scene_keys();
 
-// Throws BadInput where the key of a --set KEY=VALUE is none of a scene, and says which one may have
-// been meant.
+// Throws BadInput where the key of a --set KEY=VALUE is none of a scene, and says which one may
+// have been meant.
 void refuse_unknown_key(const std::string& setting);
 
 // "126+-0.3" of a diameter, in um, is a tolerance: what --set makes of it, and of any other setting

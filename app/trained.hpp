@@ -26,8 +26,8 @@ class Loading {
 
 // --other-scaling
 void add_other_scaling(CLI::App& verb, bool& allowed);
-// Throws BadInput where `scene` scales the hand otherwise than `scaling` of what `who` learned from,
-// unless that is `allowed`. An empty scaling is not known: nothing is refused.
+// Throws BadInput where `scene` scales the hand otherwise than `scaling` of what `who` learned
+// from, unless that is `allowed`. An empty scaling is not known: nothing is refused.
 void refuse_other_scaling(const std::optional<Scaling>& scaling, const std::string& who,
                           const Scene& scene, bool allowed);
 

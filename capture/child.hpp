@@ -1,9 +1,9 @@
-// Work on a file of strangers, in a child process: where it crashes, hangs or takes too much memory,
-// that is a FileTrouble of one line here, and nothing else happens.
+// Work on a file of strangers, in a child process: where it crashes, hangs or takes too much
+// memory, that is a FileTrouble of one line here, and nothing else happens.
 //
 // A library that was not written for hostile files (HDF5) can be brought to any of the three by
-// some changed bytes. The child is forked without exec: it only computes, and ends by _exit. It ends
-// with the thread that made it.
+// some changed bytes. The child is forked without exec: it only computes, and ends by _exit. It
+// ends with the thread that made it.
 #pragma once
 
 #include <sys/types.h>

@@ -93,9 +93,9 @@ Episode read_episode(const std::string& file);
 // The scene that the episode in `file` was recorded in. Throws BadInput.
 Scene recorded_scene(const Episode& episode, const std::string& file);
 
-// Compares every object and attribute of `file` with what an episode of these rows and this info has,
-// and nothing else: data sets that follow from the rows, units, columns, types, and the hash of what
-// does not follow from anything (`inputs_sha1`).
+// Compares every object and attribute of `file` with what an episode of these rows and this info
+// has, and nothing else: data sets that follow from the rows, units, columns, types, and the hash
+// of what does not follow from anything (`inputs_sha1`).
 void compare_file(const std::string& file, const Episode& episode, Verification& comparison);
 // The first difference.
 std::optional<Difference> file_difference(const std::string& file, const Episode& episode);

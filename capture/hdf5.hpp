@@ -55,9 +55,9 @@ struct Content {
 // messages. Throws FileTrouble.
 std::string image(const std::string& name, const Content& content);
 
-// A file on disk that anybody may have written: everything is checked before it is read, and no size
-// is believed that the file cannot hold. HDF5 itself may still fail on what is damaged: to be used
-// in a Child (capture/child.hpp). Throws FileTrouble, naming what is damaged.
+// A file on disk that anybody may have written: everything is checked before it is read, and no
+// size is believed that the file cannot hold. HDF5 itself may still fail on what is damaged: to be
+// used in a Child (capture/child.hpp). Throws FileTrouble, naming what is damaged.
 class Reader {
  public:
   // `what` the file should be: "an episode".

@@ -59,8 +59,8 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   return info;
 }
 
-// Opens and locks a journal; -1 with errno, EWOULDBLOCK where somebody has it. Whoever had it before
-// may have removed the file that was opened: that is nobody's.
+// Opens and locks a journal; -1 with errno, EWOULDBLOCK where somebody has it. Whoever had it
+// before may have removed the file that was opened: that is nobody's.
 int lock_journal(const std::string& journal, int flags) {
   const int fd = ::open(journal.c_str(), flags | O_CLOEXEC, 0644);
   if (fd < 0) return -1;

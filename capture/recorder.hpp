@@ -104,9 +104,9 @@ struct Recovered {
 
 // Turns every journal in `folder` that nobody is writing to into an episode with outcome
 // `interrupted`, of the rows before the first that is damaged; such a journal is kept as
-// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if header
-// and rows agree with it, and else becomes an episode of the next number. Also removes half-written
-// files of recordings that were killed. Throws FileTrouble.
+// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if
+// header and rows agree with it, and else becomes an episode of the next number. Also removes
+// half-written files of recordings that were killed. Throws FileTrouble.
 std::vector<Recovered> recover(const std::string& folder);
 
 }  // namespace ferrule

@@ -9,8 +9,9 @@
 namespace ferrule {
 
 // Drives the simulator through the recorded hand poses and compares every number of every row, then
-// the outcome; with a tolerance, against the largest number of its unit in its block. The command of
-// the last row is the hand's: nothing follows from it here. Throws BadInput if the scene is not valid.
+// the outcome; with a tolerance, against the largest number of its unit in its block. The command
+// of the last row is the hand's: nothing follows from it here. Throws BadInput if the scene is not
+// valid.
 void verify(const Episode& episode, Verification& comparison);
 // The first difference, of every bit.
 std::optional<Difference> verify(const Episode& episode);

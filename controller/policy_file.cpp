@@ -260,8 +260,8 @@ void write_controller(const std::string& file, const PolicyFile& p) {
         {"residual_m_s", p.residual},
         {"held_out_residual_m_s", p.held_out_residual},
         {"dagger", rounds}}}};
-  // The weights first, under a name of their own: until the rename of `file` the controller of before
-  // is whole, and from then on this one.
+  // The weights first, under a name of their own: until the rename of `file` the controller of
+  // before is whole, and from then on this one.
   WrittenFile written_weights(weights.string(), bytes);
   WrittenFile written(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
   written_weights.commit();

@@ -10,7 +10,8 @@
 //                 k the largest stiffness in the hand's world: a hand that brakes with the
 //                 acceleration stops before F_b if the force rises by no more than k per metre.
 //                 The part of v along the observed force f relieves it, and is not braked.
-//                 F is what the force may be by now: |f| + k l, l the way of which a sensor of first
+//                 F is what the force may be by now: |f| + k l, l the way of which a sensor of
+// first
 //                 order has not shown the force yet, l_n = (1 - follows) (l_n-1 + |u_n| T).
 // Force wins over acceleration: where F + misread + k s T > force, the next period could exceed the
 // limit itself; all but the relieving part is then stopped at once, however fast it was. A jerk can
@@ -20,9 +21,9 @@
 // Within contact laws that only resist (convex potentials) the force rises by at most k s T in a
 // period, and the sensor has shown all of it but k l, so the true force exceeds no limit while the
 // sensor errs by no more than `misread` beside its lag. A surface that snaps the fibre in can raise
-// it without any motion of the hand; nobody can brake for that. A sensor whose `misread` leaves less
-// than a quarter of the force to brake for is taken to err by less: the limit does not hold then,
-// and cannot_hold() says so.
+// it without any motion of the hand; nobody can brake for that. A sensor whose `misread` leaves
+// less than a quarter of the force to brake for is taken to err by less: the limit does not hold
+// then, and cannot_hold() says so.
 //
 // What leads nowhere:
 //   held          the force held it below a tenth of the speed for `patience`
@@ -68,10 +69,10 @@ struct SupervisorLimits {
 };
 
 // Of a scene: its speed and force limits and its holder's stiffness; what its sensor's bandwidth
-// lets through in a period, and four standard deviations of its noise and bias with its resolution as
-// misread; acceleration to full speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any
-// stage); a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the tip a
-// retreat of 20 um and offsets of 10 um.
+// lets through in a period, and four standard deviations of its noise and bias with its resolution
+// as misread; acceleration to full speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for
+// any stage); a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the
+// tip a retreat of 20 um and offsets of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling);
 
 // Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.

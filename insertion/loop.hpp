@@ -61,8 +61,8 @@ using OnTick = std::function<bool(const Tick&)>;
 
 // Runs one insertion from `start` (which the hand must begin at) until it fails, succeeds (see
 // `past_success`) or the hand is finished, for the scene's longest trial at most, and shows every
-// tick to `on_tick`, if any; one at least. The outcome is the first that the watch sees, and where there
-// is none
+// tick to `on_tick`, if any; one at least. The outcome is the first that the watch sees, and where
+// there is none
 //   stopped_short    the hand finished before the success depth
 //   gave_up          the same, and says that this was giving up
 //   interrupted      `on_tick` ended it, the device was lost, or `feedback` did not trust it

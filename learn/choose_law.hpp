@@ -13,8 +13,8 @@
 namespace ferrule {
 
 // Errors of all laws, in the order of kLaws; a law without a solution in some fold has NaN. At
-// least two episodes; their order decides which fold they are in. Once `progress` is false, the laws
-// that are left have NaN.
+// least two episodes; their order decides which fold they are in. Once `progress` is false, the
+// laws that are left have NaN.
 std::vector<CrossValidated> cross_validate(const std::vector<Samples>& episodes,
                                            const LawScales& scales,
                                            const SolveProgress& progress = {});

@@ -37,8 +37,8 @@ struct Learned {
   std::vector<std::vector<Epoch>> curves{};  // the training of each network, if there are any
 };
 
-// `done` steps of `all`; `note`: how it goes. False ends the learning with the best so far, marked as
-// partial (TrainedOn).
+// `done` steps of `all`; `note`: how it goes. False ends the learning with the best so far, marked
+// as partial (TrainedOn).
 using LearnerProgress =
     std::function<bool(std::size_t done, std::size_t all, const std::string& note)>;
 

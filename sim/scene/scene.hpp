@@ -74,9 +74,9 @@ Scene parse_scene(const Json& document, const std::string& file);
 // FileTrouble.
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 
-// Refuses what a scene that is written must not be, though a recording of before may: a success depth
-// beyond the fibre that is free to go in, or a free length beyond the length that is handled. Throws
-// BadInput.
+// Refuses what a scene that is written must not be, though a recording of before may: a success
+// depth beyond the fibre that is free to go in, or a free length beyond the length that is handled.
+// Throws BadInput.
 void refuse_contradictions(const Scene& scene, const std::string& file);
 
 // The file of a scene, `name_or_file` as above. Throws FileTrouble.

@@ -16,8 +16,8 @@ class WrittenFile {
   // Removes what has not got its name.
   ~WrittenFile();
 
-  // Gives it its name; to a device or a pipe of that name it is written now. With `replace` false an
-  // existing file is left alone. Throws FileTrouble.
+  // Gives it its name; to a device or a pipe of that name it is written now. With `replace` false
+  // an existing file is left alone. Throws FileTrouble.
   void commit(bool replace = true);
 
  private:

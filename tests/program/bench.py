@@ -25,7 +25,8 @@ class Bench(Case):
     def test_a_plan_is_a_scene_and_accuracy_applies_it(self):
         plan = json.loads(self.done("plan", "--scene", "demo", "--tolerance", 0.02, "--json",
                                     "--out", self.path("planned.json")).stdout)
-        self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "error_bound"})
+        self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "error_bound",
+                                     "provenance"})
         self.assertEqual(plan["tolerance"], 0.02)
         self.assertLessEqual(plan["error_bound"], 0.02)
         for term in plan["terms"]:
