@@ -18,6 +18,7 @@ using std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTableEnds = 1e4;  // in D; beyond, the equations are solved at each call
 constexpr double kSmallestS = 1e-9, kLargestS = 1e9;
+constexpr int kMostNewton = 12;
 
 // s + (s^2 - 1) atan s. Its leading terms cancel for small s, where the series is used.
 double ring_bending(double s) noexcept {
@@ -122,6 +123,32 @@ double maugis_touching_disc(double lambda) noexcept {
   return 2 * c / (b + std::sqrt(b * b + 2 * c));
 }
 
+namespace {
+
+// A contact with its derivatives along the curve. The energy is that of the elastic bodies and the
+// stress, less the work of adhesion on the disc of radius m A: where closure holds its differential
+// is P dD.
+struct Contact {
+  MaugisPoint point;
+  double D_by_s, slope, energy;  // slope: dP/dD
+
+  Contact(double lambda, double s) noexcept : point(maugis_at_s(lambda, s)) {
+    const double A = point.A, m = point.m, m2 = m * m, angle = elementary::atan(s);
+    const double b = ring_bending(s), o = ring_opening(s, m), g = s + m2 * angle;
+    const double closure_A = lambda * (A * b + 4.0 / 3 * lambda * o);
+    const double closure_s =
+        lambda * A * (A * (s * angle + s * s / m2) + 4.0 / 3 * lambda * (angle + s / m2 - s / m));
+    const double A_by_s = -closure_s / closure_A;
+    D_by_s = (2 * A - 4.0 / 3 * lambda * s) * A_by_s - 4.0 / 3 * lambda * A;
+    slope = A * ((3 * A - 2 * lambda * g) * A_by_s - 2 * lambda * A * (1 + s * angle)) / D_by_s;
+    energy = A * A *
+             (A * A * (0.4 * A + lambda * (0.25 * m2 * b - 0.5 * g - s / 3)) +
+              4.0 / 9 * lambda * lambda * A * (g * s + 2 * m2 * o) - m2);
+  }
+};
+
+}  // namespace
+
 double MaugisCurve::D_at(bool touching, double parameter) const noexcept {
   return touching ? maugis_at_s(lambda_, elementary::exp(parameter)).D
                   : maugis_apart(lambda_, parameter).D;
@@ -134,6 +161,7 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   piece.begin = begin;
   const double end = D_at(touching, to);
   piece.end = end;
+  if (touching) piece.energy_there = Contact(lambda_, elementary::exp(to)).energy;
   const double width = std::sqrt(std::sqrt(end - begin)) / static_cast<double>(kCells);
   piece.cells_per_y = 1 / width;
 
@@ -172,28 +200,22 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   return piece;
 }
 
-// Beyond the table the equations are solved: nearly Hertz, s is small.
+// Beyond the table the equations are solved, by Newton's method in log D by log s.
 MaugisCurve::Value MaugisCurve::beyond(const Piece& table, double D) const noexcept {
-  const auto s_at = [&](double d) {
-    return elementary::exp(
-        root([&](double p) { return D_at(true, p) - d; }, elementary::log(1e-14), 7.0));
-  };
-  const auto P_at = [&](double d) { return maugis_at_s(lambda_, s_at(d)).P; };
-  const MaugisPoint p = maugis_at_s(lambda_, s_at(D));
-  const double step = 1e-4 * D;
-  Value value;
-  value.P = p.P;
-  value.A = p.A;
-  value.slope = (P_at(D + step) - P_at(D - step)) / (2 * step);
-  // Simpson's rule is exact to rounding on so smooth a curve when taken in D^(1/2).
-  const double x0 = std::sqrt(table.end), x1 = std::sqrt(D);
-  constexpr int n = 32;
-  double sum = 0;
-  for (int i = 0; i <= n; ++i) {
-    const double x = x0 + (x1 - x0) * i / n;
-    sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * P_at(x * x) * 2 * x;
+  double s = std::min(elementary::cbrt(1.5 / (lambda_ * D)),
+                      std::sqrt(1.5 / (lambda_ * lambda_ * std::sqrt(D))));
+  for (int n = 0; n < kMostNewton; ++n) {
+    const Contact there(lambda_, s);
+    const double step = -elementary::log(there.point.D / D) * there.point.D / (there.D_by_s * s);
+    s *= elementary::exp(std::clamp(step, -1.0, 1.0));
+    if (std::abs(step) < 1e-8) break;  // it converges quadratically
   }
-  value.energy = table.energy + sum * (x1 - x0) / (3 * n);
+  const Contact there(lambda_, s);
+  Value value;
+  value.P = there.point.P;
+  value.A = there.point.A;
+  value.slope = there.slope;
+  value.energy = table.energy + there.energy - table.energy_there;
   return value;
 }
 
