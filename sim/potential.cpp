@@ -186,6 +186,14 @@ void freeze_inertia(const World& world, const State& state, double dt,
 
 }  // namespace
 
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction, double depth,
+                             int branch) noexcept {
+  const double a = friction_radius(world, depth, branch);
+  if (!(a > 0)) return {};
+  const Friction& law = *friction_law(world.laws);
+  return {friction.share * ferrule::friction(law, a), friction.patch * stuck_stiffness(law, a)};
+}
+
 FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
                           double dt) noexcept {
   FrozenCoefficients frozen;
@@ -206,50 +214,27 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
   const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
   if (both && std::holds_alternative<printed::Adhesion>(world.laws.adhesion))
     frozen.adhesion_share = 0.5;
-  const Friction* law = friction_law(world.laws);
-  if (!law || (!state.contact[kEnd].closed && !state.contact[kSide].closed)) return frozen;
+  if (!friction_law(world.laws) || (!state.contact[kEnd].closed && !state.contact[kSide].closed)) return frozen;
 
   const bool shared = both && std::holds_alternative<printed::Friction>(world.laws.friction);
   const auto depths = contact_depths(world, frozen.contact, state.tip);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const ContactState& contact = state.contact[place];
     if (!contact.closed || depths[place].value == -INFINITY) continue;
-    const double a = friction_radius(world, depths[place].value, contact.branch);
-    if (!(a > 0)) continue;
     FrozenFriction& friction = frozen.friction[place];
     const Vector3d n = depths[place].normal(state.tip.tail<2>()).normalized();
-    friction.acts = true;
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
     const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
-    const double patch = place == kSide ? PatchShare(past).value : 1.0;
-    friction.patch = patch;
-    friction.limit = patch * (shared ? 0.5 : 1.0) * ferrule::friction(*law, a);
-    friction.stiffness = patch * stuck_stiffness(*law, a);
+    friction.patch = place == kSide ? PatchShare(past).value : 1.0;
+    friction.share = friction.patch * (shared ? 0.5 : 1.0);
+    const FrictionLimit is = friction_limit(world, friction, depths[place].value, contact.branch);
+    friction.limit = is.limit;
+    friction.stiffness = is.stiffness;
+    friction.acts = is.limit > 0;
   }
   return frozen;
-}
-
-double refresh_friction(const World& world, const State& state, const Potential& there,
-                        FrozenCoefficients& frozen) noexcept {
-  const Friction* law = friction_law(world.laws);
-  const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
-  const bool shared = both && std::holds_alternative<printed::Friction>(world.laws.friction);
-  double change = 0;
-  for (std::size_t place = 0; place < kContactPlaces; ++place) {
-    FrozenFriction& friction = frozen.friction[place];
-    const double depth = there.depth[place].value;
-    if (!friction.acts || depth == -INFINITY) continue;
-    const double a = friction_radius(world, depth, frozen.branch[place]);
-    if (!(a > 0)) continue;
-    const double patch = friction.patch;
-    const double limit = patch * (shared ? 0.5 : 1.0) * ferrule::friction(*law, a);
-    change = std::max(change, std::abs(limit - friction.limit));
-    friction.limit = limit;
-    friction.stiffness = patch * stuck_stiffness(*law, a);
-  }
-  return change;
 }
 
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
@@ -320,6 +305,15 @@ Vector3d stretch(const World& world, const FrozenCoefficients& frozen, int place
   const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
   return friction.tangential *
          (material_point(tip, friction.arm, lean(world, frozen, place)) - friction.stuck);
+}
+
+PoseVector pull_of_friction(const World& world, const FrozenCoefficients& frozen, int place,
+                            const Vector3d& stretched) noexcept {
+  const Vector3d direction = stretched.normalized();
+  const Vector2d across = direction.tail<2>();
+  return {direction.x(), across,
+          direction.x() * lean(world, frozen, place) +
+              frozen.friction[static_cast<std::size_t>(place)].arm * across};
 }
 
 void add_friction_about(Energy& total, const World& world, const FrozenCoefficients& frozen,

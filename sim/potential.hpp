@@ -32,7 +32,8 @@ struct FrozenFriction {
   Vector3d stuck;       // [m]
   Matrix3d tangential;  // projector onto the contact plane
   double arm;           // s of the material point [m]
-  double patch;         // share of the contact's patch
+  double patch;         // share of the contact's patch that is there
+  double share;         // of the law's limit
   double limit;         // largest force [N]
   double stiffness;     // k_t [N/m]
 
@@ -93,10 +94,14 @@ struct Potential : Energy {
   double push_out = 0, pull_out = 0;
 };
 
-// The friction that the contacts have at `there`, with the directions of before: its largest change
-// of a limit [N].
-double refresh_friction(const World& world, const State& state, const Potential& there,
-                        FrozenCoefficients& frozen) noexcept;
+// What a contact's friction has at a depth, with the patch and share of `friction`; nothing where it
+// does not touch.
+struct FrictionLimit {
+  double limit = 0;      // [N]
+  double stiffness = 0;  // [N/m]
+};
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction, double depth,
+                             int branch) noexcept;
 
 // Gradient and Hessian of all but friction at `tip`, from those of the bore's part there.
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
@@ -126,6 +131,10 @@ Vector3d stretch(const World& world, const FrozenCoefficients& frozen, int place
                  const PoseVector& tip) noexcept;
 Vector3d stretch_by(const World& world, const FrozenCoefficients& frozen, int place,
                     const PoseVector& move) noexcept;
+
+// Gradient of the friction of a place that slips, stretched so, for a limit of 1 N.
+PoseVector pull_of_friction(const World& world, const FrozenCoefficients& frozen, int place,
+                            const Vector3d& stretched) noexcept;
 
 // Adds gradient and Hessian of the friction of a place at `tip`, as its potential is to second
 // order where the spring is stretched by `about`.

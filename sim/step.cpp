@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/friction_limits.hpp"
 #include "sim/minimum.hpp"
 
 namespace ferrule {
@@ -14,10 +15,12 @@ constexpr int kFewEvaluations = 4;   // of a sub-step that may still be shortene
 constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
+constexpr double kPredictedLimit = 0.03;  // of a friction limit: how far a prediction changes it
+constexpr double kMostOfLimit = 0.5;      // a minimum
+constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
 constexpr double kShortMove = 0.1;   // of the clearance: as far as a prediction reaches
 constexpr double kLargestMiss = 0.3;  // of the gradient, that a prediction may leave there
 constexpr double kTurnedBy = 0.02;      // squared sine of the angle that a contact may turn by
-constexpr double kSameForce = 1e-3;   // of the sum of all forces: a friction limit that changed
 constexpr double kSnap = 10;          // a snap moves the end by so many times the command's way
 
 // Where the linearization of the last step says that this one ends: a Newton step from there,
@@ -30,8 +33,7 @@ struct Prediction {
   double fall = 0;  // of the energy where the move begins, > 0 [J]
 };
 
-Prediction predict(const World& world, const FrozenCoefficients& frozen,
-                   const State& state) noexcept {
+Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
   Prediction end;
   end.tip = state.tip;
   if (!state.linearization || state.linearization->at != state.tip) return end;
@@ -47,6 +49,11 @@ Prediction predict(const World& world, const FrozenCoefficients& frozen,
   end.move = newton.move;
   end.fall = newton.fall;
   end.tip = moved_along(world, end.tip, end.move);
+  if (frozen.friction[kEnd].acts || frozen.friction[kSide].acts) {
+    const FrictionLimits limits(world, frozen, end.tip,
+                                contact_depths(world, frozen.contact, end.tip));
+    end.tip = moved_along(world, end.tip, limits.settle(end.hessian, kPredictedLimit, frozen));
+  }
   end.valid = true;
   return end;
 }
@@ -170,12 +177,13 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
 }
 
 // Finds the minimum of a sub-step: predictor, corrector, and Newton's method where they do not
-// suffice. Freezes the coefficients again where the end slides off an edge.
-Minimum solve(const World& world, const State& state, double dt, int most_evaluations,
+// suffice, at `few` evaluations at most to the first minimum. Freezes the coefficients again where
+// the end slides off an edge.
+Minimum solve(const World& world, const State& state, double dt, int few, int most_evaluations,
               FrozenCoefficients& frozen) noexcept {
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
   const Prediction end =
-      holds_still ? Prediction{false, state.tip, {}, {}, 0} : predict(world, frozen, state);
+      holds_still ? Prediction{false, state.tip, {}, {}, 0} : predict(world, state, frozen);
   Minimum found(world, frozen, end.tip);
   found.converged = holds_still;
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
@@ -183,29 +191,31 @@ Minimum solve(const World& world, const State& state, double dt, int most_evalua
     found.there = Potential(world, frozen, state.tip);
     ++found.evaluations;
   }
-  if (!found.converged) minimise(world, frozen, most_evaluations, false, found);
+  if (!found.converged) minimise(world, frozen, few, false, found);
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
-    if (found.evaluations >= most_evaluations) break;
+    if (found.evaluations >= few) break;
     const EdgeSide side = frozen.contact.side;
     frozen = freeze_again(world, state, frozen, found.tip.full());
     const int before = found.evaluations;
     found.there = Potential(world, frozen, found.tip);
     ++found.evaluations;
-    minimise(world, frozen, most_evaluations, side == frozen.contact.side, found);
+    minimise(world, frozen, few, side == frozen.contact.side, found);
     if (found.evaluations == before + 1) break;
   }
-  // Friction of the contacts as they are where the sub-step ends.
-  for (int round = 0; round < kMostTurns && found.converged; ++round) {
-    if (found.evaluations >= most_evaluations || !friction_law(world.laws)) break;
-    FrozenCoefficients now = frozen;
-    if (refresh_friction(world, state, found.there, now) <= kSameForce * found.there.force_scale)
-      break;
-    frozen = now;
+  const int most_for_limits = std::min(most_evaluations, found.evaluations + kLimitEvaluations);
+  while (found.converged && found.evaluations < most_for_limits) {
+    const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
+    if (!limits.miss()) break;
+    const Potential& here = found.there;
+    const NewtonStep newton(
+        world, frozen, without_friction(frozen, found.tip, here.bore.gradient, here.bore.hessian),
+        found.tip, 1);
+    found.tip = moved_along(world, found.tip, limits.settle(newton.hessian, kMostOfLimit, frozen));
     found.there = Potential(world, frozen, found.tip);
     ++found.evaluations;
     found.converged = false;
-    minimise(world, frozen, most_evaluations, true, found);
+    minimise(world, frozen, most_for_limits, true, found);
   }
   return found;
 }
@@ -234,8 +244,8 @@ bool advance(const World& world, const Pose& command, double dt, int most_evalua
              bool divisible, StepResult& result) noexcept {
   const State& state = result.state;
   FrozenCoefficients frozen = freeze(world, state, command, dt);
-  const int most = divisible ? std::min(kFewEvaluations, most_evaluations) : most_evaluations;
-  const Minimum found = solve(world, state, dt, most, frozen);
+  const int few = divisible ? std::min(kFewEvaluations, most_evaluations) : most_evaluations;
+  const Minimum found = solve(world, state, dt, few, most_evaluations, frozen);
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
   if (divisible && !found.converged) return false;
