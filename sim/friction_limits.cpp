@@ -6,8 +6,8 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSameLimit = 1e-3;   // of a limit: what it may miss
-constexpr double kNudge = 1e-12;      // of a depth, for its derivative [m]
+constexpr double kNudge = 1e-12;     // of a depth, for its derivative [m]
+constexpr double kMostChange = 0.5;  // of a limit, in one go
 constexpr double kSingular = 0.05;  // less of a determinant: limit and depth drive each other on
 
 }  // namespace
@@ -35,13 +35,14 @@ FrictionLimits::FrictionLimits(
   }
 }
 
-bool FrictionLimits::miss() const noexcept {
-  return std::any_of(place_.begin(), place_.end(), [](const Place& place) {
-    return place.slips && std::abs(place.miss) > kSameLimit * place.limit;
-  });
+double FrictionLimits::largest_miss() const noexcept {
+  double largest = 0;
+  for (const Place& place : place_)
+    if (place.slips) largest = std::max(largest, std::abs(place.miss) / place.limit);
+  return largest;
 }
 
-PoseVector FrictionLimits::settle(const Eliminated& hessian, double most,
+PoseVector FrictionLimits::settle(const Eliminated& hessian,
                                   FrozenCoefficients& frozen) const noexcept {
   // change = miss + d limit/d depth . depth by pose . move,   move = sum of answer_j change_j
   std::array<PoseVector, kContactPlaces> answer;
@@ -66,7 +67,7 @@ PoseVector FrictionLimits::settle(const Eliminated& hessian, double most,
     const Place& place = place_[j];
     if (!place.slips) continue;
     const double by =
-        std::clamp(change[j], -most * place.limit, most * place.limit);
+        std::clamp(change[j], -kMostChange * place.limit, kMostChange * place.limit);
     frozen.friction[j].limit += by;
     frozen.friction[j].stiffness = place.stiffness;
     move += by * answer[j];

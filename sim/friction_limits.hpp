@@ -15,13 +15,12 @@ class FrictionLimits {
   FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                  const std::array<ContactDepth, kContactPlaces>& depth) noexcept;
 
-  // By more than a small part of themselves?
-  bool miss() const noexcept;
+  // The largest miss, as a part of its limit.
+  double largest_miss() const noexcept;
 
-  // Moves the limits of `frozen`, each by at most the part `most` of it; the end moves along, as it
-  // does by `hessian`, of all energies at `tip`: that move.
-  PoseVector settle(const Eliminated& hessian, double most,
-                    FrozenCoefficients& frozen) const noexcept;
+  // Moves the limits of `frozen`; the end moves along, as it does by `hessian`, of all energies at
+  // `tip`: that move.
+  PoseVector settle(const Eliminated& hessian, FrozenCoefficients& frozen) const noexcept;
 
  private:
   struct Place {

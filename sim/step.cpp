@@ -11,12 +11,12 @@ namespace {
 
 constexpr int kMostParts = 8192;     // of the longest steps that the world allows
 constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
-constexpr int kFewEvaluations = 4;   // of a sub-step that may still be shortened
+constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
 constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
-constexpr double kPredictedLimit = 0.03;  // of a friction limit: how far a prediction changes it
-constexpr double kMostOfLimit = 0.5;      // a minimum
+constexpr double kSameLimit = 1e-3;       // of a friction limit: what it may miss
+constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
 constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
 constexpr double kShortMove = 0.1;   // of the clearance: as far as a prediction reaches
 constexpr double kLargestMiss = 0.3;  // of the gradient, that a prediction may leave there
@@ -52,7 +52,8 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   if (frozen.friction[kEnd].acts || frozen.friction[kSide].acts) {
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
-    end.tip = moved_along(world, end.tip, limits.settle(end.hessian, kPredictedLimit, frozen));
+    if (limits.largest_miss() <= kPredictedLimit)
+      end.tip = moved_along(world, end.tip, limits.settle(end.hessian, frozen));
   }
   end.valid = true;
   return end;
@@ -182,11 +183,13 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
 Minimum solve(const World& world, const State& state, double dt, int few, int most_evaluations,
               FrozenCoefficients& frozen) noexcept {
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
+  const FrozenCoefficients first = frozen;
   const Prediction end =
       holds_still ? Prediction{false, state.tip, {}, {}, 0} : predict(world, state, frozen);
   Minimum found(world, frozen, end.tip);
   found.converged = holds_still;
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
+    frozen = first;
     found.tip = state.tip;
     found.there = Potential(world, frozen, state.tip);
     ++found.evaluations;
@@ -206,12 +209,12 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   const int most_for_limits = std::min(most_evaluations, found.evaluations + kLimitEvaluations);
   while (found.converged && found.evaluations < most_for_limits) {
     const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
-    if (!limits.miss()) break;
+    if (limits.largest_miss() <= kSameLimit) break;
     const Potential& here = found.there;
     const NewtonStep newton(
         world, frozen, without_friction(frozen, found.tip, here.bore.gradient, here.bore.hessian),
         found.tip, 1);
-    found.tip = moved_along(world, found.tip, limits.settle(newton.hessian, kMostOfLimit, frozen));
+    found.tip = moved_along(world, found.tip, limits.settle(newton.hessian, frozen));
     found.there = Potential(world, frozen, found.tip);
     ++found.evaluations;
     found.converged = false;
