@@ -12,7 +12,8 @@ namespace {
 constexpr int kMostParts = 8192;     // of the longest steps that the world allows
 constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
 constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
-constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
+constexpr int kReserve = 16;         // evaluations that are kept for the way to the command
+constexpr double kEdgeStep = 1e-9;   // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-3;       // of a friction limit: what it may miss
@@ -161,6 +162,19 @@ double first_part(const World& world, const State& state, const Pose& command) n
   return std::max(0.5 * clearance / travel, 1.0 / kMostAtOnce);
 }
 
+// The part of a way along x to be taken at most where the end rubs near the edge between bore and
+// cone: up to the edge's rounding, and within it in short parts, as friction and adhesion turn there.
+double part_to_edge(const World& world, const State& state, double way) noexcept {
+  const double tangent = world.profile.lead_in_tangent;
+  if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0)) return INFINITY;
+  const PoseVector tip(state.tip);
+  const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t) / tip.e.norm() : 0.0;
+  const double reach = kEdgeRounding * std::sqrt(1 + 1 / (tangent * tangent)) + kEdgeStep;
+  const double rim = (way > 0 ? 1 : -1) * (tip.x - world.annulus.fibre_radius * out);
+  if (rim > reach) return INFINITY;
+  return std::max(kEdgeStep, -reach - rim) / std::abs(way);
+}
+
 // Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
 // far more than the command?
 bool is_event(const State& before, const FrozenCoefficients& frozen, const Minimum& found,
@@ -292,7 +306,8 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   double done = 0, beyond = INFINITY;  // something happens between these parts of the way
   while (done < 1) {
     const int left = end - result.evaluations;
-    double to = done + first;
+    double to =
+        done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
     bool divisible = (to - done) * travel > shortest;
     if (beyond <= 1) {
       divisible = (beyond - done) * travel > shortest;
