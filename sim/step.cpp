@@ -12,8 +12,8 @@ namespace {
 constexpr int kMostParts = 8192;     // of the longest steps that the world allows
 constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
 constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
-constexpr int kReserve = 16;         // evaluations that are kept for the way to the command
-constexpr double kEdgeStep = 1e-9;   // where the end slides over an edge [m]
+constexpr int kReserve = 10;         // evaluations that are kept for the way to the command
+constexpr double kEdgeStep = 1.5e-9;  // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-3;       // of a friction limit: what it may miss
@@ -308,12 +308,12 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     const int left = end - result.evaluations;
     double to =
         done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
-    bool divisible = (to - done) * travel > shortest;
+    bool divisible = (to - done) * travel > std::max(shortest, 1.01 * kEdgeStep);
     if (beyond <= 1) {
       divisible = (beyond - done) * travel > shortest;
       to = divisible ? 0.5 * (done + beyond) : beyond;
     }
-    const bool last = left <= kReserve || to > 1 - 1e-9;
+    const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
     if (last) to = 1;
     divisible = divisible && left > kReserve + kFewEvaluations;
     const Pose goal = last ? command : Pose(from + to * (command - from));
