@@ -42,16 +42,16 @@ double FrictionLimits::largest_miss() const noexcept {
   return largest;
 }
 
-PoseVector FrictionLimits::settle(const Eliminated& hessian,
+PoseVector FrictionLimits::settle(const Eliminated& hessian, const PoseVector& held,
                                   FrozenCoefficients& frozen) const noexcept {
-  // change = miss + d limit/d depth . depth by pose . move,   move = sum of answer_j change_j
+  // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j change_j
   std::array<PoseVector, kContactPlaces> answer;
   Matrix2d system = Matrix2d::Identity();
   Vector2d miss = Vector2d::Zero();
   for (int j = 0; j < kContactPlaces; ++j) {
     if (!place_[j].slips) continue;
     answer[j] = hessian.solve(place_[j].pull);
-    miss[j] = place_[j].miss;
+    miss[j] = place_[j].miss + place_[j].per_depth * place_[j].depth_slope.dot(held);
     for (int i = 0; i < kContactPlaces; ++i)
       if (place_[i].slips)
         system(i, j) -= place_[i].per_depth * place_[i].depth_slope.dot(answer[j]);
@@ -62,7 +62,7 @@ PoseVector FrictionLimits::settle(const Eliminated& hessian,
     change = Vector2d(system(1, 1) * miss[0] - system(0, 1) * miss[1],
                       system(0, 0) * miss[1] - system(1, 0) * miss[0]) /
              determinant;
-  PoseVector move;
+  PoseVector move = held;
   for (int j = 0; j < kContactPlaces; ++j) {
     const Place& place = place_[j];
     if (!place.slips) continue;

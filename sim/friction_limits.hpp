@@ -18,9 +18,10 @@ class FrictionLimits {
   // The largest miss, as a part of its limit.
   double largest_miss() const noexcept;
 
-  // Moves the limits of `frozen`; the end moves along, as it does by `hessian`, of all energies at
-  // `tip`: that move.
-  PoseVector settle(const Eliminated& hessian, FrozenCoefficients& frozen) const noexcept;
+  // Moves the limits of `frozen` to where they miss nothing after the whole move, `held` at limits
+  // that hold still and what changing them adds by `hessian`, of all energies at `tip`: that move.
+  PoseVector settle(const Eliminated& hessian, const PoseVector& held,
+                    FrozenCoefficients& frozen) const noexcept;
 
  private:
   struct Place {

@@ -18,6 +18,8 @@ constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that p
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-3;       // of a friction limit: what it may miss
 constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
+constexpr double kStaysNear = 5e-3;       // of the sum of all forces
+constexpr int kMostSettling = 12;
 constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
 constexpr double kShortMove = 0.1;   // of the clearance: as far as a prediction reaches
 constexpr double kLargestMiss = 0.3;  // of the gradient, that a prediction may leave there
@@ -54,7 +56,7 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
     if (limits.largest_miss() <= kPredictedLimit)
-      end.tip = moved_along(world, end.tip, limits.settle(end.hessian, frozen));
+      end.tip = moved_along(world, end.tip, limits.settle(end.hessian, {}, frozen));
   }
   end.valid = true;
   return end;
@@ -191,6 +193,33 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
+// Goes on from a minimum to where the friction limits are those of the contacts there. Contacts that
+// less friction lets go later are held by no minimum of given limits; they are followed by Newton's
+// method in both together, as long as that stays near.
+void settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
+                   Minimum& found) noexcept {
+  for (int round = 0; round < kMostSettling; ++round) {
+    const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
+    const bool settled = limits.largest_miss() <= kSameLimit;
+    if ((settled && found.converged) || found.evaluations >= most_evaluations) return;
+    const Energy& bore = found.there.bore;
+    const NewtonStep newton(
+        world, frozen, without_friction(frozen, found.tip, bore.gradient, bore.hessian), found.tip,
+        1);
+    if (settled && newton.convex && final_newton_step(world, frozen, newton.move, found)) return;
+    found.converged = false;
+    if (newton.convex) {
+      found.tip = moved_along(world, found.tip,
+                              limits.settle(newton.hessian, newton.move, frozen));
+      found.there = Potential(world, frozen, found.tip);
+      ++found.evaluations;
+      if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
+    }
+    minimise(world, frozen, most_evaluations, true, found);
+    if (!found.converged) return;
+  }
+}
+
 // Finds the minimum of a sub-step: predictor, corrector, and Newton's method where they do not
 // suffice, at `few` evaluations at most to the first minimum. Freezes the coefficients again where
 // the end slides off an edge.
@@ -220,20 +249,9 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     minimise(world, frozen, few, side == frozen.contact.side, found);
     if (found.evaluations == before + 1) break;
   }
-  const int most_for_limits = std::min(most_evaluations, found.evaluations + kLimitEvaluations);
-  while (found.converged && found.evaluations < most_for_limits) {
-    const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
-    if (limits.largest_miss() <= kSameLimit) break;
-    const Potential& here = found.there;
-    const NewtonStep newton(
-        world, frozen, without_friction(frozen, found.tip, here.bore.gradient, here.bore.hessian),
-        found.tip, 1);
-    found.tip = moved_along(world, found.tip, limits.settle(newton.hessian, frozen));
-    found.there = Potential(world, frozen, found.tip);
-    ++found.evaluations;
-    found.converged = false;
-    minimise(world, frozen, most_for_limits, true, found);
-  }
+  if (found.converged)
+    settle_limits(world, std::min(most_evaluations, found.evaluations + kLimitEvaluations), frozen,
+                  found);
   return found;
 }
 
