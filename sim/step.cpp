@@ -26,6 +26,10 @@ constexpr double kLargestMiss = 0.3;  // of the gradient, that a prediction may 
 constexpr double kTurnedBy = 0.02;      // squared sine of the angle that a contact may turn by
 constexpr double kSnap = 10;          // a snap moves the end by so many times the command's way
 
+bool rubs(const FrozenCoefficients& frozen) noexcept {
+  return frozen.friction[kEnd].acts || frozen.friction[kSide].acts;
+}
+
 // Where the linearization of the last step says that this one ends: a Newton step from there,
 // without an evaluation of the potential.
 struct Prediction {
@@ -52,7 +56,7 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   end.move = newton.move;
   end.fall = newton.fall;
   end.tip = moved_along(world, end.tip, end.move);
-  if (frozen.friction[kEnd].acts || frozen.friction[kSide].acts) {
+  if (rubs(frozen)) {
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
     if (limits.largest_miss() <= kPredictedLimit)
@@ -236,6 +240,9 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     found.tip = state.tip;
     found.there = Potential(world, frozen, state.tip);
     ++found.evaluations;
+  } else if (end.valid && rubs(frozen) &&
+             residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) {
+    settle_limits(world, few, frozen, found);
   }
   if (!found.converged) minimise(world, frozen, few, false, found);
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
