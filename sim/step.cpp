@@ -181,19 +181,27 @@ double part_to_edge(const World& world, const State& state, double way) noexcept
   return std::max(kEdgeStep, -reach - rim) / std::abs(way);
 }
 
+// Does a contact or the bridge begin or end?
+bool hits(const State& before, const Contacts& now) noexcept {
+  for (std::size_t place = 0; place < kContactPlaces; ++place)
+    if (before.contact[place].closed != now.contact[place].closed ||
+        before.contact[place].branch != now.contact[place].branch)
+      return true;
+  return before.bridge != now.bridge;
+}
+
 // Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
 // far more than the command?
 bool is_event(const State& before, const FrozenCoefficients& frozen, const Minimum& found,
               const Contacts& now, double travel) noexcept {
+  if (hits(before, now)) return true;
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
-    const ContactState &was = before.contact[place], &is = now.contact[place];
-    if (was.closed != is.closed || was.branch != is.branch) return true;
     const FrozenFriction& friction = frozen.friction[place];
-    if (!friction.acts || !is.closed) continue;
+    if (!friction.acts || !now.contact[place].closed) continue;
     const Vector3d normal = found.there.depth[place].normal(found.tip.t);
     if (normal.dot(friction.tangential * normal) > kTurnedBy * normal.squaredNorm()) return true;
   }
-  return before.bridge != now.bridge || before.side != frozen.contact.side ||
+  return before.side != frozen.contact.side ||
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
@@ -256,9 +264,19 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     minimise(world, frozen, few, side == frozen.contact.side, found);
     if (found.evaluations == before + 1) break;
   }
-  if (found.converged)
+  if (found.converged && rubs(frozen)) {
+    const FrozenCoefficients held = frozen;
+    const Minimum minimum = found;
     settle_limits(world, std::min(most_evaluations, found.evaluations + kLimitEvaluations), frozen,
                   found);
+    if (!found.converged) {  // limits that lag behind, then
+      const int iterations = found.iterations, evaluations = found.evaluations;
+      frozen = held;
+      found = minimum;
+      found.iterations = iterations;
+      found.evaluations = evaluations;
+    }
+  }
   return found;
 }
 
@@ -268,6 +286,8 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   State& state = result.state;
   const Pose tip = found.tip.full();
   update_velocity(frozen, tip, dt, state);
+  // A velocity that jumps is not extrapolated.
+  if (frozen.inertial && hits(state, now)) state.dt_before = 0;
   state.tip = tip;
   state.command = command;
   state.side = frozen.contact.side;
