@@ -8,13 +8,13 @@ namespace {
 
 constexpr double kNudge = 1e-12;     // of a depth, for its derivative [m]
 constexpr double kMostChange = 0.5;  // of a limit, in one go
-constexpr double kSingular = 0.05;  // less of a determinant: limit and depth drive each other on
+constexpr double kSingular = 0.05;   // less of a determinant: limit and depth drive each other on
 
 }  // namespace
 
-FrictionLimits::FrictionLimits(
-    const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
-    const std::array<ContactDepth, kContactPlaces>& depth) noexcept {
+FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
+                               const PoseVector& tip,
+                               const std::array<ContactDepth, kContactPlaces>& depth) noexcept {
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
     const FrozenFriction& friction = frozen.friction[at];
     const double d = depth[at].value;
@@ -22,8 +22,8 @@ FrictionLimits::FrictionLimits(
     const Vector3d stretched = stretch(world, frozen, static_cast<int>(at), tip);
     const FrictionLimit is = friction_limit(world, friction, d, frozen.branch[at]);
     Place& place = place_[at];
-    place.slips = is.limit > 0 &&
-                  (friction.slips(stretched) || is.stiffness * stretched.norm() > is.limit);
+    place.slips =
+        is.limit > 0 && (friction.slips(stretched) || is.stiffness * stretched.norm() > is.limit);
     if (!place.slips) continue;
     place.limit = friction.limit;
     place.stiffness = is.stiffness;
@@ -66,8 +66,7 @@ PoseVector FrictionLimits::settle(const Eliminated& hessian, const PoseVector& h
   for (int j = 0; j < kContactPlaces; ++j) {
     const Place& place = place_[j];
     if (!place.slips) continue;
-    const double by =
-        std::clamp(change[j], -kMostChange * place.limit, kMostChange * place.limit);
+    const double by = std::clamp(change[j], -kMostChange * place.limit, kMostChange * place.limit);
     frozen.friction[j].limit += by;
     frozen.friction[j].stiffness = place.stiffness;
     move += by * answer[j];

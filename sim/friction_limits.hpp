@@ -27,7 +27,7 @@ class FrictionLimits {
   struct Place {
     bool slips = false;  // the rest is only set where it does
     double limit, stiffness, miss;
-    double per_depth;  // d limit / d depth [N/m]
+    double per_depth;              // d limit / d depth [N/m]
     PoseVector depth_slope, pull;  // depth by the pose; gradient of the friction for a limit of 1 N
   };
   std::array<Place, kContactPlaces> place_;

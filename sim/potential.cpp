@@ -214,7 +214,8 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
   const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
   if (both && std::holds_alternative<printed::Adhesion>(world.laws.adhesion))
     frozen.adhesion_share = 0.5;
-  if (!friction_law(world.laws) || (!state.contact[kEnd].closed && !state.contact[kSide].closed)) return frozen;
+  if (!friction_law(world.laws) || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
+    return frozen;
 
   const bool shared = both && std::holds_alternative<printed::Friction>(world.laws.friction);
   const auto depths = contact_depths(world, frozen.contact, state.tip);

@@ -9,22 +9,22 @@
 namespace ferrule {
 namespace {
 
-constexpr int kMostParts = 8192;     // of the longest steps that the world allows
-constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
-constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
-constexpr int kReserve = 10;         // evaluations that are kept for the way to the command
-constexpr double kEdgeStep = 1.5e-9;  // where the end slides over an edge [m]
-constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
-constexpr int kMostTurns = 4;        // at edges, in one sub-step
+constexpr int kMostParts = 8192;    // of the longest steps that the world allows
+constexpr int kMostAtOnce = 12;     // sub-steps that a long way is divided into before it is tried
+constexpr int kFewEvaluations = 6;  // of a sub-step that may still be shortened
+constexpr int kReserve = 10;        // evaluations that are kept for the way to the command
+constexpr double kEdgeStep = 1.5e-9;      // where the end slides over an edge [m]
+constexpr double kMostDivided = 64;       // the shortest sub-step of a way is that part of it
+constexpr int kMostTurns = 4;             // at edges, in one sub-step
 constexpr double kSameLimit = 1e-3;       // of a friction limit: what it may miss
 constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
 constexpr double kStaysNear = 5e-3;       // of the sum of all forces
 constexpr int kMostSettling = 12;
 constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
-constexpr double kShortMove = 0.1;   // of the clearance: as far as a prediction reaches
-constexpr double kLargestMiss = 0.3;  // of the gradient, that a prediction may leave there
-constexpr double kTurnedBy = 0.02;      // squared sine of the angle that a contact may turn by
-constexpr double kSnap = 10;          // a snap moves the end by so many times the command's way
+constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
+constexpr double kLargestMiss = 0.3;   // of the gradient, that a prediction may leave there
+constexpr double kTurnedBy = 0.02;     // squared sine of the angle that a contact may turn by
+constexpr double kSnap = 10;           // a snap moves the end by so many times the command's way
 
 bool rubs(const FrozenCoefficients& frozen) noexcept {
   return frozen.friction[kEnd].acts || frozen.friction[kSide].acts;
@@ -172,7 +172,8 @@ double first_part(const World& world, const State& state, const Pose& command) n
 // cone: up to the edge's rounding, and within it in short parts, as friction and adhesion turn there.
 double part_to_edge(const World& world, const State& state, double way) noexcept {
   const double tangent = world.profile.lead_in_tangent;
-  if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0)) return INFINITY;
+  if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0))
+    return INFINITY;
   const PoseVector tip(state.tip);
   const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t) / tip.e.norm() : 0.0;
   const double reach = kEdgeRounding * std::sqrt(1 + 1 / (tangent * tangent)) + kEdgeStep;
@@ -215,14 +216,13 @@ void settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
     const bool settled = limits.largest_miss() <= kSameLimit;
     if ((settled && found.converged) || found.evaluations >= most_evaluations) return;
     const Energy& bore = found.there.bore;
-    const NewtonStep newton(
-        world, frozen, without_friction(frozen, found.tip, bore.gradient, bore.hessian), found.tip,
-        1);
+    const NewtonStep newton(world, frozen,
+                            without_friction(frozen, found.tip, bore.gradient, bore.hessian),
+                            found.tip, 1);
     if (settled && newton.convex && final_newton_step(world, frozen, newton.move, found)) return;
     found.converged = false;
     if (newton.convex) {
-      found.tip = moved_along(world, found.tip,
-                              limits.settle(newton.hessian, newton.move, frozen));
+      found.tip = moved_along(world, found.tip, limits.settle(newton.hessian, newton.move, frozen));
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
@@ -351,8 +351,7 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   double done = 0, beyond = INFINITY;  // something happens between these parts of the way
   while (done < 1) {
     const int left = end - result.evaluations;
-    double to =
-        done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
+    double to = done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
     bool divisible = (to - done) * travel > std::max(shortest, 1.01 * kEdgeStep);
     if (beyond <= 1) {
       divisible = (beyond - done) * travel > shortest;
