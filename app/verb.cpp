@@ -15,6 +15,7 @@
 #include "app/csv.hpp"
 #include "app/keys.hpp"
 #include "app/scene_keys.hpp"
+#include "sim/elementary.hpp"
 #include "sim/plan/plan.hpp"
 
 namespace ferrule {
@@ -346,7 +347,8 @@ std::vector<double> parse_range(const std::string& text, const std::string& opti
   std::vector<double> values(n, from);
   for (std::size_t i = 1; i < n; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(n - 1);
-    values[i] = logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
+    values[i] = logarithmic ? from * elementary::exp(part * elementary::log(to / from))
+                            : from + part * (to - from);
   }
   if (n > 1) values.back() = to;
   return values;

@@ -55,7 +55,7 @@ constexpr int force_column(Term term) noexcept {
   return kForces.begin + 3 * static_cast<int>(term);
 }
 inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
-                               "0 ok, 1 not converged, 2 bad command"};
+                               "0 ok, 1 not converged, 2 bad command, 3 capped"};
 inline constexpr Block kStates{
     "states", kStatus.begin + 1, kStateSize, "m, rad, s",
     "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "

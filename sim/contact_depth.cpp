@@ -24,14 +24,23 @@ ContactDepth end_depth(const World& world, const ContactSide& side,
     return depth;
   }
   if (d.face <= 0) return depth;
-  depth.value = d.throat();
-  const bool on_cone = d.cone < d.bore;
-  const double tangent = on_cone ? world.profile.lead_in_tangent : 0;
-  const double cosine = on_cone ? 1 / std::sqrt(1 + tangent * tangent) : 1;
-  const double sine = tangent * cosine;
   depth.lean = -r * side.outward;
-  depth.slope << -sine, cosine * radial.normal;
-  depth.curve = cosine * radial.curving;
+  const double tangent = world.profile.lead_in_tangent, apart = d.bore - d.cone;
+  const double cosine = 1 / std::sqrt(1 + tangent * tangent), sine = tangent * cosine;
+  // The share of the cone: 0 in the bore, 1 on the cone, between them the derivative of
+  // (bore + cone)/2 - w (3 + 6 t^2 - t^4)/16, t = (bore - cone)/w.
+  double cone = apart > 0 ? 1 : 0;
+  depth.value = d.throat();
+  if (std::abs(apart) < kEdgeRounding) {
+    const double t = apart / kEdgeRounding, t2 = t * t;
+    depth.value = 0.5 * (d.bore + d.cone) - kEdgeRounding * (3 + t2 * (6 - t2)) / 16;
+    cone = 0.5 + 0.25 * t * (3 - t2);
+    depth.edge = 0.75 * (1 - t2) / kEdgeRounding;
+    depth.over_edge << sine, (1 - cosine) * radial.normal;
+  }
+  const double radially = cone * cosine + (1 - cone);
+  depth.slope << -cone * sine, radially * radial.normal;
+  depth.curve = radially * radial.curving;
   return depth;
 }
 

@@ -36,6 +36,10 @@ struct Radial {
   }
 };
 
+// The edge between bore and cone is rounded where both depths differ by less than this [m]: to
+// where an adhering rim rests on it the energy falls from both sides.
+inline constexpr double kEdgeRounding = 2e-9;
+
 // A vector across the bore in three dimensions.
 inline Vector3d across(const Vector2d& n) noexcept {
   return {0, n.x(), n.y()};
@@ -50,6 +54,9 @@ struct ContactDepth {
   Vector2d lean;             // [m]
   Vector3d slope;            // [-]
   Matrix2d curve;            // by the eccentricity [1/m]
+  // On the edge between bore and cone it bends also by -edge u u^T, u = `over_edge` [1/m].
+  double edge = 0;
+  Vector3d over_edge;
   // Where it acts, to first order in the tilts: so that the wrench of its normal there is minus the
   // gradient of its depth [m].
   Vector3d point;
@@ -60,6 +67,12 @@ struct ContactDepth {
     return arm.per_x == 0 ? Vector3d(-slope) : Vector3d(n.dot(tilt), -n.x(), -n.y());
   }
 
+  // Its derivative by the pose, whose tilt is given.
+  PoseVector by_pose(const Vector2d& tilt) const noexcept {
+    const Vector2d n = slope.tail<2>();
+    return {slope[0] + arm.per_x * n.dot(tilt), n, slope[0] * lean + arm.length * n};
+  }
+
   // Adds an energy of the depth, given its derivatives by that.
   void add_to(Energy& total, const Vector2d& tilt, double force, double stiffness) const noexcept {
     if (slope[0] == 0) {
@@ -68,6 +81,7 @@ struct ContactDepth {
     } else {
       Matrix3d k = stiffness * slope * slope.transpose();
       k.bottomRightCorner<2, 2>() += force * curve;
+      if (edge > 0) k -= force * edge * over_edge * over_edge.transpose();
       total.add_point(arm.length, lean, force * slope, k);
     }
   }

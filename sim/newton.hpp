@@ -1,8 +1,7 @@
-// Directions to the minimum of an energy of the pose.
+// Steps to the minimum of an energy of the pose.
 #pragma once
 
-#include "sim/energy.hpp"
-#include "sim/world.hpp"
+#include "sim/potential.hpp"
 
 namespace ferrule {
 
@@ -30,6 +29,10 @@ class Eliminated {
     return xx > 0;
   }
 
+  // Of any h, with the magnitudes of the pivots' eigenvalues, no less than those of `least`: what
+  // pushes sideways on the axis must not slow the way along it.
+  void of_magnitudes(const PoseMatrix& h, const PoseMatrix& least) noexcept;
+
   PoseVector solve(const PoseVector& g) const noexcept {
     const Vector2d ge = g.e - et_over_tt_ * g.t;
     const double x = -(g.x - xt_over_tt_.dot(g.t) - xe_over_ee_.dot(ge)) * over_xx_;
@@ -43,9 +46,19 @@ class Eliminated {
   double over_xx_ = 0;
 };
 
-// The Newton direction. Where the Hessian is not positive definite, with the magnitudes of its
-// eigenvalues (in units of the holder's stiffness) instead: what pushes sideways on the axis must
-// not slow the way along it.
-PoseVector newton_direction(const World& world, const Energy& here) noexcept;
+inline constexpr int kFrictionRounds = 8;  // of stuck and slipping contacts, until they agree
+
+// A Newton step from `tip`: to where the quadratic of `smooth`, all but friction, and friction as
+// it is where the step ends, stuck or slipping, have their minimum together; in one round, or where
+// more do not agree, friction as it is at `tip`.
+struct NewtonStep {
+  Eliminated hessian;
+  bool convex = true;
+  PoseVector move;
+  double fall = 0;  // the slope along the move where it begins, of its model; > 0: down [J]
+
+  NewtonStep(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
+             const PoseVector& tip, int rounds = kFrictionRounds) noexcept;
+};
 
 }  // namespace ferrule

@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 
 ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,
@@ -18,7 +20,8 @@ Wrench ForceSensor::read(const Wrench& holder, double period) noexcept {
   if (!tared_) {
     smooth_ = force;
   } else {
-    smooth_ -= std::expm1(-2 * std::numbers::pi * model_.bandwidth * period) * (force - smooth_);
+    smooth_ -=
+        elementary::expm1(-2 * std::numbers::pi * model_.bandwidth * period) * (force - smooth_);
   }
   Wrench reading = smooth_;
   if (tared_) {

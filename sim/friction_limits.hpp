@@ -1,0 +1,36 @@
+// The limits of friction within a step: those of the contacts where the step ends, which are as
+// deep as the limits let them be. Energies do not know this, friction being none; so the limits are
+// held while a minimum is sought (sim/minimum.hpp), and then moved, by Newton's method, to where
+// they and the depths agree.
+#pragma once
+
+#include "sim/newton.hpp"
+
+namespace ferrule {
+
+class FrictionLimits {
+ public:
+  // By how much the limits of `frozen` miss those at `depth`, where the end is at `tip`. What is
+  // stuck has none.
+  FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                 const std::array<ContactDepth, kContactPlaces>& depth) noexcept;
+
+  // The largest miss, as a part of its limit.
+  double largest_miss() const noexcept;
+
+  // Moves the limits of `frozen` to where they miss nothing after the whole move, `held` at limits
+  // that hold still and what changing them adds by `hessian`, of all energies at `tip`: that move.
+  PoseVector settle(const Eliminated& hessian, const PoseVector& held,
+                    FrozenCoefficients& frozen) const noexcept;
+
+ private:
+  struct Place {
+    bool slips = false;  // the rest is only set where it does
+    double limit, stiffness, miss;
+    double per_depth;              // d limit / d depth [N/m]
+    PoseVector depth_slope, pull;  // depth by the pose; gradient of the friction for a limit of 1 N
+  };
+  std::array<Place, kContactPlaces> place_;
+};
+
+}  // namespace ferrule
