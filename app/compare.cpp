@@ -292,6 +292,8 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
         const Candidate c = fitted(a, chosen, first_of(set, count));
         learning.push_back(
             {c.name, count, c.rollouts, summarise(campaign(a, scene, c.make, c.name))});
+      } catch (const Stopped&) {  // what is found so far is told
+        return learning;
       } catch (const BadInput& error) {
         fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant->name, error.what());
       }
@@ -319,6 +321,8 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
         if (results.size() == a.trials)
           all.push_back(
               {c.name, seed, again.demonstrations.size(), c.rollouts, summarise(results)});
+      } catch (const Stopped&) {  // what is found so far is told
+        return all;
       } catch (const BadInput& error) {
         end_if_interrupted();
         fmt::print(stderr, "note: seed {}: {} is left out: {}\n", seed, chosen.variant->name,
