@@ -77,18 +77,6 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 
 }  // namespace
 
-FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
-  constexpr std::size_t kMost = 10000;
-  FeasibleTrial found{nullptr, trial, 0};
-  while (!(found.scene = draw_scene(scene, seed, found.trial))) {
-    if (++found.infeasible == kMost)
-      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
-                     " drawn pairs of parts not one fits");
-    found.trial += std::uint64_t{1} << 32;
-  }
-  return found;
-}
-
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = episode_info(scene, device, place);
   Recorder recorder(std::move(place.claim), info);
