@@ -423,13 +423,6 @@ Json to_json(const Transfer& t) {
   return row;
 }
 
-template <class Row>
-Json json_rows(const std::vector<Row>& rows) {
-  Json all = Json::array();
-  for (const Row& row : rows) all.push_back(to_json(row));
-  return all;
-}
-
 // What cannot be compared is said before anything is.
 void expect_comparable(const CompareArguments& a, const DemonstrationSet& set) {
   if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
@@ -475,6 +468,7 @@ void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candi
 
 Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
              std::size_t trained_starts, const Found& found) {
+  const auto row = [](const auto& r) { return to_json(r); };
   return {{"scene", scene.name},
           {"demonstrations", set.demonstrations.size()},
           {"trials", a.trials},
@@ -482,10 +476,10 @@ Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationS
           {"seed", a.seed},
           {"supervisor",
            supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene))},
-          {"rows", json_rows(found.entries)},
-          {"by_demonstrations", json_rows(found.learning)},
-          {"by_seeds", json_rows(found.by_seeds)},
-          {"transfer", json_rows(found.transfer)}};
+          {"rows", json_list(found.entries, row)},
+          {"by_demonstrations", json_list(found.learning, row)},
+          {"by_seeds", json_list(found.by_seeds, row)},
+          {"transfer", json_list(found.transfer, row)}};
 }
 
 void write_trials(const CompareArguments& a, const Found& found, const Provenance& provenance) {

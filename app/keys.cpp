@@ -1,5 +1,6 @@
 #include "app/keys.hpp"
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <signal.h>
 #include <termios.h>
@@ -44,9 +45,11 @@ char Keys::pressed() noexcept {
   return key;
 }
 
-char Keys::wait_for(const char* wanted, const std::function<void()>& meanwhile) {
+char Keys::ask(const std::string& question, const char* wanted,
+               const std::function<void()>& meanwhile) {
   constexpr int kBetween = 10;  // [ms]
   ::tcflush(STDIN_FILENO, TCIFLUSH);
+  fmt::print(stderr, "{}\n", question);
   while (there_ && !interrupted()) {
     pollfd input{STDIN_FILENO, POLLIN, 0};
     ::poll(&input, 1, kBetween);

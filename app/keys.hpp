@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 namespace ferrule {
 
@@ -16,10 +17,12 @@ class Keys {
   bool there() const noexcept { return there_; }
   // The key that was pressed since, '\0' if none was.
   char pressed() noexcept;
-  // Forgets what was pressed so far, and waits until one of `wanted` is, doing `meanwhile` now and
-  // then; '\0' at Ctrl-C or when the terminal is gone. What `meanwhile` throws ends it.
-  char wait_for(
-      const char* wanted, const std::function<void()>& meanwhile = [] {});
+  // Forgets what was pressed so far, asks on stderr, and waits until one of `wanted` is pressed,
+  // doing `meanwhile` now and then; '\0' at Ctrl-C or when the terminal is gone. What `meanwhile`
+  // throws ends it.
+  char ask(
+      const std::string& question, const char* wanted,
+      const std::function<void()>& meanwhile = [] {});
 
  private:
   bool there_;

@@ -111,9 +111,8 @@ Provenance& Provenance::in(const ChosenScene& chosen) {
                accuracy = document.value("planned_accuracy", 0.0);
   if (bound > accuracy) {
     notes_ += fmt::format(
-        "note: accuracy = {:g} is NOT REACHED: the error bound of the plan is {:.2g} (see "
-        "ferrule "
-        "plan)\n",
+        "note: accuracy = {:g} is NOT REACHED: the error bound of the plan is {:.2g} "
+        "(see ferrule plan)\n",
         accuracy, bound);
     scene_["accuracy_not_reached"] = {{"accuracy", accuracy}, {"error_bound", bound}};
   }

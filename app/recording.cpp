@@ -40,10 +40,10 @@ std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettin
                                       const Scene& scene, const State& start,
                                       const EpisodePlace& place, Keys& keys) {
   if (keys.there()) {
-    fmt::print(stderr, "{}: space starts it, q ends the recording\n",
-               episode_name(place.claim.number()));
+    const std::string question =
+        episode_name(place.claim.number()) + ": space starts it, q ends the recording";
     // What the device reports meanwhile is not of this episode.
-    if (keys.wait_for(" q", [&] { put_aside(device); }) != ' ') return nullptr;
+    if (keys.ask(question, " q", [&] { put_aside(device); }) != ' ') return nullptr;
     fmt::print(stderr, "it runs: space ends it, d discards it\n");
   }
   const double full_force = settings.profile.max_force;
@@ -59,9 +59,10 @@ std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettin
 
 // Asks the operator for a rating, or whether to discard it.
 void rate(Recorded& recorded, Keys& keys) {
-  fmt::print(stderr, "{}: 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it\n",
-             name(recorded.end.outcome));
-  const char key = keys.wait_for(" dq12345");
+  const char key =
+      keys.ask(std::string(name(recorded.end.outcome)) +
+                   ": 1 (poor) to 5 (good) rates it, space keeps it as it is, d discards it",
+               " dq12345");
   recorded.discarded = key == 'd';
   recorded.last = recorded.last || key == 'q';
   if (key >= '1' && key <= '5') recorded.rating = key - '0';
@@ -75,18 +76,6 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 }
 
 }  // namespace
-
-FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
-  constexpr std::size_t kMost = 10000;
-  FeasibleTrial found{nullptr, trial, 0};
-  while (!(found.scene = draw_scene(scene, seed, found.trial))) {
-    if (++found.infeasible == kMost)
-      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
-                     " drawn pairs of parts not one fits");
-    found.trial += std::uint64_t{1} << 32;
-  }
-  return found;
-}
 
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = episode_info(scene, device, place);

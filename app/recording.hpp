@@ -20,15 +20,6 @@ struct Recorded {
   bool last = false;  // the operator ended the recording with it
 };
 
-// The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose pair of parts fits.
-struct FeasibleTrial {
-  std::shared_ptr<const Scene> scene;
-  std::uint64_t trial;
-  std::size_t infeasible;  // pairs put aside
-};
-// Throws BadInput where hardly any pair fits.
-FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial);
-
 // Which episode it is, and where it goes.
 struct EpisodePlace {
   std::string operator_;

@@ -122,12 +122,17 @@ struct Replayed {
   Verification compared{};
 };
 
+double recorded_time(const Episode& episode) {
+  const Eigen::Index rows = episode.rows.rows();
+  return rows ? episode.rows(rows - 1, kStates.begin + 10) : 0.0;  // the time of the state
+}
+
 // Until the success depth was reached, or else to the end.
 double task_time(const Episode& episode, const Scene& scene) {
   const Rows& rows = episode.rows;
   for (Eigen::Index n = 0; n < rows.rows(); ++n)
     if (-rows(n, kStates.begin) >= scene.success.depth) return rows(n, kStates.begin + 10);
-  return rows.rows() ? rows(rows.rows() - 1, kStates.begin + 10) : 0.0;
+  return recorded_time(episode);
 }
 
 Replayed replayed(const ReplayArguments& a, const std::string& file) {
@@ -138,11 +143,6 @@ Replayed replayed(const ReplayArguments& a, const std::string& file) {
   if (a.verify) verify(r.episode, r.compared);
   if (a.verify && !r.compared.over()) compare_file(file, r.episode, r.compared);
   return r;
-}
-
-double recorded_time(const Episode& episode) {
-  const Eigen::Index rows = episode.rows.rows();
-  return rows ? episode.rows(rows - 1, kStates.begin + 10) : 0.0;  // the time of the state
 }
 
 Json to_json(const ReplayArguments& a, const Replayed& r) {

@@ -62,9 +62,8 @@ void refuse_other_scaling(const std::optional<Scaling>& scaling, const std::stri
   if (!differ(here.motion, scaling->motion) && !differ(here.force, scaling->force)) return;
   throw BadInput(fmt::format(
       "{}: {} scales the hand otherwise (alpha_x {:.6g}, alpha_f {:.6g}) than what it learned from "
-      "({:.6g}, {:.6g}): what was learned there means nothing here; --other-scaling does it all "
-      "the "
-      "same",
+      "({:.6g}, {:.6g}): what was learned there means nothing here; --other-scaling does it "
+      "all the same",
       who, scene.name, here.motion, here.force, scaling->motion, scaling->force));
 }
 

@@ -88,9 +88,9 @@ void note_accuracy(const Json& document) {
 
 ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
   ChosenScene chosen;
-  for (const std::string& setting : settings) refuse_unknown_key(setting);
   const bool brings = !brought.document.is_null();
   if (scene.empty() && (brings || !brought.open.empty())) {
+    for (const std::string& setting : settings) refuse_unknown_key(setting);
     if (!brings) throw BadInput(brought.open + "; choose a scene with --scene");
     Json document = brought.document;
     for (const std::string& setting : settings) apply_with_tolerance(document, setting);

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/measure.hpp"
+#include "sim/measure.hpp"
 #include "controller/insertion_law.hpp"
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"

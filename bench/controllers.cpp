@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "bench/measure.hpp"
 #include "controller/insertion_law.hpp"
 #include "controller/policy.hpp"
+#include "sim/measure.hpp"
 #include "sim/scene/random.hpp"
 
 namespace ferrule {

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/measure.hpp"
+#include "sim/measure.hpp"
 #include "sim/potential.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/step.hpp"

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <optional>
 
-#include "bench/measure.hpp"
 #include "bench/reference.hpp"
+#include "sim/measure.hpp"
 #include "sim/potential.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/step.hpp"

@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "bench/measure.hpp"
+#include "sim/measure.hpp"
 #include "bench/random_scene.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/step.hpp"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "bench/measure.hpp"
+#include "sim/measure.hpp"
 #include "sim/potential.hpp"
 #include "sim/scene/terms.hpp"
 

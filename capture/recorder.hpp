@@ -104,10 +104,10 @@ struct Recovered {
 
 // Turns every journal in `folder` that nobody is writing to into an episode with outcome
 // `interrupted`, of the rows before the first that is damaged; such a journal is kept as
-// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if header
-// and rows agree with it, and else becomes an episode of the next number. Also removes half-written
-// files of recordings that were killed. `go_on` is called before each journal with those that are
-// done, and all; false leaves the others as they are. Throws FileTrouble.
+// NAME.part.damaged. Where an episode of its name is there already, the journal is removed if
+// header and rows agree with it, and else becomes an episode of the next number. Also removes
+// half-written files of recordings that were killed. `go_on` is called before each journal with
+// those that are done, and all; false leaves the others as they are. Throws FileTrouble.
 std::vector<Recovered> recover(
     const std::string& folder,
     const std::function<bool(std::size_t done, std::size_t all)>& go_on = {});

@@ -73,8 +73,7 @@ std::string cannot_hold(const SupervisorLimits& limits) {
   if (limits.force - limits.misread >= kLeastForce * limits.force) return {};
   return fmt::format(
       "the force limit cannot be held: the sensor may err by {:.3g} of it (four standard "
-      "deviations "
-      "of noise and bias); the supervisor brakes for {:.3g} of it",
+      "deviations of noise and bias); the supervisor brakes for {:.3g} of it",
       limits.misread / limits.force, limits.brakes_for() / limits.force);
 }
 

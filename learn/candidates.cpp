@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <chrono>
 
-#include "bench/measure.hpp"
 #include "controller/device_controller.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
 #include "learn/fit_policy.hpp"
+#include "sim/measure.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {

@@ -7,14 +7,10 @@
 namespace ferrule {
 namespace {
 
-Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std::uint64_t trial) {
-  constexpr int kMost = 10000;
-  std::shared_ptr<const Scene> drawn;
-  for (int i = 0; !(drawn = draw_scene(toleranced, seed, trial)); ++i) {
-    if (i == kMost) throw BadInput(toleranced.name + ": tolerance: hardly any pair fits");
-    trial += std::uint64_t{1} << 32;  // as ferrule record goes on
-  }
-  const Scene& scene = *drawn;
+Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std::uint64_t number) {
+  const FeasibleTrial drawn = feasible_trial(toleranced, seed, number);
+  const std::uint64_t trial = drawn.trial;
+  const Scene& scene = *drawn.scene;
   const State start = draw_start(scene, seed, trial);
   Episode episode;
   EpisodeInfo& info = episode.info;

@@ -5,7 +5,8 @@
 
 namespace ferrule {
 
-// Throws BadInput where the operators were not all simulated, or the episodes are of several scenes.
+// Throws BadInput where the operators were not all simulated, or the episodes are of several
+// scenes.
 void expect_recordable_again(const DemonstrationSet& set);
 
 // As many episodes as `set` was made of, by simulated operators of the same skills, in the same

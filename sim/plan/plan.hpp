@@ -58,16 +58,16 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   bool partial = false;
 };
 
-// Called between the runs of a plan, with those that are done and those that may be needed, of which
-// a good plan is found after some. False stops it.
+// Called between the runs of a plan, with those that are done and those that may be needed, of
+// which a good plan is found after some. False stops it.
 using PlanProgress = std::function<bool(std::size_t runs, std::size_t most)>;
 
 // Whatever accuracy the scene itself asks for; 1e-6 <= tolerance <= 0.5. Deterministic; takes some
 // seconds. Throws BadInput if the tolerance is out of range.
 Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on = {});
 
-// The scene itself, or where it states an accuracy the planned one. Throws BadInput, and what `go_on`
-// throws.
+// The scene itself, or where it states an accuracy the planned one. Throws BadInput, and what
+// `go_on` throws.
 Scene planned(const Scene& scene, const PlanProgress& go_on = {});
 
 }  // namespace ferrule

@@ -14,6 +14,15 @@ namespace ferrule {
 std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
                                         std::uint64_t trial);
 
+// The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose pair of parts fits.
+struct FeasibleTrial {
+  std::shared_ptr<const Scene> scene;
+  std::uint64_t trial;
+  std::size_t infeasible;  // pairs put aside
+};
+// As draw_scene. Throws BadInput where hardly any pair fits.
+FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial);
+
 // The document of the scene that a drawn one was drawn from; of any other scene, `document` itself.
 Json undrawn(Json document);
 

@@ -189,7 +189,7 @@ std::string JsonFields::text(const std::string& key) {
 }
 
 std::string JsonFields::line(const std::string& key, std::size_t most) {
-  const std::string shown = text(key);
+  std::string shown = text(key);
   const auto characters =
       std::count_if(shown.begin(), shown.end(), [](char c) { return (c & 0xC0) != 0x80; });
   if (std::any_of(shown.begin(), shown.end(),

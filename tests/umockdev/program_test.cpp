@@ -82,7 +82,8 @@ Ran watched(Node& node, const Hand& hand, const std::function<void()>& act,
   return ran;
 }
 
-// `signal` is sent to the program 2.5 s after it enabled the motors. `errors`: where its stderr goes.
+// `signal` is sent to the program 2.5 s after it enabled the motors. `errors`: where its stderr
+// goes.
 Ran record(Node& node, int signal, const Hand& hand, const std::string& more = "",
            const std::string& errors = "2>&1") {
   const testing::TemporaryFolder folder;

@@ -15,7 +15,7 @@ namespace {
 #if defined(FERRULE_SANITIZE)
 constexpr std::uint64_t kScenes = 8;  // the same code, many times slower
 #else
-constexpr std::uint64_t kScenes = 200;
+constexpr std::uint64_t kScenes = 100;
 #endif
 
 // A scene with terms drawn from none to strong, any form, either holder.

@@ -1,4 +1,4 @@
-// Timing for benchmarks, and what stands for a figure that there is not.
+// Timing, of benchmarks and of what a controller costs, and what stands for a figure there is not.
 #pragma once
 
 #include <algorithm>
