@@ -2,7 +2,8 @@
 //
 // The end's rim meets the bore wall, the lead-in cone or the front face (sim/ferrule_profile.hpp);
 // its side meets the rim of the bore's mouth. First order in the tilts: the rim of the end lies r
-// (outward.tilt) ahead of the end's centre.
+// (outward.tilt) ahead of the end's centre. On bore and cone it touches where it is deepest, on the
+// face where it is farthest from the bore.
 #pragma once
 
 #include <array>
@@ -54,6 +55,10 @@ struct ContactDepth {
   Vector2d lean;             // [m]
   Vector3d slope;            // [-]
   Matrix2d curve;            // by the eccentricity [1/m]
+  // On the cone the deepest point of the rim turns with the tilts: d bends by the eccentricity at
+  // this arm, too, with the same slope.
+  double cone_arm = 0;                     // [m]
+  Matrix2d cone_curve = Matrix2d::Zero();  // [1/m]
   // On the edge between bore and cone it bends also by -edge u u^T, u = `over_edge` [1/m].
   double edge = 0;
   Vector3d over_edge;
@@ -83,6 +88,10 @@ struct ContactDepth {
       k.bottomRightCorner<2, 2>() += force * curve;
       if (edge > 0) k -= force * edge * over_edge * over_edge.transpose();
       total.add_point(arm.length, lean, force * slope, k);
+      const Matrix2d turn = force * cone_curve;
+      total.hessian.ee += turn;
+      total.hessian.et += cone_arm * turn;
+      total.hessian.tt += cone_arm * cone_arm * turn;
     }
   }
 };
@@ -90,7 +99,8 @@ struct ContactDepth {
 // What a step holds fixed about the contacts (sim/potential.hpp).
 struct ContactSide {
   EdgeSide side = EdgeSide::throat;
-  // Unit directions from the bore's axis to the fibre's: at its end, and at the mouth.
+  // Unit directions to where the fibre is nearest to the ferrule: from the centre of its end, and
+  // from the bore's axis at the mouth.
   Vector2d outward = Vector2d::UnitX(), mouth_outward = Vector2d::UnitX();
 
   // Length of the side [m] that is past the mouth where it is nearest to the mouth's rim: there the

@@ -55,8 +55,13 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   end.hessian = newton.hessian;
   end.move = newton.move;
   end.fall = newton.fall;
-  end.tip = moved_along(world, end.tip, end.move);
+  end.tip = moved_along(world, state.tip, end.move);
   if (rubs(frozen)) {
+    // Limit and depth may hold each other in check within far less than either alone would change:
+    // to first order they change together from where the step begins.
+    const FrictionLimits rates(world, frozen, end.tip,
+                               contact_depths(world, frozen.contact, state.tip));
+    end.tip = moved_along(world, state.tip, rates.settle(end.hessian, end.move, frozen));
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
     if (limits.largest_miss() <= kPredictedLimit)
@@ -280,6 +285,16 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   return found;
 }
 
+// Where a contact moves on round the fibre, the material point it is now at is another one, and as
+// stuck as the one before.
+void turn_contacts(const World& world, const ContactSide& before, State& state) noexcept {
+  const ContactSide now = contact_side(world, state);
+  const double r = world.annulus.fibre_radius;
+  const Vector2d tilt = state.tip.tail<2>();
+  state.contact[kEnd].stuck.x() -= r * (now.outward - before.outward).dot(tilt);
+  state.contact[kSide].stuck.x() -= r * (now.mouth_outward - before.mouth_outward).dot(tilt);
+}
+
 // Takes the minimum as the state after the sub-step.
 void accept(const World& world, const Pose& command, double dt, const FrozenCoefficients& frozen,
             const Minimum& found, const Contacts& now, StepResult& result) noexcept {
@@ -292,6 +307,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.command = command;
   state.side = frozen.contact.side;
   update_contacts(frozen, now, state);
+  turn_contacts(world, frozen.contact, state);
   state.bridge = now.bridge;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
