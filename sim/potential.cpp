@@ -8,9 +8,11 @@ namespace {
 
 // From the surface that touches to the fibre's axis [m]. At two points the end and the side touch
 // on opposite sides of the fibre.
+Vector2d lean(const World& world, const ContactSide& side, int place) noexcept {
+  return -world.annulus.fibre_radius * (place == kEnd ? side.outward : side.mouth_outward);
+}
 Vector2d lean(const World& world, const FrozenCoefficients& frozen, int place) noexcept {
-  return -world.annulus.fibre_radius *
-         (place == kEnd ? frozen.contact.outward : frozen.contact.mouth_outward);
+  return lean(world, frozen.contact, place);
 }
 
 // Material point of a contact: on the fibre's surface along x, on its axis across.
@@ -295,6 +297,11 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
   return laws;
 }
 
+Vector3d material_point(const World& world, const ContactSide& side, int place,
+                        const PoseVector& tip) noexcept {
+  return material_point(tip, place == kSide ? -tip.x : 0.0, lean(world, side, place));
+}
+
 Vector3d stretch_by(const World& world, const FrozenCoefficients& frozen, int place,
                     const PoseVector& move) noexcept {
   const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
@@ -433,8 +440,6 @@ Contacts contacts(const World& world, const FrozenCoefficients& frozen, const Po
     contact.closed = depth > 0 || there.pull[at].radius > 0;
     contact.depth = contact.closed ? depth : 0.0;
     contact.branch = there.pull[at].branch;
-    const double arm = place == kSide ? -tip.x : 0.0;
-    now.material[at] = material_point(tip, arm, lean(world, frozen, place));
   }
   return now;
 }

@@ -75,8 +75,6 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
 // The contacts at a pose (stuck points not moved) and the bridge there.
 struct Contacts {
   std::array<ContactState, kContactPlaces> contact;
-  // Material point that friction acts on [m].
-  std::array<Vector3d, kContactPlaces> material = {Vector3d::Zero(), Vector3d::Zero()};
   bool bridge = false;
 };
 
@@ -124,6 +122,10 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
                                             const PoseVector& tip, double side_share) noexcept;
 double side_share(const World& world, const FrozenCoefficients& frozen,
                   const PoseVector& tip) noexcept;
+
+// The fibre's material point that the friction of a place acts on, where it touches now [m].
+Vector3d material_point(const World& world, const ContactSide& side, int place,
+                        const PoseVector& tip) noexcept;
 
 // How far the stuck spring of a place is stretched along its contact plane at `tip` [m], and by how
 // much a move of the tip stretches it.

@@ -85,24 +85,23 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
   return true;
 }
 
-// Contacts after a step: new ones stick where they are, slipping ones drag their stuck point along.
-void update_contacts(const FrozenCoefficients& frozen, const Contacts& now, State& state) noexcept {
+// Contacts after a step that has moved the end: new ones stick where they are, slipping ones drag
+// their stuck point along. Where a contact moves on over the fibre it is another material point's,
+// and the spring is as stretched as before.
+void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                     const Contacts& now, State& state) noexcept {
+  const ContactSide side = contact_side(world, state);
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
     const bool was_closed = contact.closed;
-    const Vector3d stuck = contact.stuck;
     contact = now.contact[place];
     if (!contact.closed) continue;
+    contact.stuck = material_point(world, side, place, tip);
     const FrozenFriction& friction = frozen.friction[place];
-    if (!was_closed || !friction.acts) {
-      contact.stuck = now.material[place];
-      continue;
-    }
-    contact.stuck = stuck;
-    const Vector3d stretch = friction.tangential * (now.material[place] - stuck);
-    const double allowed = friction.limit / friction.stiffness;
-    if (stretch.norm() > allowed)
-      contact.stuck = now.material[place] - stretch * (allowed / stretch.norm());
+    if (!was_closed || !friction.acts) continue;
+    const Vector3d stretched = stretch(world, frozen, place, tip);
+    const double length = stretched.norm(), allowed = friction.limit / friction.stiffness;
+    contact.stuck -= length > allowed ? allowed / length * stretched : stretched;
   }
 }
 
@@ -285,16 +284,6 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   return found;
 }
 
-// Where a contact moves on round the fibre, the material point it is now at is another one, and as
-// stuck as the one before.
-void turn_contacts(const World& world, const ContactSide& before, State& state) noexcept {
-  const ContactSide now = contact_side(world, state);
-  const double r = world.annulus.fibre_radius;
-  const Vector2d tilt = state.tip.tail<2>();
-  state.contact[kEnd].stuck.x() -= r * (now.outward - before.outward).dot(tilt);
-  state.contact[kSide].stuck.x() -= r * (now.mouth_outward - before.mouth_outward).dot(tilt);
-}
-
 // Takes the minimum as the state after the sub-step.
 void accept(const World& world, const Pose& command, double dt, const FrozenCoefficients& frozen,
             const Minimum& found, const Contacts& now, StepResult& result) noexcept {
@@ -306,8 +295,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.tip = tip;
   state.command = command;
   state.side = frozen.contact.side;
-  update_contacts(frozen, now, state);
-  turn_contacts(world, frozen.contact, state);
+  update_contacts(world, frozen, found.tip, now, state);
   state.bridge = now.bridge;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
