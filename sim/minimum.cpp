@@ -9,7 +9,7 @@ namespace {
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
 constexpr double kNearMove = 2e-5;        // of the clearance, beside kNearForce
-constexpr double kNearWall = 0.5;         // of the clearance: from that eccentricity on moves turn
+constexpr double kNearWall = 10e-9;       // moves that begin so near to a wall go along it [m]
 constexpr double kShortestLever =
     1e-6;                              // inserted length at which tilts are those of two places [m]
 constexpr double kFarthestTurn = 1.0;  // [rad]
@@ -225,7 +225,8 @@ Descent descend(const World& world, const FrozenCoefficients& frozen, const Newt
 }  // namespace
 
 PoseVector moved_along(const World& world, const PoseVector& tip, const PoseVector& move) noexcept {
-  const double near = kNearWall * world.annulus.clearance();
+  const double clearance = world.annulus.clearance();
+  const double near = std::max(clearance - kNearWall, 0.5 * clearance);
   PoseVector end = tip;
   end += move;
   end.e = turned(tip.e, move.e, near);
