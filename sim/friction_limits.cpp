@@ -42,8 +42,9 @@ double FrictionLimits::largest_miss() const noexcept {
   return largest;
 }
 
-PoseVector FrictionLimits::settle(const Eliminated& hessian, const PoseVector& held,
-                                  FrozenCoefficients& frozen) const noexcept {
+std::optional<PoseVector> FrictionLimits::settle(const Eliminated& hessian, int falling,
+                                                 const PoseVector& held,
+                                                 FrozenCoefficients& frozen) const noexcept {
   // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j change_j
   std::array<PoseVector, kContactPlaces> answer;
   Matrix2d system = Matrix2d::Identity();
@@ -57,8 +58,10 @@ PoseVector FrictionLimits::settle(const Eliminated& hessian, const PoseVector& h
         system(i, j) -= place_[i].per_depth * place_[i].depth_slope.dot(answer[j]);
   }
   const double determinant = system(0, 0) * system(1, 1) - system(0, 1) * system(1, 0);
+  const double together = falling % 2 ? -determinant : determinant;
   Vector2d change = miss;
-  if (determinant > kSingular)
+  if (falling > 0 && !(together > kSingular)) return std::nullopt;
+  if (together > kSingular)
     change = Vector2d(system(1, 1) * miss[0] - system(0, 1) * miss[1],
                       system(0, 0) * miss[1] - system(1, 0) * miss[0]) /
              determinant;

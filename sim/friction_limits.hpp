@@ -4,6 +4,8 @@
 // they and the depths agree.
 #pragma once
 
+#include <optional>
+
 #include "sim/newton.hpp"
 
 namespace ferrule {
@@ -20,8 +22,11 @@ class FrictionLimits {
 
   // Moves the limits of `frozen` to where they miss nothing after the whole move, `held` at limits
   // that hold still and what changing them adds by `hessian`, of all energies at `tip`: that move.
-  PoseVector settle(const Eliminated& hessian, const PoseVector& held,
-                    FrozenCoefficients& frozen) const noexcept;
+  // `falling`: how many of the Hessian's eigenvalues are negative. What is no minimum of given
+  // limits may still be stable, as the limits give way when the contact does: as long as the
+  // determinant of both together is positive. Nothing, and the limits as they are, where it is not.
+  std::optional<PoseVector> settle(const Eliminated& hessian, int falling, const PoseVector& held,
+                                   FrozenCoefficients& frozen) const noexcept;
 
  private:
   struct Place {

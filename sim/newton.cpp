@@ -46,7 +46,7 @@ void Eliminated::of_magnitudes(const PoseMatrix& h, const PoseMatrix& least) noe
 }
 
 NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
-                       const PoseVector& tip, int rounds) noexcept {
+                       const PoseVector& tip, int rounds, Pivots pivots) noexcept {
   std::array<Vector3d, kContactPlaces> now, about;
   bool rubs = false;
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
@@ -65,8 +65,10 @@ NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, con
       const auto at = static_cast<std::size_t>(place);
       if (frozen.friction[at].acts) add_friction_about(model, world, frozen, place, tip, about[at]);
     }
-    convex = hessian.of(model.hessian);
-    if (!convex) hessian.of_magnitudes(model.hessian, frozen.stiffness);
+    falling = hessian.of(model.hessian);
+    convex = falling == 0;
+    if (!convex && pivots == Pivots::magnitudes)
+      hessian.of_magnitudes(model.hessian, frozen.stiffness);
     move = hessian.solve(model.gradient);
     fall = -move.dot(model.gradient);
     bool agrees = true;

@@ -37,7 +37,7 @@ struct Prediction {
   PoseVector tip;
   Eliminated hessian;
   PoseVector move = {};
-  double fall = 0;  // of the energy where the move begins, > 0 [J]
+  double slope = 0;  // of the energy along the move where it begins [J]
 };
 
 Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
@@ -47,25 +47,29 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   const Linearization& bore = *state.linearization;
   Energy here = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
   here.gradient += bore.curvature;
-  const NewtonStep newton(world, frozen, here, end.tip);
-  const double way = travel_of(world, frozen, newton.move);
-  if (!(newton.convex && newton.fall > 0 && way >= kResolution &&
-        way <= kShortMove * world.annulus.clearance()))
-    return end;
+  const NewtonStep newton(world, frozen, here, end.tip, kFrictionRounds, Pivots::as_they_are);
+  if (!newton.convex && !rubs(frozen)) return end;
   end.hessian = newton.hessian;
   end.move = newton.move;
-  end.fall = newton.fall;
-  end.tip = moved_along(world, state.tip, end.move);
   if (rubs(frozen)) {
     // Limit and depth may hold each other in check within far less than either alone would change:
     // to first order they change together from where the step begins.
-    const FrictionLimits rates(world, frozen, end.tip,
+    const FrictionLimits rates(world, frozen, moved_along(world, state.tip, newton.move),
                                contact_depths(world, frozen.contact, state.tip));
-    end.tip = moved_along(world, state.tip, rates.settle(end.hessian, end.move, frozen));
+    const auto move = rates.settle(end.hessian, newton.falling, newton.move, frozen);
+    if (!move) return end;
+    end.move = *move;
+  }
+  const double way = travel_of(world, frozen, end.move);
+  if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
+  end.slope = std::abs(newton.move.dot(here.gradient));
+  end.tip = moved_along(world, state.tip, end.move);
+  if (rubs(frozen)) {
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
     if (limits.largest_miss() <= kPredictedLimit)
-      end.tip = moved_along(world, end.tip, limits.settle(end.hessian, {}, frozen));
+      if (const auto move = limits.settle(end.hessian, newton.falling, {}, frozen))
+        end.tip = moved_along(world, end.tip, *move);
   }
   end.valid = true;
   return end;
@@ -76,7 +80,7 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
 bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
              const PoseVector& curvature, Minimum& found) noexcept {
   const Potential& there = found.there;
-  if (!(std::abs(end.move.dot(there.gradient)) <= kLargestMiss * end.fall)) return false;
+  if (!(std::abs(end.move.dot(there.gradient)) <= kLargestMiss * end.slope)) return false;
   found.iterations = 1;
   found.curvature = curvature;
   found.curvature += there.gradient;
@@ -222,11 +226,14 @@ void settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
     const Energy& bore = found.there.bore;
     const NewtonStep newton(world, frozen,
                             without_friction(frozen, found.tip, bore.gradient, bore.hessian),
-                            found.tip, 1);
-    if (settled && newton.convex && final_newton_step(world, frozen, newton.move, found)) return;
+                            found.tip, 1, Pivots::as_they_are);
+    FrozenCoefficients moved = frozen;
+    const auto move = limits.settle(newton.hessian, newton.falling, newton.move, moved);
     found.converged = false;
-    if (newton.convex) {
-      found.tip = moved_along(world, found.tip, limits.settle(newton.hessian, newton.move, frozen));
+    if (move) {
+      frozen = moved;
+      if (settled && final_newton_step(world, frozen, *move, found)) return;
+      found.tip = moved_along(world, found.tip, *move);
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
@@ -245,6 +252,7 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   const FrozenCoefficients first = frozen;
   const Prediction end =
       holds_still ? Prediction{false, state.tip, {}, {}, 0} : predict(world, state, frozen);
+  if (!end.valid) frozen = first;
   Minimum found(world, frozen, end.tip);
   found.converged = holds_still;
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
