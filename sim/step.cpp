@@ -214,12 +214,33 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
+// Ends the friction of contacts that have come apart; whether there were any.
+bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen) noexcept {
+  bool any = false;
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    FrozenFriction& friction = frozen.friction[place];
+    if (!friction.acts) continue;
+    const double depth = found.there.depth[place].value;
+    friction.acts = depth != -INFINITY &&
+                    friction_limit(world, friction, depth, frozen.branch[place]).limit > 0;
+    any = any || !friction.acts;
+  }
+  return any;
+}
+
 // Goes on from a minimum to where the friction limits are those of the contacts there. Contacts that
 // less friction lets go later are held by no minimum of given limits; they are followed by Newton's
 // method in both together, as long as that stays near.
 void settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
                    Minimum& found) noexcept {
   for (int round = 0; round < kMostSettling; ++round) {
+    if (found.converged && found.evaluations < most_evaluations && let_go(world, found, frozen)) {
+      found.there = Potential(world, frozen, found.tip);
+      ++found.evaluations;
+      found.converged = false;
+      minimise(world, frozen, most_evaluations, true, found);
+      if (!found.converged) return;
+    }
     const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
     const bool settled = limits.largest_miss() <= kSameLimit;
     if ((settled && found.converged) || found.evaluations >= most_evaluations) return;
