@@ -91,7 +91,9 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
 
 // Contacts after a step that has moved the end: new ones stick where they are, slipping ones drag
 // their stuck point along. Where a contact moves on over the fibre it is another material point's,
-// and the spring is as stretched as before.
+// and the spring is as stretched as before. A spot that grows is not sheared where it is new: the
+// force stays and the stretch becomes less; one that shrinks gives up its part of the force (Mindlin
+// and Deresiewicz, 1953). So no energy is gained.
 void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                      const Contacts& now, State& state) noexcept {
   const ContactSide side = contact_side(world, state);
@@ -105,7 +107,11 @@ void update_contacts(const World& world, const FrozenCoefficients& frozen, const
     if (!was_closed || !friction.acts) continue;
     const Vector3d stretched = stretch(world, frozen, place, tip);
     const double length = stretched.norm(), allowed = friction.limit / friction.stiffness;
-    contact.stuck -= length > allowed ? allowed / length * stretched : stretched;
+    const double stiffness =
+        friction_limit(world, friction, contact.depth, frozen.branch[place]).stiffness;
+    double part = length > allowed ? allowed / length : 1;
+    if (stiffness > friction.stiffness) part *= friction.stiffness / stiffness;
+    contact.stuck -= part * stretched;
   }
 }
 
