@@ -13,22 +13,26 @@ namespace ferrule {
 class FrictionLimits {
  public:
   // By how much the limits of `frozen` miss those at `depth`, where the end is at `tip`. What is
-  // stuck has none.
+  // stuck has none: what rubs with less than this part of its limit.
   FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
-                 const std::array<ContactDepth, kContactPlaces>& depth) noexcept;
+                 const std::array<ContactDepth, kContactPlaces>& depth,
+                 double slips_at = 1) noexcept;
 
   // The largest miss, as a part of its limit.
   double largest_miss() const noexcept;
 
-  // Moves the limits of `frozen` to where they miss nothing after the whole move, `held` at limits
-  // that hold still and what changing them adds by `hessian`, of all energies at `tip`: that move.
-  // `falling`: how many of the Hessian's eigenvalues are negative. What is no minimum of given
-  // limits may still be stable, as the limits give way when the contact does: as long as the
-  // determinant of both together is positive. Nothing, and the limits as they are, where it is not.
-  std::optional<PoseVector> settle(const Eliminated& hessian, int falling, const PoseVector& held,
+  // Moves the limits of `frozen` to where they miss nothing after the whole move: that of `newton`
+  // to where the forces balance, its model's but for the limits (or, `limits_only`, from where they
+  // balance already) and what changing them adds: that move. What is no minimum of given limits may
+  // still be stable, as the limits give way when the contact does: as long as the determinant of
+  // both together is positive. Nothing, and the limits as they are, where it is not.
+  std::optional<PoseVector> settle(const NewtonStep& newton, bool limits_only,
                                    FrozenCoefficients& frozen) const noexcept;
 
  private:
+  std::optional<PoseVector> settle_together(const NewtonStep& newton, bool limits_only,
+                                            FrozenCoefficients& frozen) const noexcept;
+
   struct Place {
     bool slips = false;  // the rest is only set where it does
     double limit, stiffness, miss;

@@ -58,7 +58,6 @@ NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, con
     if (rounds > 1 && part > kSlipsOn && part <= 1) about[at] *= (1 + 1e-12) / part;
   }
   for (int round = 0; round < rounds; ++round) {
-    Energy model;
     model.gradient = smooth.gradient;
     model.hessian = smooth.hessian;
     for (int place = 0; rubs && place < kContactPlaces; ++place) {

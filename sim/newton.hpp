@@ -57,6 +57,7 @@ inline constexpr int kFrictionRounds = 8;  // of stuck and slipping contacts, un
 enum class Pivots { magnitudes, as_they_are };
 
 struct NewtonStep {
+  Energy model;  // about the point the step begins at
   Eliminated hessian;
   int falling = 0;  // directions in which the energy is concave
   bool convex = true;

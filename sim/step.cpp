@@ -24,6 +24,7 @@ constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub
 constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
 constexpr double kLargestMiss = 0.3;   // of the gradient, that a prediction may leave there
 constexpr double kTurnedBy = 0.02;     // squared sine of the angle that a contact may turn by
+constexpr double kSlipsOn = 0.95;      // of its limit: what slips on where nothing tells it apart
 constexpr double kSnap = 10;           // a snap moves the end by so many times the command's way
 
 bool rubs(const FrozenCoefficients& frozen) noexcept {
@@ -54,9 +55,12 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   if (rubs(frozen)) {
     // Limit and depth may hold each other in check within far less than either alone would change:
     // to first order they change together from where the step begins.
-    const FrictionLimits rates(world, frozen, moved_along(world, state.tip, newton.move),
-                               contact_depths(world, frozen.contact, state.tip));
-    const auto move = rates.settle(end.hessian, newton.falling, newton.move, frozen);
+    const bool flat =
+        travel_of(world, frozen, newton.move) > kShortMove * world.annulus.clearance();
+    const FrictionLimits rates(
+        world, frozen, flat ? end.tip : moved_along(world, end.tip, newton.move),
+        contact_depths(world, frozen.contact, state.tip), flat ? kSlipsOn : 1);
+    const auto move = rates.settle(newton, false, frozen);
     if (!move) return end;
     end.move = *move;
   }
@@ -68,7 +72,7 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
     if (limits.largest_miss() <= kPredictedLimit)
-      if (const auto move = limits.settle(end.hessian, newton.falling, {}, frozen))
+      if (const auto move = limits.settle(newton, true, frozen))
         end.tip = moved_along(world, end.tip, *move);
   }
   end.valid = true;
@@ -255,7 +259,7 @@ void settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
                             without_friction(frozen, found.tip, bore.gradient, bore.hessian),
                             found.tip, 1, Pivots::as_they_are);
     FrozenCoefficients moved = frozen;
-    const auto move = limits.settle(newton.hessian, newton.falling, newton.move, moved);
+    const auto move = limits.settle(newton, false, moved);
     found.converged = false;
     if (move) {
       frozen = moved;

@@ -57,8 +57,7 @@ TEST(FrictionLimits, SettleWhereLimitAndDepthAgree) {
         world, frozen, without_friction(frozen, state.tip, there.bore.gradient, there.bore.hessian),
         state.tip, 1);
     if (!newton.convex) continue;
-    const PoseVector end =
-        moved_along(world, state.tip, *missed.settle(newton.hessian, 0, {}, frozen));
+    const PoseVector end = moved_along(world, state.tip, *missed.settle(newton, true, frozen));
     const FrictionLimits after(world, frozen, end, contact_depths(world, frozen.contact, end));
     EXPECT_LT(after.largest_miss(), 0.5 * missed.largest_miss());
     ++settled;
