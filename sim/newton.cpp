@@ -6,8 +6,6 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSlipsOn = 0.95;     // what has just slipped slips on, under a limit that may grow
-constexpr double kTurned = 0.1;       // of the slip's direction [rad]
 constexpr double kLeastPivot = 1e-3;  // of the holder's stiffness
 
 // The inverse of a symmetric matrix as it is, and with the magnitudes of its eigenvalues, each of
@@ -46,7 +44,7 @@ void Eliminated::of_magnitudes(const PoseMatrix& h, const PoseMatrix& least) noe
 }
 
 NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
-                       const PoseVector& tip, int rounds, Pivots pivots) noexcept {
+                       const PoseVector& tip, int rounds, Pivots pivots, bool slips_on) noexcept {
   std::array<Vector3d, kContactPlaces> now, about;
   bool rubs = false;
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
@@ -55,7 +53,7 @@ NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, con
     rubs = true;
     about[at] = now[at] = stretch(world, frozen, static_cast<int>(at), tip);
     const double part = friction.stiffness * now[at].norm() / friction.limit;
-    if (rounds > 1 && part > kSlipsOn && part <= 1) about[at] *= (1 + 1e-12) / part;
+    if ((rounds > 1 || slips_on) && part > kSlipsOn && part <= 1) about[at] *= (1 + 1e-12) / part;
   }
   for (int round = 0; round < rounds; ++round) {
     model.gradient = smooth.gradient;

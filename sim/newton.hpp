@@ -46,11 +46,13 @@ class Eliminated {
   double over_xx_ = 0;
 };
 
+inline constexpr double kSlipsOn = 0.95;  // what has just slipped slips on, whatever its limit does
+inline constexpr double kTurned = 0.1;    // of the slip's direction: about which it is linear [rad]
 inline constexpr int kFrictionRounds = 8;  // of stuck and slipping contacts, until they agree
 
 // A Newton step from `tip`: to where the quadratic of `smooth`, all but friction, and friction as
 // it is where the step ends, stuck or slipping, have their minimum together; in one round, or where
-// more do not agree, friction as it is at `tip`.
+// more do not agree, friction as it is at `tip` (or, `slips_on`, slipping where it just did).
 //
 // Where the Hessian is not positive definite the step takes the magnitudes of its pivots, or, towards
 // where the gradient vanishes, whatever the energy does there, the pivots as they are.
@@ -66,7 +68,7 @@ struct NewtonStep {
 
   NewtonStep(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
              const PoseVector& tip, int rounds = kFrictionRounds,
-             Pivots pivots = Pivots::magnitudes) noexcept;
+             Pivots pivots = Pivots::magnitudes, bool slips_on = false) noexcept;
 };
 
 }  // namespace ferrule

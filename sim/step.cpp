@@ -24,7 +24,6 @@ constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub
 constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
 constexpr double kLargestMiss = 0.3;   // of the gradient, that a prediction may leave there
 constexpr double kTurnedBy = 0.02;     // squared sine of the angle that a contact may turn by
-constexpr double kSlipsOn = 0.95;      // of its limit: what slips on where nothing tells it apart
 constexpr double kSnap = 10;           // a snap moves the end by so many times the command's way
 
 bool rubs(const FrozenCoefficients& frozen) noexcept {
@@ -41,6 +40,44 @@ struct Prediction {
   double slope = 0;  // of the energy along the move where it begins [J]
 };
 
+// Is friction after a move what it was taken to be, slipping on or stuck?
+bool rubs_on(const World& world, const FrozenCoefficients& before, const FrozenCoefficients& after,
+             const PoseVector& tip, const PoseVector& move) noexcept {
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = before.friction[at];
+    if (!friction.acts) continue;
+    const Vector3d now = stretch(world, before, static_cast<int>(at), tip);
+    const Vector3d next = now + stretch_by(world, before, static_cast<int>(at), move);
+    const double length = now.norm(), length_then = next.norm();
+    const bool slipped = friction.stiffness * length > kSlipsOn * friction.limit;
+    if (slipped != after.friction[at].slips(next)) return false;
+    if (slipped && next.dot(now) < (1 - 0.5 * kTurned * kTurned) * length * length_then)
+      return false;
+  }
+  return true;
+}
+
+// A Newton step and what the friction limits change along it. Limit and depth may hold each other in
+// check within far less than either alone would change: to first order they change together from
+// where the step begins.
+bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
+                     Prediction& end, NewtonStep& newton) noexcept {
+  const FrozenCoefficients first = frozen;
+  const auto depths = contact_depths(world, frozen.contact, end.tip);
+  newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
+  auto move =
+      FrictionLimits(world, frozen, end.tip, depths, kSlipsOn).settle(newton, false, frozen);
+  if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
+    frozen = first;
+    newton = NewtonStep(world, frozen, here, end.tip);
+    if (!newton.convex) return false;
+    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), depths)
+               .settle(newton, false, frozen);
+  }
+  if (move) end.move = *move;
+  return move.has_value();
+}
+
 Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
   Prediction end;
   end.tip = state.tip;
@@ -48,27 +85,20 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   const Linearization& bore = *state.linearization;
   Energy here = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
   here.gradient += bore.curvature;
-  const NewtonStep newton(world, frozen, here, end.tip, kFrictionRounds, Pivots::as_they_are);
-  if (!newton.convex && !rubs(frozen)) return end;
-  end.hessian = newton.hessian;
-  end.move = newton.move;
-  if (rubs(frozen)) {
-    // Limit and depth may hold each other in check within far less than either alone would change:
-    // to first order they change together from where the step begins.
-    const bool flat =
-        travel_of(world, frozen, newton.move) > kShortMove * world.annulus.clearance();
-    const FrictionLimits rates(
-        world, frozen, flat ? end.tip : moved_along(world, end.tip, newton.move),
-        contact_depths(world, frozen.contact, state.tip), flat ? kSlipsOn : 1);
-    const auto move = rates.settle(newton, false, frozen);
-    if (!move) return end;
-    end.move = *move;
+  const bool rubbing = rubs(frozen);
+  NewtonStep newton(world, frozen, here, end.tip, rubbing ? 0 : 1);
+  if (rubbing) {
+    if (!predict_rubbing(world, here, frozen, end, newton)) return end;
+  } else {
+    if (!newton.convex) return end;
+    end.move = newton.move;
   }
   const double way = travel_of(world, frozen, end.move);
   if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
-  end.slope = std::abs(newton.move.dot(here.gradient));
+  end.hessian = newton.hessian;
+  end.slope = std::abs(end.move.dot(newton.model.gradient));
   end.tip = moved_along(world, state.tip, end.move);
-  if (rubs(frozen)) {
+  if (rubbing) {
     const FrictionLimits limits(world, frozen, end.tip,
                                 contact_depths(world, frozen.contact, end.tip));
     if (limits.largest_miss() <= kPredictedLimit)
