@@ -39,7 +39,7 @@ struct Radial {
 
 // The edge between bore and cone is rounded where both depths differ by less than this [m]: to
 // where an adhering rim rests on it the energy falls from both sides.
-inline constexpr double kEdgeRounding = 2e-9;
+inline constexpr double kEdgeRounding = 50e-9;
 
 // A vector across the bore in three dimensions.
 inline Vector3d across(const Vector2d& n) noexcept {
