@@ -17,22 +17,6 @@ constexpr double kThreshold = 0.05;
 constexpr double kAverage = 0.2;              // of the axial velocity: two periods of tremor [s]
 constexpr double kBegins = 0.2, kEnds = 0.1;  // a movement, over the speed limit
 
-// A row as the step that made it, as far as InsertionWatch looks; the friction of both contacts is
-// one force in a row.
-StepResult step_of(const RowVector& row) {
-  const auto states = block(row, kStates);
-  StepResult result;
-  result.state.tip = states.segment<kPose>(0).transpose();
-  result.state.command = states.segment<kPose>(5).transpose();
-  result.state.time = states[10];
-  for (int place = 0; place < kContactPlaces; ++place)
-    result.state.contact[static_cast<std::size_t>(place)].closed = states[13 + 6 * place] != 0;
-  result.forces.holder = block(row, kHolder).transpose();
-  result.forces[Term::friction][kEnd].force =
-      row.segment<3>(force_column(Term::friction)).transpose();
-  return result;
-}
-
 // What `best` is divided by, and what divides it.
 double amount(const Measures& m, std::size_t part) {
   return m.parts[part] + (part == static_cast<std::size_t>(Part::corrections) ? 1 : 0);
