@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "sim/scene/data_folder.hpp"
 #include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
@@ -10,8 +11,7 @@ namespace fs = std::filesystem;
 
 std::string load_page() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  fs::path file = program.parent_path().parent_path() / FERRULE_PAGE_INSTALLED;
+  fs::path file = fs::path(data_folder()) / "page.html";
   if (!fs::exists(file, error)) file = FERRULE_PAGE_BUILT;
   if (!fs::exists(file, error))
     throw BadInput(
