@@ -31,6 +31,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_bench(app, run);
   add_devices(app, run);
   add_doctor(app, run);
+  add_view(app, run);
 }
 
 int refused(const std::string& why, ExitCode code) {

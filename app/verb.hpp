@@ -41,6 +41,7 @@ void add_export(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
+void add_view(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value. One rule for all verbs: a controller or a recording
 // brings its scene along, --scene takes another, and where there is neither it is `demo`.
