@@ -96,10 +96,10 @@ std::optional<std::string> RecordedView::json(const std::string& file) const {
   const auto text = [](const Json& json) {
     return json.dump(-1, ' ', false, Json::error_handler_t::replace);
   };
-  if (!trials_.empty()) return text(replay_json(title_, trials_, 0));
+  if (!trials_.empty()) return text(replay_json(title_, trials_));
   for (const std::string& each : files_) {
     if (!file.empty() && file_name(each) != file) continue;
-    Json json = replay_json(title_, {run_of(each)}, 0);
+    Json json = replay_json(title_, {run_of(each)});
     if (file.empty())
       for (const std::string& other : files_)
         if (other != each)
@@ -110,15 +110,15 @@ std::optional<std::string> RecordedView::json(const std::string& file) const {
 }
 
 Json RecordedView::whole() const {
-  if (!trials_.empty()) return replay_json(title_, trials_, kFileRate);
-  std::vector<ReplayRun> runs;
+  std::vector<ReplayRun> runs = trials_;
   Progress progress("reading", files_.size());
   for (const std::string& file : files_) {
     end_if_interrupted();
     runs.push_back(run_of(file));
     progress(runs.size());
   }
-  return replay_json(title_, runs, kFileRate);
+  for (ReplayRun& run : runs) thin(run, kFileRate);
+  return replay_json(title_, runs);
 }
 
 }  // namespace ferrule

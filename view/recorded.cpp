@@ -14,26 +14,11 @@ constexpr double kAgain = 0.05;      // what comes back within this is no event 
 constexpr double kAllWithin = 0.01;  // of an event every frame is kept [s]
 
 // A frame read by the name of a column.
-class Columns {
- public:
-  float operator()(const Frame& frame, const char* name) const {
-    for (std::size_t i = 0; i < names_.size(); ++i)
-      if (names_[i] == name) return frame[i];
-    return NAN;
-  }
-  const std::vector<std::string>& names() const noexcept { return names_; }
-
- private:
-  std::vector<std::string> names_ = frame_columns();
-};
-
-const Columns& columns() {
-  static const Columns all;
-  return all;
-}
-
 float value(const Frame& frame, const char* name) {
-  return columns()(frame, name);
+  static const std::vector<std::string> names = frame_columns();
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (names[i] == name) return frame[i];
+  return NAN;
 }
 
 std::string words(const char* name) {
@@ -169,12 +154,11 @@ void finish(ReplayRun& run, const Scene& scene, const std::string& said) {
     run.events.push_back({run.frames.size() - 1, "end", words(name(run.outcome))});
 }
 
-std::string base64(const std::vector<Frame>& frames, const std::vector<std::size_t>& rows) {
+std::string base64(const std::vector<Frame>& frames) {
   static constexpr char kDigits[] =
       "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes(rows.size() * sizeof(Frame), '\0');
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    std::memcpy(&bytes[i * sizeof(Frame)], frames[rows[i]].data(), sizeof(Frame));
+  std::string bytes(frames.size() * sizeof(Frame), '\0');
+  if (!frames.empty()) std::memcpy(bytes.data(), frames.data(), bytes.size());
   std::string text;
   text.reserve(bytes.size() / 3 * 4 + 4);
   for (std::size_t i = 0; i < bytes.size(); i += 3) {
@@ -182,44 +166,21 @@ std::string base64(const std::vector<Frame>& frames, const std::vector<std::size
       return i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u;
     };
     const unsigned three = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (int k = 0; k < 4; ++k)
-      text += i + static_cast<std::size_t>(k) > bytes.size() ? '='
-                                                             : kDigits[three >> (18 - 6 * k) & 63];
+    for (std::size_t k = 0; k < 4; ++k)
+      text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
   }
   return text;
 }
 
-// The frames that are kept.
-std::vector<std::size_t> kept(const ReplayRun& run, double rate) {
-  std::vector<std::size_t> rows;
-  double next = -INFINITY;
-  auto event = run.events.begin();
-  for (std::size_t n = 0; n < run.frames.size(); ++n) {
-    const double t = value(run.frames[n], "t_s");
-    while (event != run.events.end() && value(run.frames[event->row], "t_s") < t - kAllWithin)
-      ++event;
-    const bool near =
-        event != run.events.end() && value(run.frames[event->row], "t_s") <= t + kAllWithin;
-    if (rate > 0 && !near && t < next && n + 1 < run.frames.size()) continue;
-    if (rate > 0 && t >= next - 1e-9) next = t + 1 / rate;
-    rows.push_back(n);
-  }
-  return rows;
-}
-
-Json to_json(const ReplayRun& run, const Json& scene, double rate) {
-  const std::vector<std::size_t> rows = kept(run, rate);
-  Json events = Json::array();
-  for (const ReplayEvent& e : run.events) {
-    const auto row = std::lower_bound(rows.begin(), rows.end(), e.row) - rows.begin();
-    events.push_back({{"t_s", value(run.frames[e.row], "t_s")},
-                      {"row", row},
-                      {"kind", e.kind},
-                      {"text", e.text}});
-  }
-  Json json = {{"name", run.name},     {"outcome", name(run.outcome)},
-               {"why", run.why},       {"rows", base64(run.frames, rows)},
-               {"count", rows.size()}, {"events", events}};
+Json to_json(const ReplayRun& run, const Json& scene) {
+  Json json = {
+      {"name", run.name},           {"outcome", name(run.outcome)}, {"why", run.why},
+      {"rows", base64(run.frames)}, {"count", run.frames.size()},   {"events", Json::array()}};
+  for (const ReplayEvent& e : run.events)
+    json["events"].push_back({{"t_s", value(run.frames[e.row], "t_s")},
+                              {"row", e.row},
+                              {"kind", e.kind},
+                              {"text", e.text}});
   if (run.scene != scene) json["scene"] = run.scene;
   return json;
 }
@@ -273,12 +234,31 @@ ReplayRun replay_of(const Scene& toleranced, const MakeController& make_controll
   return run;
 }
 
-Json replay_json(const std::string& title, const std::vector<ReplayRun>& runs, double rate,
+void thin(ReplayRun& run, double rate) {
+  std::vector<double> event_times;
+  for (const ReplayEvent& e : run.events) event_times.push_back(value(run.frames[e.row], "t_s"));
+  std::vector<Frame> kept;
+  double next = -INFINITY;
+  std::size_t event = 0, placed = 0;  // the first that is not long over; that has no row yet
+  for (std::size_t n = 0; n < run.frames.size(); ++n) {
+    const double t = value(run.frames[n], "t_s");
+    while (event < event_times.size() && event_times[event] < t - kAllWithin) ++event;
+    const bool near = event < event_times.size() && event_times[event] <= t + kAllWithin;
+    if (!near && t < next && n + 1 < run.frames.size()) continue;
+    if (t >= next) next = t + 1 / rate;
+    for (; placed < run.events.size() && run.events[placed].row == n; ++placed)
+      run.events[placed].row = kept.size();
+    kept.push_back(run.frames[n]);
+  }
+  run.frames = std::move(kept);
+}
+
+Json replay_json(const std::string& title, const std::vector<ReplayRun>& runs,
                  const std::vector<TrialMap>& maps) {
   const Json& scene = runs.at(0).scene;
   Json json = {{"mode", "replay"},           {"title", title},    {"scene", scene},
                {"columns", frame_columns()}, {"phases", kPhases}, {"runs", Json::array()}};
-  for (const ReplayRun& run : runs) json["runs"].push_back(to_json(run, scene, rate));
+  for (const ReplayRun& run : runs) json["runs"].push_back(to_json(run, scene));
   if (!maps.empty()) json["maps"] = Json::array();
   for (const TrialMap& map : maps) json["maps"].push_back(to_json(map));
   return json;

@@ -48,9 +48,11 @@ struct TrialMap {
   std::vector<std::optional<std::size_t>> runs;  // as many as results
 };
 
-// With `rate` frames a second, but all within 10 ms of an event; 0: every one. There is one run at
-// least.
-Json replay_json(const std::string& title, const std::vector<ReplayRun>& runs, double rate,
+// Leaves `rate` frames a second, the last one, and all within 10 ms of an event.
+void thin(ReplayRun& run, double rate);
+
+// There is one run at least.
+Json replay_json(const std::string& title, const std::vector<ReplayRun>& runs,
                  const std::vector<TrialMap>& maps = {});
 
 }  // namespace ferrule

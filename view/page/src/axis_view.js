@@ -99,10 +99,13 @@ export class AxisView {
     cross(c, tx, ty, 0.7 * rem, colours.fibreEdge);
     if (read('bridge_on') > 0.5) bridge(c, tx, ty, cx, cy, radius, bore, colours.liquid);
 
-    for (const {at} of contacts(read)) {
-      // The place on the wall, in the direction that it has from the fibre's axis.
-      const dy = at[1] - read('tip_y_um'), dz = at[2] - read('tip_z_um'), r = Math.hypot(dy, dz);
-      if (r > 0) pane.contact(tx - radius * dz / r, ty - radius * dy / r, colours.contact, colours.ground);
+    for (const {place, at} of contacts(read)) {
+      // The place on the wall, in the direction that it has from the fibre's axis: of the end, or
+      // where that crosses the mouth.
+      const [x, y] = place === 0 ? [tx, ty] : [mx, my];
+      const centre = place === 0 ? {y: read('tip_y_um'), z: read('tip_z_um')} : crossing;
+      const dy = at[1] - centre.y, dz = at[2] - centre.z, r = Math.hypot(dy, dz);
+      if (r > 0) pane.contact(x - radius * dz / r, y - radius * dy / r, colours.contact, colours.ground);
     }
     const force = forceScale(read('limit_uN'), 0.9 * half);
     for (const {term, force: [, y, z]} of termForces(scene, read))
@@ -112,7 +115,7 @@ export class AxisView {
     pane.scaleBar(width - 0.8 * rem, height - 0.9 * rem, scale, colours);
     pane.font(0.85);
     pane.text(factor < 1.05 ? 'true scale' : `clearance \u00d7${factor < 10 ? factor.toFixed(1) : Math.round(factor)}`,
-        0.7 * rem, height - 0.8 * rem, colours.ink, colours.ground);
+        0.7 * rem, height - 0.8 * rem, colours.ink, colours.ferruleCut);
     axes(pane, 2.6 * rem, height - 2.6 * rem, colours, '', 'y', 'z');
   }
 }
@@ -142,8 +145,8 @@ export function axes(pane, x, y, colours, right, up, left) {
   const size = 1.7 * pane.rem, r = 0.35 * pane.rem;
   pane.font(0.85);
   pane.arrow(x, y, 0, -size, colours.soft, 0.1);
-  pane.text(up, x - r, y - size - r, colours.soft, colours.ground);
+  pane.text(up, x - r, y - size - r, colours.soft, colours.ferruleCut);
   const way = right ? 1 : -1;
   pane.arrow(x, y, way * size, 0, colours.soft, 0.1);
-  pane.text(right || left, x + way * (size + 0.5 * pane.rem), y + r, colours.soft, colours.ground, 'center');
+  pane.text(right || left, x + way * (size + 0.5 * pane.rem), y + r, colours.soft, colours.ferruleCut, 'center');
 }

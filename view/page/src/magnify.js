@@ -1,7 +1,6 @@
 // The magnification across the axis, the same from the side and along the axis: displacements are
 // drawn `scale` pixels a micrometre, and the fibre's radius no larger than fits, so that what is
 // left of the pane is play.
-import {round125} from './format.js';
 import {atMouth} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene */
@@ -34,10 +33,10 @@ export class Magnification {
       needed = Math.max(needed, Math.hypot(read('tip_y_um'), read('tip_z_um')), Math.hypot(mouth.y, mouth.z));
     }
     needed *= 1.15;
-    // In steps of 1, 2, 5, and with a reserve before it magnifies again: the picture holds still.
-    const step = 1 / round125(1 / needed);
-    if (!(this.range >= needed) || step * 2.4 < this.range || this.range === 0) this.range = step;
-    this.radius = Math.min(room * radius / (radius + this.range), 0.42 * room);
+    // In steps, and with a reserve before it magnifies again: the picture holds still.
+    const step = 10 ** (Math.ceil(10 * Math.log10(needed)) / 10);
+    if (!(this.range >= needed) || step * 1.9 < this.range) this.range = step;
+    this.radius = Math.min(room * radius / (radius + this.range), 0.38 * room);
     this.scale = (room - this.radius) / this.range;
     this.factor = this.scale * radius / this.radius;
   }

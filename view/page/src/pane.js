@@ -89,8 +89,8 @@ export class Pane {
     }
     c.stroke();
     this.font(0.85);
-    if (upright) this.text(length(um), x - 0.5 * this.rem, y - size / 2 + 0.3 * this.rem, colours.ink, colours.ground, 'right');
-    else this.text(length(um), x - size / 2, y - 0.45 * this.rem, colours.ink, colours.ground, 'center');
+    if (upright) this.text(length(um), x - 0.5 * this.rem, y - size / 2 + 0.3 * this.rem, colours.ink, colours.ferruleCut, 'right');
+    else this.text(length(um), x - size / 2, y - 0.45 * this.rem, colours.ink, colours.ferruleCut, 'center');
   }
 
   /** @param {number} x @param {number} y @param {string} colour @param {string} halo */

@@ -61,7 +61,7 @@ export class Readout {
       return {term, cells};
     };
     this.terms = scene.terms.map((term) => row(term, words(term)));
-    this.terms.push(row('hand', 'felt at the holder'));
+    this.terms.push(row('hand', 'at holder'));
   }
 
   /** @param {Read} read */
@@ -84,7 +84,7 @@ export class Readout {
     const period = read('period_us');
     put(this.loop, period > 0
       ? `${fixed(1e6 / period, 0)} Hz, worst ${fixed(read('worst_period_us') / 1e3, 2)} ms, missed ${fixed(read('missed'), 0)}; hand's energy ${fixed(1e6 * read('passivity_J'), 1)} \u00b5J`
-      : 'recorded: no loop in time');
+      : 'a replay, not in time');
   }
 }
 

@@ -47,7 +47,7 @@ export class Replay {
   }
 
   listRuns() {
-    const label = (/** @type {RecordedRun} */ run) => `${run.name}: ${words(run.outcome)}`;
+    const label = (/** @type {RecordedRun} */ run) => run.outcome ? `${run.name}: ${words(run.outcome)}` : run.name;
     this.choice.replaceChildren(...this.runs.map((run, i) => new Option(label(run), String(i))));
     this.overChoice.replaceChildren(new Option('nothing', ''), ...this.runs.map((run, i) => new Option(label(run), String(i))));
     this.choice.value = String(this.runs.indexOf(this.shown));

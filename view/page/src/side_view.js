@@ -63,7 +63,7 @@ export class SideView {
     line(c, goal, half - wall(g.bore_radius_um), goal, half + wall(g.bore_radius_um), colours.good, [0.35 * rem, 0.35 * rem]);
     line(c, X(0), half - wall(g.bore_radius_um), X(0), half + wall(g.bore_radius_um), colours.line, []);
     pane.font(0.85);
-    pane.text(`goal ${length(scene.success_depth_um)}`, Math.max(goal, 3 * rem), half + wall(g.bore_radius_um) + 1.3 * rem, colours.good, colours.ferruleCut, 'center');
+    pane.text(`goal ${length(scene.success_depth_um)}`, Math.max(goal, 3 * rem), half - wall(g.bore_radius_um) - 0.6 * rem, colours.good, colours.ferruleCut, 'center');
 
     const outline = (/** @type {Read} */ of, /** @type {number} */ bending) => {
       const steps = 48, most = Math.min(drawnLength(scene), high - of('tip_x_um') + 20);
@@ -128,10 +128,10 @@ export class SideView {
     pane.font(0.85);
     const ratio = scale / along;
     pane.text(`${Math.abs(ratio - 1) < 0.05 ? 'true scale' : `across ${ratio < 10 ? ratio.toFixed(1) : Math.round(ratio)} : 1 along`}; ${across.text()}` +
-        (g.free_length_um > 0 && bend !== 1 ? `; bending \u00d7${bend}` : ''), 0.7 * rem, height - 0.8 * rem, colours.ink, colours.ground);
+        (g.free_length_um > 0 && bend !== 1 ? `; bending \u00d7${bend}` : ''), 0.7 * rem, height - 0.8 * rem, colours.ink, colours.ferruleCut);
     axes(pane, 1.2 * rem, height - 2.6 * rem, colours, 'x', this.up, '');
     const arrow = round(read('limit_uN'));
-    pane.text(`arrow as long as this: ${arrow} \u00b5N`, width - 0.8 * rem - arrow * force - 0.6 * rem, 1.3 * rem, colours.ink, colours.ground, 'right');
+    pane.text(`arrow as long as this: ${arrow} \u00b5N`, width - 0.8 * rem - arrow * force - 0.6 * rem, 1.3 * rem, colours.ink, colours.ferruleCut, 'right');
     pane.arrow(width - 0.8 * rem - arrow * force, rem, arrow * force, 0, colours.ink, 0.12);
   }
 }

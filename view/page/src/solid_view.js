@@ -127,7 +127,7 @@ export class SolidView {
     this.bar = new LineSegments(new BufferGeometry().setFromPoints([
       new Vector3(0, 0, 0), new Vector3(bar, 0, 0), new Vector3(0, -8, 0), new Vector3(0, 8, 0), new Vector3(bar, -8, 0), new Vector3(bar, 8, 0),
     ]), new LineBasicMaterial({color: new Color(colours.ink), depthTest: false, transparent: true}));
-    this.bar.position.set(g.lead_in_length_um + 40, -outer * 0.72, 0);
+    this.bar.position.set(g.lead_in_length_um + 60, -outer * 0.66, 0);
     this.bar.renderOrder = 4;
     this.barText = length(bar);
     stage.add(this.bar);
@@ -162,6 +162,7 @@ export class SolidView {
       geometry.setIndex(g.lead_in_length_um > 0 ? [0, 1, last, 1, 3, last, 1, 2, 3] : [0, 1, 2, 0, 2, 3]);
       geometry.computeVertexNormals();
       stage.add(new Mesh(geometry, cut));
+      for (const p of points) p.z = 0.4;  // in front of the cut
       for (let i = 0; i + 1 < points.length; ++i) edges.push(points[i], points[i + 1]);
     }
     stage.add(new LineSegments(new BufferGeometry().setFromPoints(edges), new LineBasicMaterial({color: new Color(colours.ink)})));

@@ -24,7 +24,7 @@ export class Strips {
     this.shown = null;
     const rem = parseFloat(getComputedStyle(document.documentElement).fontSize);
     const font = `${0.78 * rem}px system-ui, sans-serif`;
-    const titles = ['velocity of the holder [\u00b5m/s]', 'force at the holder [\u00b5N]'];
+    const titles = ['velocity [\u00b5m/s]', 'force [\u00b5N]'];
     this.plots = this.places.map((place, which) => {
       const names = which === 0 ? ['v_x', 'v_y', 'v_z'] : ['F_x', 'F_y', 'F_z'];
       const axis = {
@@ -34,14 +34,14 @@ export class Strips {
       const line = (/** @type {string} */ label, /** @type {string} */ stroke, /** @type {number[]} */ dash, width = 0.11) =>
           ({label, stroke, dash, width: width * rem, points: {show: false}});
       const series = [colours.x, colours.y, colours.z].map((colour, i) => line(names[i], colour, kDashes[i]));
-      if (which === 1) series.push(line('limit', colours.alarm, [1, 0]));
+      if (which === 1) series.push(line('limit', colours.ink, [10, 4, 2, 4], 0.09));
       series.push(line('other', colours.ghost, [3, 3], 0.14));
       const plot = new uPlot({
         width: place.clientWidth || 300, height: place.clientHeight || 120,
         series: [{label: 't'}, ...series],
         axes: [
           {...axis, size: 1.7 * rem, space: 4 * rem, values: (_, splits) => splits.map((t) => `${Number(t.toFixed(3))} s`)},
-          {...axis, size: 3.2 * rem, label: titles[which], labelSize: 1.3 * rem, labelGap: 0, space: 1.8 * rem},
+          {...axis, values: (_, splits) => splits.map((x) => String(Number(x.toPrecision(6))).replace('-', '\u2212')), size: 3.2 * rem, label: titles[which], labelSize: 1.3 * rem, labelGap: 0, space: 1.8 * rem},
         ],
         scales: {x: {time: false}, y: {range: (_, low, high) => padded(low, high)}},
         legend: {show: false},
@@ -66,13 +66,15 @@ export class Strips {
    */
   show(table, other, begin, span) {
     const stride = Math.max(1, Math.floor((table.rows - begin) / kMostPoints));
-    const t = table.column('t_s', begin, stride);
+    // Over another run, the longer one decides how far time goes.
+    const t = other ? Float64Array.from({length: kMostPoints}, (_, i) => span[0] + (span[1] - span[0]) * i / (kMostPoints - 1))
+                    : table.column('t_s', begin, stride);
     const columns = [
       ['velocity_x_um_s', 'velocity_y_um_s', 'velocity_z_um_s'],
       ['force_x_uN', 'force_y_uN', 'force_z_uN', 'limit'],
     ];
     this.plots.forEach((plot, which) => {
-      const data = columns[which].map((name) => name === 'limit' ? this.limits(table, begin, stride) : table.column(name, begin, stride));
+      const data = columns[which].map((name) => name === 'limit' ? this.limits(table, begin, t) : other ? sampled(table, name, t) : table.column(name, begin, stride));
       const name = which === 0 ? 'velocity_x_um_s' : 'force_x_uN';
       data.push(other ? sampled(other, name, t) : new Float64Array(t.length).fill(NaN));
       // NaN draws nothing in uPlot as null does.
@@ -81,13 +83,12 @@ export class Strips {
     });
   }
 
-  /** The limit, where the force comes near it. @param {Table} table @param {number} begin @param {number} stride */
-  limits(table, begin, stride) {
-    const limit = table.column('limit_uN', begin, stride);
+  /** The limit, where the force comes near it. @param {Table} table @param {number} begin @param {Float64Array} t */
+  limits(table, begin, t) {
+    const limit = table.at(begin, 'limit_uN');
     let largest = 0;
-    for (const name of ['force_x_uN', 'force_y_uN', 'force_z_uN'])
-      for (const x of table.column(name, begin, stride)) largest = Math.max(largest, Math.abs(x));
-    return largest > 0.5 * limit[0] ? limit : limit.fill(NaN);
+    for (const x of table.column('force_uN', begin, 1)) largest = Math.max(largest, x);
+    return new Float64Array(t.length).fill(largest > 0.5 * limit ? limit : NaN);
   }
 
   /** Where the picture is in time. @param {number} t [s] */
