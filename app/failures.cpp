@@ -4,7 +4,7 @@
 
 #include "app/html.hpp"
 #include "sim/scene/draw.hpp"
-#include "view/page.hpp"
+#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -47,7 +47,7 @@ void add_failures(const Scene& scene, std::uint64_t seed, const TestedController
 
 std::string replay_section(const std::string& title, const std::vector<ReplayRun>& runs,
                            const std::vector<TrialMap>& maps) {
-  const std::optional<std::string> page = page_html();
+  const std::optional<std::string> page = built_page();
   if (!page) return "<p>No animated replay: " + escaped(kNoPage) + ".</p>\n";
   if (runs.empty()) return "";
   return "<iframe class=replay sandbox=\"allow-scripts\" title=\"" + escaped(title) +

@@ -39,9 +39,9 @@ void add_evaluate(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
+void add_view(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
-void add_view(CLI::App& app, Run& run);
 
 // --scene NAME|FILE and --set dotted.key=value. One rule for all verbs: a controller or a recording
 // brings its scene along, --scene takes another, and where there is neither it is `demo`.
@@ -128,7 +128,8 @@ struct Stopped {
 };
 void end_if_interrupted();  // throws Stopped
 
-// Progress of long work on a terminal: a bar with rate and time left; nothing elsewhere.
+// Progress of long work on a terminal: a bar with rate and time left; elsewhere nothing, or where the
+// environment says FERRULE_PROGRESS=lines, lines "progress DONE OF" on stderr.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);

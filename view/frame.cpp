@@ -48,18 +48,6 @@ std::vector<std::string> frame_columns() {
 FrameMaker::FrameMaker(const Scene& scene, const ForceSensor& sensor, double period) noexcept
     : scene_(scene), scaling_(scene_scaling(scene)), sensed_(scaling_, sensor, period) {}
 
-Phase FrameMaker::phase(const State& state, const std::optional<Outcome>& seen) noexcept {
-  if (seen == Outcome::jam) return Phase::jammed;
-  seated_ = seated_ || seen == Outcome::inserted;
-  if (seated_) return Phase::seated;
-  const bool end = state.contact[kEnd].closed, side = state.contact[kSide].closed;
-  if (end && state.side == EdgeSide::face) return Phase::face;
-  if (end && state.tip[0] > 0) return Phase::cone;
-  if (end && side) return Phase::two_point;
-  if (end || side) return Phase::one_point;
-  return state.tip[0] < 0 ? Phase::in_bore : Phase::approach;
-}
-
 Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noexcept {
   const StepResult result = step_of(row);
   const State& state = result.state;
@@ -103,7 +91,7 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
   for (const Term term : kAllTerms) put_micro(result.forces.force(term));
   put(state.bridge);
   put(slips);
-  put(static_cast<double>(phase(state, seen)));
+  put(static_cast<double>(phase_.after(state, seen)));
   const InsertionSummary& now = watch_->summary();
   put(joint_loss_dB(now.offset, now.tilt));
   put(kMicro * now.offset);

@@ -20,7 +20,7 @@
 //                              positive; 0 where it does not
 //   <term>_*                   force on the fibre, of each term that there is (kTermNames)
 //   bridge_on, slip_on         1 while liquid spans the gap; where a contact slipped in this row
-//   phase                      place in kPhases
+//   phase                      place in kPhases (insertion/phase.hpp)
 //   loss_dB, _offset, _tilt    of the joint, were it to end here (controller/joint_loss.hpp)
 //   period, worst_period, missed, passivity   how the loop does (LoopHealth)
 #pragma once
@@ -29,17 +29,11 @@
 #include <vector>
 
 #include "capture/row.hpp"
+#include "insertion/phase.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/sensed_wrench.hpp"
-#include "insertion/watch.hpp"
 
 namespace ferrule {
-
-// How far an insertion is: in front of the ferrule; touching its face, the cone of its lead-in; in
-// the bore touching nothing, with one place, with both; deep enough; wedged.
-enum class Phase { approach, face, cone, in_bore, one_point, two_point, seated, jammed };
-inline constexpr std::array kPhases = {"approach",  "face",      "cone",   "in_bore",
-                                       "one_point", "two_point", "seated", "jammed"};
 
 inline constexpr int kFrameColumns = 42 + 3 * static_cast<int>(kTerms);
 using Frame = std::array<float, kFrameColumns>;
@@ -63,14 +57,12 @@ class FrameMaker {
   Frame operator()(const RowVector& row, const LoopHealth& health = {}) noexcept;
 
  private:
-  Phase phase(const State& state, const std::optional<Outcome>& seen) noexcept;
-
   const Scene& scene_;
   Scaling scaling_;
   SensedWrench sensed_;
   std::optional<InsertionWatch> watch_;  // since the first row
   std::array<ContactState, kContactPlaces> contact_before_;
-  bool seated_ = false;
+  PhaseWatch phase_;
 };
 
 // What a page draws of a scene: {"name", "about", "geometry", "limits": {"force_uN", "speed_um_s",
