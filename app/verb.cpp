@@ -59,6 +59,12 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& unless_given) {
       ->take_all();
 }
 
+std::string SceneArguments::given() const {
+  std::string text = scene.empty() ? "" : " --scene " + scene;
+  for (const std::string& setting : settings) text += " --set '" + setting + "'";
+  return text;
+}
+
 Scene SceneArguments::load() const {
   for (const std::string& setting : settings) refuse_unknown_key(setting);
   if (settings.empty()) return load_scene(name());

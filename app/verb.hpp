@@ -52,6 +52,8 @@ struct SceneArguments {
   // `unless_given`: which one it is then, for the help.
   void add_to(CLI::App& verb, const std::string& unless_given = "demo");
   std::string name() const { return scene.empty() ? "demo" : scene; }
+  // As they were given, for a command that is shown: each after a space.
+  std::string given() const;
   // What --scene and --set say alone, not planned. Throws BadInput, FileTrouble.
   Scene load() const;
   // Throws BadInput, FileTrouble.
