@@ -34,7 +34,7 @@ export class Hand {
 
   /** @param {KeyboardEvent} event @param {boolean} down */
   key(event, down) {
-    if (event.key === 'Alt') this.slow = down;
+    if (event.code === 'KeyF') this.slow = down && !typing(event.target);
     const way = keyWay(event);
     if (!way) {
       if (!down && event.key === 'Shift') this.keys.clear();  // arrows change their meaning
