@@ -38,9 +38,10 @@ const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 /**
  * Inserts a fibre by looking at the picture's numbers: aligns it, then pushes. `steer` is told the
  * ways wanted (y, z, x; -1, 0, 1) and whether they are to be small.
+ * `stop` ends the try.
  * @param {Page} page @param {(way: {x: number, y: number, z: number}, fine: boolean) => Promise<void>} steer
  */
-async function insert(page, steer) {
+async function insert(page, steer, stop = () => page.keyboard.press('Enter')) {
   for (const begin = Date.now(); Date.now() - begin < 100_000;) {
     if (!await page.evaluate(() => globalThis.ferrule.session.running)) break;
     if (await page.locator('#phase').getAttribute('data-phase') === 'seated') break;
@@ -53,7 +54,7 @@ async function insert(page, steer) {
     await pause(15);
   }
   await steer({x: 0, y: 0, z: 0}, false);
-  await page.keyboard.press('Enter');
+  await stop();
 }
 
 /** The only episode in `out` is an insertion, whole, and verifies. @param {string} out */
@@ -138,7 +139,12 @@ check('live: inserts by a gamepad alone', async () => {
   const server = await view('--scene', 'demo', '--seed', '6', '--out', out);
   const {page, amiss} = await open(server.address, {script: kGamepad});
   await ready(page);
-  await page.keyboard.press('Enter');
+  const press = () => page.evaluate(async () => {
+    globalThis.testPad.buttons[0].pressed = true;
+    await new Promise((done) => setTimeout(done, 300));
+    globalThis.testPad.buttons[0].pressed = false;
+  });
+  await press();
   await page.waitForFunction(() => globalThis.ferrule.session.running);
   await insert(page, (way, fine) => page.evaluate(([x, y, z, share]) => {
     const pad = globalThis.testPad;
@@ -146,7 +152,7 @@ check('live: inserts by a gamepad alone', async () => {
     pad.axes[1] = -y * share;
     pad.buttons[7].value = x < 0 ? 0.8 : 0;
     pad.buttons[6].value = x > 0 ? 0.8 : 0;
-  }, [way.x, way.y, way.z, fine ? 0.25 : way.x ? 0.2 : 0.8]));
+  }, [way.x, way.y, way.z, fine ? 0.25 : way.x ? 0.2 : 0.8]), press);
   await page.waitForSelector('#ended:not([hidden])');
   await page.close();
   await server.end();
@@ -205,6 +211,7 @@ check('a failed trial that is clicked in the map plays and ends with its outcome
   assert.equal(await frame.evaluate(() => globalThis.ferrule.replay.shown.outcome), outcome);
   assert.deepEqual(await violations(page), []);
   await page.setViewportSize({width: 1500, height: 1100});
+  await pause(1500);
   await page.screenshot({path: join(pictures, 'report.png')});
   await page.close();
   assert.deepEqual(amiss, []);

@@ -257,7 +257,8 @@ class Page {
   frameLive(now) {
     const live = this.live;
     if (!live) return;
-    live.hand(this.hand.velocity(), this.hand.buttons);
+    if (this.hand.started()) this.session?.toggle();
+    live.hand(this.hand.velocity());
     if (!live.newest?.rows || !live.history) return;
     const read = live.newest.read(0);
     this.draw(read, null);

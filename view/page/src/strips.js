@@ -47,7 +47,7 @@ export class Strips {
         scales: {x: {time: false}, y: {range: (_, low, high) => padded(low, high)}},
         legend: {show: false},
         cursor: {show: false},
-        padding: [0.5 * rem, 0.6 * rem, 0, 0],
+        padding: [0.5 * rem, 1.5 * rem, 0, 0],
         hooks: {draw: [(plot) => this.mark(plot, colours)]},
       }, [[], ...series.map(() => [])], place));
       plot.over.addEventListener('click', (event) => this.pick(plot.posToVal(event.offsetX, 'x')));
