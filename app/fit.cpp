@@ -69,7 +69,9 @@ Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArg
                          });
   } catch (const BadInput& error) {
     if (interrupted()) throw Stopped();
-    throw BadInput(fmt::format("{}: {}", fmt::join(a.places, " "), error.what()));
+    throw BadInput(fmt::format(
+        "{}: {}", a.places.size() == 1 ? a.places[0] : fmt::format("{} places", a.places.size()),
+        error.what()));
   }
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "app/status_line.hpp"
 #include "app/verb.hpp"
 #include "insertion/hand_device.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -116,13 +117,17 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
   }
   Recorder recorder(std::move(place.claim), info);
   bool discard = false, last = false;
+  std::optional<StatusLine> status(std::in_place, scene);
   const auto [end, timing] = run_in_time(
       scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial),
       {.scaling = scene_scaling(scene),
        .period = info.period,
        .past_success = true,
        .feedback = feedback ? &*feedback : nullptr},
-      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
+      [&](const RowVector& row, const RawCounts& counts) {
+        recorder.add(row, counts);
+        (*status)(row);
+      },
       [&] {
         const char key = keys.pressed();
         discard = discard || key == 'd';
@@ -131,6 +136,7 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
       },
       interrupted);
   hand.reset();  // disables the motors before anything is asked
+  status.reset();
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
     fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");
   Recorded recorded{{}, end, info.period, timing};

@@ -15,13 +15,6 @@ double normal_force(const Laws& laws, const ContactState& contact) noexcept {
   return push + adhesion_force(laws, contact.depth, contact.branch).force;
 }
 
-// Smallest gap between fibre and bore, as if the bore went on in front of its mouth [m].
-double smallest_gap(const World& world, const State& state) noexcept {
-  const Vector2d end = state.tip.segment<2>(1);
-  const Vector2d mouth = end + state.inserted_length() * state.tip.tail<2>();
-  return world.annulus.clearance() - std::max(end.norm(), mouth.norm());
-}
-
 }  // namespace
 
 std::vector<std::string> frame_columns() {

@@ -2,6 +2,8 @@
 
 #include <filesystem>
 
+#include "sim/scene/data_folder.hpp"
+
 namespace ferrule {
 
 namespace fs = std::filesystem;
@@ -12,8 +14,7 @@ const char* const kNoPage =
 
 std::optional<std::string> built_page() {
   std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  fs::path file = program.parent_path().parent_path() / FERRULE_PAGE_INSTALLED;
+  fs::path file = fs::path(data_folder()) / "page.html";
   if (!fs::exists(file, error)) file = FERRULE_PAGE_BUILT;
   if (!fs::exists(file, error)) return std::nullopt;
   return read_text(file.string());
