@@ -273,9 +273,8 @@ void write_report(const CompareArguments& a, const Scene& scene, const Found& fo
                      replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) +
                      "</pre>\n" + figure(misalignment_plot(rings), "") + maps_drawn;
   if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
-  write_text(
-      a.plot + "/report.html",
-      html + "<p>" + escaped(provenance.head() + provenance.foot()) + "</p>\n</body></html>\n");
+  write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
+                                          escaped(provenance.foot()) + "</p>\n</body></html>\n");
 }
 
 std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set) {

@@ -117,9 +117,8 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
     if (const auto comparison = compared(all[0], all[1])) text += to_text(*comparison);
   write_text(a.report, html_head("ferrule: trials") + "<h1>Trials of " + escaped(all[0].name) +
                            "</h1>\n" + replay_section("trials that failed", runs, maps) + "<pre>" +
-                           escaped(text) + "</pre>\n<p>" +
-                           escaped(provenance.head() + provenance.foot()) +
-                           "</p>\n</body></html>\n");
+                           escaped(text) + "</pre>\n<p>" + escaped(provenance.head()) +
+                           "</p>\n<p>" + escaped(provenance.foot()) + "</p>\n</body></html>\n");
   fmt::print(stderr, "the report is {}\n", a.report);
 }
 

@@ -259,6 +259,8 @@ Json replay_json(const std::string& title, const std::vector<ReplayRun>& runs,
   Json json = {{"mode", "replay"},           {"title", title},    {"scene", scene},
                {"columns", frame_columns()}, {"phases", kPhases}, {"runs", Json::array()}};
   for (const ReplayRun& run : runs) json["runs"].push_back(to_json(run, scene));
+  if (maps.empty() && runs.size() == 2 && runs[0].frames.front() == runs[1].frames.front())
+    json["over"] = 1;  // from one start
   if (!maps.empty()) json["maps"] = Json::array();
   for (const TrialMap& map : maps) json["maps"].push_back(to_json(map));
   return json;

@@ -4,6 +4,7 @@
 //   [{"name", "outcome", "why", "rows": base64 of float32, little endian, row by row, "count",
 //     "events": [{"t_s", "row", "kind": contact|bridge|slip|jam|limit|seated|end, "text"}],
 //     "scene" where it is not that of all}],
+//   "over": place of the run to be laid over the first, where both began alike,
 //   "maps": [{"title", "command", "points": [{"trial", "y_um", "z_um", "outcome",
 //     "run": place in "runs", where it is there}]}]}
 #pragma once

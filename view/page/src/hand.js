@@ -19,7 +19,7 @@ export class Hand {
     this.drag = [0, 0, 0];
     this.wheel = {share: 0, until: 0};
     this.slow = false;
-    this.buttons = 0;
+    this.pressed = false;  // of the gamepad, A or Start
     addEventListener('keydown', (event) => this.key(event, true));
     addEventListener('keyup', (event) => this.key(event, false));
     addEventListener('blur', () => this.letGo());
@@ -34,7 +34,7 @@ export class Hand {
 
   /** @param {KeyboardEvent} event @param {boolean} down */
   key(event, down) {
-    if (event.key === 'Alt') this.slow = down;
+    if (event.code === 'KeyF') this.slow = down && !typing(event.target);
     const way = keyWay(event);
     if (!way) {
       if (!down && event.key === 'Shift') this.keys.clear();  // arrows change their meaning
@@ -103,12 +103,18 @@ export class Hand {
     return null;
   }
 
+  /** Whether A or Start of the gamepad went down since the last time: it starts and stops. */
+  started() {
+    const pad = this.gamepad(), before = this.pressed;
+    this.pressed = pad !== null && [0, 9].some((i) => pad.buttons[i]?.pressed === true);
+    return this.pressed && !before;
+  }
+
   /** @returns {Share | null} */
   pad() {
     const pad = this.gamepad();
     if (!pad) return null;
     const trigger = (/** @type {number} */ i) => pad.buttons[i]?.value ?? 0;
-    this.buttons = pad.buttons.reduce((bits, button, i) => bits | (button.pressed && i < 16 ? 1 << i : 0), 0);
     const stick = (/** @type {number} */ i) => dead(pad.axes[i] ?? 0);
     return [trigger(6) - trigger(7) + stick(3), -stick(1), -stick(0)];
   }

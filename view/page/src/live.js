@@ -72,6 +72,7 @@ export class Live {
     if (columns !== this.history.columns.length || packet.byteLength < 16 + 4 * rows * columns || rows === 0) return;
     const data = new Float32Array(packet, 16, rows * columns);
     if (kind === 2) {
+      if (rows === 1 && data[0] === 0) return;  // at rest, before a try: the strips keep the last one
       const [, last] = this.history.span();
       if (this.history.rows && data[0] < last - 1e-6) this.history.clear();  // another insertion
       this.history.append(data);
@@ -88,16 +89,16 @@ export class Live {
     if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
   }
 
-  /** @param {[number, number, number]} v @param {number} buttons */
-  hand(v, buttons) {
+  /** @param {[number, number, number]} v */
+  hand(v) {
     const now = performance.now();
-    const active = v.some((x) => x !== 0) || buttons !== 0;
+    const active = v.some((x) => x !== 0);
     if (!active && now - this.said < kSilent) return;
     this.said = now;
     ++this.seq;
     this.sent.set(this.seq, now);
     this.sent.delete(this.seq - 600);
-    this.send({type: 'hand', v: v.map((x) => Math.round(x * 1e4) / 1e4), buttons, seq: this.seq, t: Math.round(now)});
+    this.send({type: 'hand', v: v.map((x) => Math.round(x * 1e4) / 1e4), buttons: 0, seq: this.seq, t: Math.round(now)});
   }
 
   /** The newest row is on the screen. */

@@ -10,6 +10,7 @@ import {embedded} from './recording.js';
 import {Replay} from './replay.js';
 import {Session} from './session.js';
 import {SideView} from './side_view.js';
+import {software} from './software.js';
 import {SolidView} from './solid_view.js';
 import {Sound} from './sound.js';
 import {Strips} from './strips.js';
@@ -19,7 +20,8 @@ import {colours, watchTheme} from './theme.js';
  * @typedef {import('./table.js').Read} Read */
 
 const kStripSeconds = 8;
-const kStripPeriod = 100;  // between pictures of the strips while they run [ms]
+const kStripPeriod = software ? 200 : 100;  // between pictures of the strips while they run [ms]
+const kSolidPeriod = 66;   // and of 3-D where software renders it
 const kBends = [1, 10, 100, 1000];
 
 class Page {
@@ -41,10 +43,13 @@ class Page {
     this.session = null;
     /** @type {Scene | null} */
     this.scene = null;
+    /** @type {string[]} */
+    this.phases = [];
     this.colours = colours();
     this.bend = 1;
     this.signature = '';
     this.stripped = 0;
+    this.solidDrawn = 0;
     this.rumbled = 0;
     this.before = performance.now();
     this.frames = {count: 0, since: performance.now(), rate: NaN};
@@ -146,13 +151,18 @@ class Page {
     event.preventDefault();
   }
 
+  /** Whether another picture follows at once. */
+  get moving() {
+    return this.live !== null || this.replay?.playing === true;
+  }
+
   redraw() {
     this.signature = '';
   }
 
   /** @param {Scene} scene @param {string[]} phases */
   use(scene, phases) {
-    if (this.scene !== scene) {
+    if (JSON.stringify(this.scene) !== JSON.stringify(scene)) {
       this.scene = scene;
       byId('scene', HTMLElement).textContent = `scene ${scene.name}`;
       byId('scene', HTMLElement).title = scene.about;
@@ -177,14 +187,17 @@ class Page {
     };
     this.strips.build(this.colours);
     const replay = this.replay = new Replay(recorded, strips);
-    const maps = recorded.maps ?? (recorded.map ? [recorded.map] : []);
+    const maps = recorded.maps ?? [];
     byId('tab-map', HTMLElement).hidden = maps.length === 0;
     if (maps.length) new FailureMap((point, map) => void replay.watch(point, map)).set(maps);
     if (maps.length) choose(byId('tab-map', HTMLElement));
     addEventListener('resize', strips);
     byId('theme', HTMLButtonElement).addEventListener('click', strips);
     matchMedia('(prefers-color-scheme: dark)').addEventListener('change', strips);
-    if (this.replay.runs.length) void this.replay.show(this.replay.runs[0], document.body.dataset.autoplay !== 'no');
+    if (this.replay.runs.length) {
+      void this.replay.show(this.replay.runs[0], !matchMedia('(prefers-reduced-motion: reduce)').matches);
+      if (recorded.over !== undefined && this.replay.runs[recorded.over]) void this.replay.lay(this.replay.runs[recorded.over]);
+    }
     else this.replay.say('There is nothing recorded here.');
   }
 
@@ -194,10 +207,12 @@ class Page {
     choose(byId('tab-session', HTMLElement));
     const live = this.live = new Live({
       hello: (hello) => {
+        this.phases = hello.phases;
         this.use(hello.scene, hello.phases);
         document.title = `ferrule: ${hello.scene.name}`;
       },
       message: (message) => {
+        if (message.type === 'state_of_session' && message.scene) this.use(/** @type {Scene} */ (message.scene), this.phases);
         if (session.take(message)) return;
         if (message.type === 'error') byId('said', HTMLElement).textContent = String(message.text);
       },
@@ -227,10 +242,13 @@ class Page {
     replay.advance(elapsed);
     const {table} = replay.shown, row = replay.row;
     const other = replay.over?.loaded ? replay.over.table : null;
-    const signature = `${replay.runs.indexOf(replay.shown)}:${row}:${replay.over ? replay.runs.indexOf(replay.over) : ''}`;
+    const signature = `${replay.runs.indexOf(replay.shown)}:${row}:${replay.playing}:${replay.over ? replay.runs.indexOf(replay.over) : ''}`;
     if (signature === this.signature) return;
     this.signature = signature;
     this.draw(table.read(row), other ? other.read(other.rowAt(replay.t)) : null);
+    const now = performance.now();
+    if (replay.playing && now - this.stripped < kStripPeriod) return;
+    this.stripped = now;
     this.strips.resize();
     this.strips.point(replay.t);
   }
@@ -239,11 +257,13 @@ class Page {
   frameLive(now) {
     const live = this.live;
     if (!live) return;
-    live.hand(this.hand.velocity(), this.hand.buttons);
+    if (this.hand.started()) this.session?.toggle();
+    live.hand(this.hand.velocity());
     if (!live.newest?.rows || !live.history) return;
     const read = live.newest.read(0);
     this.draw(read, null);
     live.drawn();
+    if (this.phases[read('phase')] === 'seated' && read('t_s') > 0) this.session?.seated();
     if (now - this.rumbled > 60) {
       this.rumbled = now;
       this.hand.rumble(touching(read) ? read('force_uN') / read('limit_uN') : 0);
@@ -258,7 +278,11 @@ class Page {
   /** @param {Read} read @param {Read | null} other */
   draw(read, other) {
     if (!this.scene) return;
-    this.solid?.draw(read, other, this.bend);
+    const now = performance.now();
+    if (this.solid && (!software || now - this.solidDrawn >= kSolidPeriod || !this.moving)) {
+      this.solidDrawn = now;
+      this.solid.draw(read, other, this.bend);
+    }
     this.side.draw(this.scene, read, other, this.sideAcross, this.bend, this.colours);
     this.axis.draw(this.scene, read, other, this.axisAcross, this.colours);
     this.readout.draw(read);
@@ -299,14 +323,14 @@ function choose(tab) {
 async function main() {
   const page = new Page();
   Object.assign(globalThis, {ferrule: page});  // for a console
-  const file = embedded();
-  if (file) page.startReplay(file);
-  else {
-    const served = location.protocol.startsWith('http') ? await fetch('recorded') : null;
-    if (served?.ok) page.startReplay(await served.json());
-    else if (served) page.startLive();
-    else byId('said', HTMLElement).textContent = 'This file holds no recording.';
-  }
+  const recorded = embedded();
+  if (recorded === 'served') {
+    const answer = await fetch('recorded');
+    if (answer.ok) page.startReplay(await answer.json());
+    else byId('said', HTMLElement).textContent = await answer.text();
+  } else if (recorded) page.startReplay(recorded);
+  else if (location.protocol.startsWith('http')) page.startLive();
+  else byId('said', HTMLElement).textContent = 'This file holds no recording.';
   page.frame(performance.now());
 }
 

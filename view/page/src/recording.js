@@ -14,7 +14,7 @@ import {Table} from './table.js';
  * @typedef {{trial: number, y_um: number, z_um: number, outcome: string, run?: number}} MapPoint
  * @typedef {{title: string, command: string, points: MapPoint[]}} MapJson
  * @typedef {{mode: 'replay', title?: string, scene: Scene, columns: string[], phases: string[],
- *   runs: RunJson[], map?: MapJson, maps?: MapJson[]}} RecordedJson
+ *   runs: RunJson[], maps?: MapJson[], over?: number}} RecordedJson
  */
 
 /** One insertion that is over. */
@@ -44,7 +44,7 @@ export function floats(base64) {
   return new Float32Array(bytes.buffer, 0, bytes.length >> 2);
 }
 
-/** What an exported file holds; null in a page that is served. @returns {RecordedJson | null} */
+/** What an exported file holds; 'served' where the program has it; null where there is nothing. @returns {RecordedJson | 'served' | null} */
 export function embedded() {
   const text = document.getElementById('recorded')?.textContent?.trim();
   return text ? JSON.parse(text) : null;

@@ -11,6 +11,7 @@ export class Session {
   constructor(send) {
     this.send = send;
     this.running = false;
+    this.said = false;  // that it is inserted
     this.start = byId('start', HTMLButtonElement);
     this.discard = byId('discard', HTMLButtonElement);
     this.state = byId('session-state', HTMLElement);
@@ -22,7 +23,6 @@ export class Session {
     this.insert = byId('insert', HTMLButtonElement);
     this.progress = byId('fit-progress', HTMLProgressElement);
     this.fitText = byId('fit-text', HTMLElement);
-    this.controller = '';
     /** @type {Set<string>} */
     this.left = new Set();
     /** @type {Episode[]} */
@@ -33,7 +33,13 @@ export class Session {
       star.addEventListener('change', () => send({type: 'rate', stars: Number(star.value)}));
     this.fit.addEventListener('click', () =>
       send({type: 'fit', episodes: this.episodes.filter((e) => !this.left.has(e.file)).map((e) => e.file)}));
-    this.insert.addEventListener('click', () => send({type: 'insert', controller: this.controller}));
+    this.insert.addEventListener('click', () => send({type: 'insert'}));
+  }
+
+  /** The fibre is as deep as was asked for: the person says when it is enough. */
+  seated() {
+    if (this.running && !this.said) this.state.textContent = 'inserted: press Stop (Enter)';
+    this.said = true;
   }
 
   toggle() {
@@ -57,15 +63,14 @@ export class Session {
     this.running = message.running === true;
     this.start.textContent = this.running ? 'Stop' : 'Start';
     this.start.dataset.running = String(this.running);
-    this.discard.disabled = this.running && message.episode === undefined;
-    const device = typeof message.device === 'string' ? message.device : '';
-    const automatic = device && device !== 'browser' && device.endsWith('.json');
-    this.state.textContent = this.running
-      ? `episode ${String(message.episode ?? '')}, ${automatic ? `inserted by ${device}` : `hand: ${device}`}`
-      : 'ready: press Start (Enter)';
+    this.insert.disabled = message.can_insert !== true;
+    this.rating.hidden = message.can_rate !== true;
+    const trial = message.trial === undefined ? '' : `, start ${String(message.trial)}`;
+    this.state.textContent = !this.running ? `ready: press Start (Enter)${trial}`
+      : message.what === 'insert' ? `the learned controller inserts${trial}` : `your try${trial}`;
     if (this.running && !was) {
+      this.said = false;
       this.ended.hidden = true;
-      this.rating.hidden = true;
       for (const star of this.rating.querySelectorAll('input')) star.checked = false;
     }
     return true;
@@ -73,17 +78,20 @@ export class Session {
 
   /** @param {Message} message */
   end(message) {
-    const score = /** @type {Record<string, number> | null} */ (message.score ?? null);
-    this.ended.replaceChildren(element('strong', words(String(message.outcome))));
+    const score = /** @type {{total?: number, parts?: Record<string, number | null>} | null} */ (message.score ?? null);
+    const who = message.what === 'insert' ? 'the controller: ' : '';
+    const took = typeof message.time_s === 'number' ? `, ${fixed(message.time_s, 1)} s` : '';
+    const peak = typeof message.peak_force_uN === 'number' ? `, at most ${fixed(message.peak_force_uN, 1)} \u00b5N` : '';
+    this.ended.replaceChildren(element('strong', `${who}${words(String(message.outcome))}${took}${peak}`));
+    if (message.why) this.ended.append(element('span', String(message.why)));
     if (score && typeof score.total === 'number') {
       this.ended.append(element('span', `score ${fixed(score.total, 1)} of 100`, 'score'));
-      const parts = Object.entries(score).filter(([name, value]) => name !== 'total' && typeof value === 'number');
-      if (parts.length) this.ended.append(element('span', parts.map(([name, value]) => `${words(name)} ${fixed(value, 1)}`).join(', '), 'parts'));
+      const parts = Object.entries(score.parts ?? {}).filter(([, value]) => typeof value === 'number');
+      if (parts.length) this.ended.append(element('span', parts.map(([name, value]) => `${words(name)} ${fixed(100 * Number(value), 0)}`).join(' \u00b7 '), 'parts'));
     }
     if (message.hint) this.ended.append(element('span', String(message.hint), 'hint'));
     this.ended.dataset.good = String(message.outcome === 'inserted');
     this.ended.hidden = false;
-    this.rating.hidden = !message.file;
     return true;
   }
 
@@ -112,7 +120,6 @@ export class Session {
 
   enable() {
     this.fit.disabled = !this.episodes.some((e) => e.outcome === 'inserted' && !this.left.has(e.file));
-    this.insert.disabled = this.controller === '';
   }
 
   drawCurve() {
@@ -141,7 +148,6 @@ export class Session {
     this.progress.hidden = message.state !== 'running';
     this.progress.value = Number(message.progress) || 0;
     this.fitText.textContent = String(message.text ?? '') || (message.state === 'running' ? 'fitting \u2026' : String(message.state));
-    if (message.state === 'done' && typeof message.controller === 'string') this.controller = message.controller;
     this.fit.disabled = message.state === 'running';
     if (message.state !== 'running') this.enable();
     return true;

@@ -6,6 +6,7 @@ import {
   WebGLRenderer,
 } from 'three';
 import {length, round125} from './format.js';
+import {software} from './software.js';
 import {contacts, drawnLength, fibreAt, filledWithLiquid, termForces} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
@@ -19,7 +20,7 @@ export class SolidView {
   constructor(canvas, note) {
     this.canvas = canvas;
     this.note = note;
-    this.renderer = new WebGLRenderer({canvas, antialias: true, alpha: true, powerPreference: 'low-power'});
+    this.renderer = new WebGLRenderer({canvas, antialias: !software, alpha: true, powerPreference: 'low-power'});
     this.camera = new PerspectiveCamera(28, 1, 5, 60000);
     /** @type {Stage | null} */
     this.stage = null;
@@ -183,8 +184,8 @@ export class SolidView {
     if (!stage || !scene || !this.fibreGeometry || !this.otherGeometry) return;
     const width = canvas.clientWidth, height = canvas.clientHeight;
     if (width < 8 || height < 8) return;
-    // Software renders a 4K pane at half of it and still looks sharp.
-    const ratio = Math.min(devicePixelRatio || 1, 1400 / Math.max(width, height));
+    // What software renders is no larger than it can at 4K.
+    const ratio = Math.min(devicePixelRatio || 1, (software ? 700 : 2800) / Math.max(width, height));
     const size = this.renderer.getSize(new Vector2());
     if (size.x !== width || size.y !== height || this.renderer.getPixelRatio() !== ratio) {
       this.renderer.setPixelRatio(ratio);

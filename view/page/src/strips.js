@@ -1,5 +1,6 @@
 // Velocity and force over time, in the manner of the paper's Fig. 10 (uPlot).
 import uPlot from 'uplot';
+import {withFasterCanvas} from './software.js';
 
 /** @typedef {import('./table.js').Table} Table @typedef {import('./theme.js').Colours} Colours */
 
@@ -36,7 +37,7 @@ export class Strips {
       const series = [colours.x, colours.y, colours.z].map((colour, i) => line(names[i], colour, kDashes[i]));
       if (which === 1) series.push(line('limit', colours.ink, [10, 4, 2, 4], 0.09));
       series.push(line('other', colours.ghost, [3, 3], 0.14));
-      const plot = new uPlot({
+      const plot = withFasterCanvas(() => new uPlot({
         width: place.clientWidth || 300, height: place.clientHeight || 120,
         series: [{label: 't'}, ...series],
         axes: [
@@ -46,9 +47,9 @@ export class Strips {
         scales: {x: {time: false}, y: {range: (_, low, high) => padded(low, high)}},
         legend: {show: false},
         cursor: {show: false},
-        padding: [0.5 * rem, 0.6 * rem, 0, 0],
+        padding: [0.5 * rem, 1.5 * rem, 0, 0],
         hooks: {draw: [(plot) => this.mark(plot, colours)]},
-      }, [[], ...series.map(() => [])], place);
+      }, [[], ...series.map(() => [])], place));
       plot.over.addEventListener('click', (event) => this.pick(plot.posToVal(event.offsetX, 'x')));
       return plot;
     });
