@@ -22,6 +22,7 @@ import {colours, watchTheme} from './theme.js';
 const kStripSeconds = 8;
 const kStripPeriod = software ? 200 : 100;  // between pictures of the strips while they run [ms]
 const kSolidPeriod = 66;   // and of 3-D where software renders it
+const kHandPeriod = 16;    // between words of the hand [ms]
 const kBends = [1, 10, 100, 1000];
 
 class Page {
@@ -223,6 +224,11 @@ class Page {
       },
     });
     const session = this.session = new Session((message) => live.send(message));
+    // Not with the pictures: where they are slow the hand is not silent.
+    setInterval(() => {
+      if (this.hand.started()) session.toggle();
+      live.hand(this.hand.velocity());
+    }, kHandPeriod);
   }
 
   /** @param {number} now */
@@ -257,8 +263,6 @@ class Page {
   frameLive(now) {
     const live = this.live;
     if (!live) return;
-    if (this.hand.started()) this.session?.toggle();
-    live.hand(this.hand.velocity());
     if (!live.newest?.rows || !live.history) return;
     const read = live.newest.read(0);
     this.draw(read, null);
