@@ -37,8 +37,7 @@ const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
 /**
  * Inserts a fibre by looking at the picture's numbers: aligns it, then pushes. `steer` is told the
- * ways wanted (y, z, x; -1, 0, 1) and whether they are to be small.
- * `stop` ends the try.
+ * ways wanted (y, z, x; -1, 0, 1) and whether they are to be small; `stop` ends the try.
  * @param {Page} page @param {(way: {x: number, y: number, z: number}, fine: boolean) => Promise<void>} steer
  */
 async function insert(page, steer, stop = () => page.keyboard.press('Enter')) {
@@ -256,6 +255,7 @@ check('pictures at both sizes in both themes', async () => {
       const {page, amiss} = await open('file://' + file, {width, height, theme});
       await page.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
       await page.locator('#scrub').fill('12.4');
+      await page.locator('#scrub').blur();
       await pause(600);
       const cut = await page.evaluate(() => [...document.querySelectorAll('header *, footer *, #numbers *, .gauge-row *')]
           .filter((e) => e instanceof HTMLElement && e.checkVisibility() && (e.getBoundingClientRect().right > innerWidth + 1 || e.getBoundingClientRect().bottom > innerHeight + 1)).map((e) => e.outerHTML.slice(0, 80)));
