@@ -1,5 +1,6 @@
 #include "view/server.hpp"
 
+#include <fmt/format.h>
 #include <sys/random.h>
 #include <sys/resource.h>
 
@@ -131,7 +132,7 @@ class Server::Work {
   void make_room();
   std::optional<Response> refusal(const Request& request) const;
   std::string_view path_of(const Request& request) const;  // after the token; null without it
-  void pass(SharedPayload payload);
+  void pass(const SharedPayload& payload);
 
   Served served_;
   std::string token_ = random_token();
@@ -456,10 +457,10 @@ std::string_view Server::Work::path_of(const Request& request) const {
 }
 
 void Server::Work::send(SharedPayload payload) {
-  asio::post(io_, [this, payload = std::move(payload)]() mutable { pass(std::move(payload)); });
+  asio::post(io_, [this, payload = std::move(payload)] { pass(payload); });
 }
 
-void Server::Work::pass(SharedPayload payload) {
+void Server::Work::pass(const SharedPayload& payload) {
   for (const auto& client : std::vector(clients_)) client->put(payload);
 }
 

@@ -1,8 +1,11 @@
 #include "view/session.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <chrono>
+#include <cmath>
 #include <filesystem>
 
 #include "controller/controller_file.hpp"
@@ -100,7 +103,7 @@ std::string file_name(const std::string& path) {
 // A controller file of the folder that is not there yet.
 std::string free_controller(const std::string& folder) {
   for (int n = 1;; ++n) {
-    const std::string file = fmt::format("{}/controller_{:04}.json", folder, n);
+    std::string file = fmt::format("{}/controller_{:04}.json", folder, n);
     std::error_code ignored;
     if (!fs::exists(file, ignored)) return file;
   }
@@ -278,7 +281,7 @@ TimedEpisode Session::run_shown(
     busy_ = false;
   };
   try {
-    const TimedEpisode timed = run_in_time(
+    TimedEpisode timed = run_in_time(
         scene, insertion.start, watched, sensor,
         {.scaling = scene_scaling(scene),
          .period = period,
