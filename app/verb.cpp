@@ -60,6 +60,12 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& unless_given) {
       ->take_all();
 }
 
+std::string SceneArguments::given() const {
+  std::string text = scene.empty() ? "" : " --scene " + scene;
+  for (const std::string& setting : settings) text += " --set '" + setting + "'";
+  return text;
+}
+
 Scene SceneArguments::load() const {
   for (const std::string& setting : settings) refuse_unknown_key(setting);
   if (settings.empty()) return load_scene(name());
@@ -289,11 +295,22 @@ void stop_watching_for_interrupt() {
   }
 }
 
+namespace {
+
+// For programs that read stderr: FERRULE_PROGRESS=lines.
+bool lines_wanted() {
+  const char* const wanted = std::getenv("FERRULE_PROGRESS");
+  return wanted && std::string_view(wanted) == "lines";
+}
+
+}  // namespace
+
 struct Progress::State {
   using Clock = std::chrono::steady_clock;
   std::string what;
   std::size_t total;
   bool shown = ::isatty(STDERR_FILENO);
+  bool lines = !shown && lines_wanted();
   Clock::time_point begin = Clock::now(), last = begin;
   std::mutex mutex;
 };
@@ -309,12 +326,13 @@ Progress::~Progress() {
 
 void Progress::operator()(std::size_t done, const std::string& note, std::size_t total) {
   State& s = *state_;
-  if (!s.shown) return;
+  if (!s.shown && !s.lines) return;
   const std::lock_guard lock(s.mutex);
   if (total > 0) s.total = total;
   const auto now = State::Clock::now();
   if (done < s.total && now - s.last < std::chrono::milliseconds(100)) return;
   s.last = now;
+  if (s.lines) return fmt::print(stderr, "progress {} {}\n", done, s.total);
   const double seconds = std::chrono::duration<double>(now - s.begin).count();
   const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
   const auto filled = std::min<std::size_t>(30, 30 * done / std::max<std::size_t>(1, s.total));

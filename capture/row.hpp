@@ -71,6 +71,10 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
 
 RowVector make_row(const Tick& tick) noexcept;
 
+// The step that a row was made of, as far as a row tells: forces without their points of action,
+// those of both points as the first's.
+StepResult step_of(const RowVector& row) noexcept;
+
 inline auto block(const RowVector& row, const Block& b) {
   return row.segment(b.begin, b.width);
 }

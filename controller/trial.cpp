@@ -24,7 +24,8 @@ void ControllerHand::render(const HandWrench& wrench) {
 }
 
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period) {
+                      std::uint64_t seed, std::uint64_t trial, double period,
+                      const OnTick& on_tick) {
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
   if (!drawn) return {Outcome::infeasible, {}, kNone, {}};
@@ -34,7 +35,7 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
   const InsertionEnd end =
       run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-                    {.scaling = scaling, .period = period, .past_success = false});
+                    {.scaling = scaling, .period = period, .past_success = false}, on_tick);
   TrialResult result{end.outcome, end.summary, kNone, {}};
   if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
   if (end.outcome == Outcome::inserted)
