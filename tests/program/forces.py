@@ -240,6 +240,21 @@ class Forces(Case):
         self.refused(2, "forces", self.path("episodes"), says=["is a folder"])
         self.refused(3, "forces", self.path("none.h5"), says=["none.h5"])
 
+    def test_release_states_every_path_and_what_holds(self):
+        document = json.loads(self.done("release", "--scene", "bench", "--length-um", 80,
+                                        "--json").stdout)
+        self.assertEqual([row["path"] for row in document["rows"]], ["lift", "peel", "slide"])
+        for row in document["rows"]:
+            parts = [v for k, v in row.items() if k.endswith("_uN") and k != "force_uN"]
+            self.assertAlmostEqual(row["force_uN"], sum(parts), delta=1e-9)
+        work = math.pi * 0.02 * 62.5  # pi w R_s, uN
+        self.assertAlmostEqual(document["jkr_uN"], 1.5 * work, delta=1e-6)
+        self.assertAlmostEqual(document["dmt_uN"], 2 * work, delta=1e-6)
+        self.assertGreater(document["pull_off_uN"], document["jkr_uN"])
+        self.assertLess(document["pull_off_uN"], document["dmt_uN"])
+        self.refused(2, "release", "--places", 3, says=["--places"])
+        self.refused(2, "release", "--length-um", -1, says=["--length-um"])
+
 
 if __name__ == "__main__":
     main()
