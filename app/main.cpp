@@ -19,6 +19,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_forces(app, run);
   add_contact(app, run);
   add_release(app, run);
+  add_limits(app, run);
   add_plan(app, run);
   add_record(app, run);
   add_recover(app, run);

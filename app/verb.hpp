@@ -28,6 +28,7 @@ void add_scene(CLI::App& app, Run& run);
 void add_forces(CLI::App& app, Run& run);
 void add_contact(CLI::App& app, Run& run);
 void add_release(CLI::App& app, Run& run);
+void add_limits(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);
