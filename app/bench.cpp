@@ -14,6 +14,7 @@
 #include "bench/events.hpp"
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
+#include "bench/peers.hpp"
 #include "bench/stepping.hpp"
 #include "bench/tail.hpp"
 
@@ -339,6 +340,51 @@ int events(const BenchArguments& a) {
   return ended(true);
 }
 
+Json peer_json(const PeerRow& r) {
+  return {{"engine", r.engine},
+          {"version", r.version},
+          {"settings", r.settings},
+          {"segments", r.segments},
+          {"step_s", r.step_s},
+          {"us_per_simulated_ms", r.us_per_simulated_ms},
+          {"pose_error_um", number_or_null(r.pose_error_um)},
+          {"force_error_relative", number_or_null(r.force_error_relative)},
+          {"penetration_um", number_or_null(r.penetration_um)},
+          {"outside", r.outside},
+          {"let_in", r.let_in}};
+}
+
+void print_peers(const std::vector<PeerRow>& rows) {
+  fmt::print("{:<8} {:<8} {:>8} {:>8} {:>9} {:>10} {:>11} {:>11} {:>8}  {}\n", "engine", "version",
+             "segments", "step [s]", "us per ms", "pose [um]", "force error", "penetr.[um]",
+             "let in", "settings");
+  for (const PeerRow& r : rows)
+    fmt::print("{:<8} {:<8} {:>8} {:>8g} {:>9.3g} {:>10} {:>11} {:>11} {:>8}  {}\n", r.engine,
+               r.version, r.segments ? fmt::format("{}", r.segments) : "round", r.step_s,
+               r.us_per_simulated_ms, number_or("diverged", "{:.3g}", r.pose_error_um),
+               number_or("diverged", "{:.2g}", r.force_error_relative),
+               number_or("diverged", "{:.3g}", r.penetration_um),
+               fmt::format("{} of {}", r.let_in, r.outside), r.settings);
+  fmt::print(
+      "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: of "
+      "fibres that start beside a sharp bore\n");
+}
+
+int peers(const BenchArguments& a) {
+  const PeerBench bench = bench_peers(watched("engines"));
+  const Provenance provenance = provenance_of_bench();
+  for (const std::string& missing : bench.missing)
+    fmt::print(stderr, "ferrule: not measured: {}\n", missing);
+  if (a.output.text()) {
+    print_peers(bench.rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output,
+               {{"rows", json_list(bench.rows, peer_json)}, {"not_measured", bench.missing}},
+               "rows", provenance);
+  return ended(true);
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, Run& run) {
@@ -348,15 +394,15 @@ void add_bench(CLI::App& app, Run& run) {
   verb->add_option("what", a->what,
                    "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
                    "capture: clearance means clearance; tail: the worst steps; events: the same "
-                   "motions at ever finer steps")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events"}));
+                   "motions at ever finer steps; peers: other engines in the same motion")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers"}));
   add_seed(*verb, a->seed, "Of the scenes, starts and motions that tail and events draw");
   verb->add_option("--scenes", a->scenes,
                    "How many random scenes, and starts of shipped ones, tail draws")
       ->check(CLI::Range(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
-  add_examples(*verb, {"bench --plot pictures", "bench hard --json"});
+  add_examples(*verb, {"bench --plot pictures", "bench hard --json", "bench peers"});
   verb->callback([a, &run] {
     run = [a] {
       if (!a->what.empty() && !a->plot.empty())
@@ -365,6 +411,7 @@ void add_bench(CLI::App& app, Run& run) {
              : a->what == "capture" ? capture(*a)
              : a->what == "tail"    ? tail(*a)
              : a->what == "events"  ? events(*a)
+             : a->what == "peers"   ? peers(*a)
                                     : speed_and_error(*a);
     };
   });

@@ -7,6 +7,7 @@
 #include "app/campaign_table.hpp"
 #include "app/demonstration_plot.hpp"
 #include "app/failures.hpp"
+#include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
 #include "app/html.hpp"
 #include "app/verb.hpp"
@@ -198,11 +199,13 @@ std::string forces_section(const Scene& scene) {
 std::string demonstrations_section(const Report& r) {
   std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
   if (r.shown.empty()) return html;
+  const Episode shown = read_episode(r.shown);
   return html +
-         figure(demonstration_plot(read_episode(r.shown), *r.scene),
+         figure(demonstration_plot(shown, *r.scene),
                 "In the manner of Fig. 10 of the paper: the speed along &minus;x rises and falls "
                 "back to 0; dots are the contact force. File <code>" +
-                    escaped(r.shown) + "</code>.");
+                    escaped(r.shown) + "</code>.") +
+         to_html(force_history(shown, *r.scene));
 }
 
 std::string law_section(const LawFit& fit) {

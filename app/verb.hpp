@@ -27,6 +27,8 @@ using Run = std::function<int()>;
 void add_scene(CLI::App& app, Run& run);
 void add_forces(CLI::App& app, Run& run);
 void add_contact(CLI::App& app, Run& run);
+void add_release(CLI::App& app, Run& run);
+void add_limits(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 
-#include "sim/measure.hpp"
 #include "controller/insertion_law.hpp"
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
 #include "sim/follow.hpp"
+#include "sim/measure.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "sim/measure.hpp"
 #include "bench/random_scene.hpp"
+#include "sim/measure.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/step.hpp"
 

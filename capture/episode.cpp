@@ -412,13 +412,14 @@ Episode read_episode(const std::string& file) {
 SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {
   const EpisodeInfo& info = episode.info;
   SensedWrench sensed(scene_scaling(scene), ForceSensor(scene.sensor, info.seed, info.trial),
-                      info.period);
+                      info.period, scene_tare(scene));
   const Eigen::Index count = episode.rows.rows();
   SensedRows all;
   all.absolute.resize(count, Eigen::NoChange);
   all.relative.resize(count, Eigen::NoChange);
   for (Eigen::Index n = 0; n < count; ++n) {
-    sensed.read(episode.rows.row(n).segment<5>(kHolder.begin).transpose());
+    sensed.read(episode.rows.row(n).segment<5>(kHolder.begin).transpose(),
+                episode.rows(n, kStates.begin + 5));  // of the holder at the tip's scale
     all.absolute.row(n) = sensed.absolute().transpose();
     all.relative.row(n) = sensed.relative().transpose();
   }

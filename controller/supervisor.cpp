@@ -54,9 +54,9 @@ SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
   const ForceSensorModel& sensor = scene.sensor;
   limits.follows = -elementary::expm1(-2 * std::numbers::pi * sensor.bandwidth * limits.period);
   limits.misread =
-      scaling.force *
-      (kDeviations * std::sqrt(sensor.noise * sensor.noise + sensor.bias * sensor.bias) +
-       sensor.resolution);  // half of it now, half in the tare
+      scaling.force * (kDeviations * sensor.deviation(scene.limits.force,
+                                                      scene.limits.time) +
+                       sensor.dead_band + sensor.resolution);  // half of it now, half in the tare
   limits.lever = scaling.motion * holder.tilt_length;
   limits.disagreement = 0.2 * limits.speed;
   limits.jam_force = 0.25 * limits.force;
@@ -73,7 +73,7 @@ std::string cannot_hold(const SupervisorLimits& limits) {
   if (limits.force - limits.misread >= kLeastForce * limits.force) return {};
   return fmt::format(
       "the force limit cannot be held: the sensor may err by {:.3g} of it (four standard "
-      "deviations of noise and bias); the supervisor brakes for {:.3g} of it",
+      "deviations of its errors); the supervisor brakes for {:.3g} of it",
       limits.misread / limits.force, limits.brakes_for() / limits.force);
 }
 

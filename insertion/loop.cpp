@@ -36,7 +36,7 @@ class Grip {
   // The device renders the wrench `holder` of the fibre, of which the sensor reads `relative`.
   void render(double t, double age, const Wrench& holder, const HandWrench& relative) {
     if (!feedback_) return device_.render(relative);
-    fibre_.read(holder);
+    fibre_.read(holder, 0);
     device_.render(feedback_->feel(t, age, fibre_.relative(), relative));
   }
 
@@ -68,7 +68,7 @@ InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
                            const OnTick& on_tick) {
   const double period = settings.period;
   InsertionWatch watch(scene, start);
-  SensedWrench sensed(settings.scaling, sensor, period);
+  SensedWrench sensed(settings.scaling, sensor, period, scene_tare(scene));
   Grip grip(scene, hand, settings);
   const auto end = [&](Outcome outcome, const char* why = "", bool lost = false) {
     return InsertionEnd{outcome, watch.summary(), why, lost, {}};
@@ -92,7 +92,7 @@ InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
     const StepResult result =
         step(scene.world, state, settings.scaling.motion_to_tip(now.holder), n == 0 ? 0.0 : period);
     if (result.status == StepStatus::bad_command) return end(Outcome::invalid_output, kNotFinite);
-    sensed.read(result.forces.holder);
+    sensed.read(result.forces.holder, result.state.command[0]);
     grip.render(t, now.sample.age, result.forces.holder, sensed.relative());
     if (grip.fault()) return end(Outcome::interrupted, grip.fault());
     state = result.state;

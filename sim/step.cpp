@@ -9,14 +9,14 @@
 namespace ferrule {
 namespace {
 
-constexpr int kMostParts = 8192;    // of the longest steps that the world allows
-constexpr int kMostAtOnce = 12;     // sub-steps that a long way is divided into before it is tried
-constexpr int kFewEvaluations = 6;  // of a sub-step that may still be shortened
-constexpr int kReserve = 10;        // evaluations that are kept for the way to the command
-constexpr double kEdgeStep = 10e-9;      // where the end slides over an edge [m]
-constexpr double kMostDivided = 64;       // the shortest sub-step of a way is that part of it
-constexpr int kMostTurns = 4;             // at edges, in one sub-step
-constexpr double kSameLimit = 1e-4;       // of a friction limit: what it may miss
+constexpr int kMostParts = 8192;     // of the longest steps that the world allows
+constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
+constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
+constexpr int kReserve = 10;         // evaluations that are kept for the way to the command
+constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
+constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
+constexpr int kMostTurns = 4;        // at edges, in one sub-step
+constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
 constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
 constexpr double kStaysNear = 5e-3;       // of the sum of all forces
 constexpr int kMostSettling = 12;

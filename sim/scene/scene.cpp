@@ -153,6 +153,15 @@ void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   number("bandwidth_Hz", 1, positive(1e-3, 1e9), sensor.bandwidth);
   number("resolution_uN", micro, not_negative(1e9), sensor.resolution);
   number("moment_arm_mm", milli, positive(1e-6, 1e6), sensor.arm);
+  number("bias_walk_uN_sqrt_s", micro, not_negative(1e9), sensor.bias_walk);
+  number("gain_error", 1, not_negative(1), sensor.gain_error);
+  number("cross_talk", 1, not_negative(1), sensor.cross_talk);
+  number("temperature_drift_uN_K", micro, not_negative(1e9), sensor.drift);
+  number("temperature_rate_K_s", 1, not_negative(1e3), sensor.temperature_rate);
+  number("vibration_uN", micro, not_negative(1e9), sensor.vibration);
+  number("vibration_Hz", 1, positive(1e-3, 1e9), sensor.vibration_frequency);
+  number("tare_s", 1, not_negative(1e3), sensor.tare_time);
+  number("dead_band_uN", micro, not_negative(1e9), sensor.dead_band);
   f.finish();
 }
 
