@@ -15,7 +15,8 @@ DamageForces damage_forces(const World& world, double reduced_modulus, double po
   // E* = (3/4) K of equation (7).
   const double modulus = 0.75 * reduced_modulus;
   const double pressure = 3 * stress / (1 - 2 * poisson);
-  const double ring = std::pow(pi * pressure, 3) * edge * r / (6 * modulus * modulus);
+  const double push = pi * pressure;
+  const double ring = push * push * push * edge * r / (6 * modulus * modulus);
   return {elastic ? world.holder.euler_load : kNever,
           elastic ? pi * r * r * r * stress / (4 * length) : kNever, ring, kEdgeToughness * edge};
 }

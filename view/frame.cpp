@@ -39,7 +39,9 @@ std::vector<std::string> frame_columns() {
 }
 
 FrameMaker::FrameMaker(const Scene& scene, const ForceSensor& sensor, double period) noexcept
-    : scene_(scene), scaling_(scene_scaling(scene)), sensed_(scaling_, sensor, period) {}
+    : scene_(scene),
+      scaling_(scene_scaling(scene)),
+      sensed_(scaling_, sensor, period, scene_tare(scene)) {}
 
 Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noexcept {
   const StepResult result = step_of(row);
@@ -48,7 +50,7 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
   const bool first = !watch_;
   if (first) watch_.emplace(scene_, state);
   const std::optional<Outcome> seen = watch_->after(result);
-  sensed_.read(result.forces.holder);
+  sensed_.read(result.forces.holder, state.command[0]);
 
   Frame frame{};
   std::size_t at = 0;
