@@ -97,7 +97,8 @@ TEST(Frame, ContactIsOnTheFibresSurfaceAndCarriesTheNormalForce) {
     Vector3d force;
     for (std::size_t i = 0; i < 3; ++i)
       force[static_cast<int>(i)] = frame[wall + i] + frame[adhesion + i];
-    EXPECT_NEAR(std::abs(frame[y + 2]), force.norm(), 1e-3 + 1e-3 * force.norm());
+    // On the rounded edge the normal is a mean of those of bore and cone, 30 degrees apart.
+    EXPECT_NEAR(std::abs(frame[y + 2]), force.norm(), 1e-3 + 0.035 * std::abs(frame[y + 2]));
   }
   EXPECT_GT(seen, 100);
 }
