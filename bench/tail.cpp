@@ -27,7 +27,7 @@ StepResult timed_step(const World& world, const State& state, const Pose& hand, 
                       double& us) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  const StepResult result = step(world, state, hand, dt);
+  StepResult result = step(world, state, hand, dt);
   us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
   return result;
 }
