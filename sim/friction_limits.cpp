@@ -7,23 +7,38 @@
 namespace ferrule {
 namespace {
 
-constexpr double kNudge = 1e-12;     // of a depth, for its derivative [m]
 constexpr double kMostChange = 0.5;  // of a limit, in one go
 constexpr double kFlat = 100;        // more of it: given limits hardly hold the pose
 constexpr double kSingular = 0.05;   // less of a determinant: limit and depth drive each other on
+
+std::array<FrictionLimit, kContactPlaces> limits_at(
+    const World& world, const FrozenCoefficients& frozen,
+    const std::array<ContactDepth, kContactPlaces>& depth) noexcept {
+  std::array<FrictionLimit, kContactPlaces> limits;
+  for (std::size_t at = 0; at < kContactPlaces; ++at)
+    if (frozen.friction[at].acts && depth[at].value != -INFINITY)
+      limits[at] = friction_limit(world, frozen.friction[at],
+                                  friction_radius(world, depth[at].value, frozen.branch[at]));
+  return limits;
+}
 
 }  // namespace
 
 FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
                                const PoseVector& tip,
+                               const std::array<ContactDepth, kContactPlaces>& depth) noexcept
+    : FrictionLimits(world, frozen, tip, depth, limits_at(world, frozen, depth)) {}
+
+FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
+                               const PoseVector& tip,
                                const std::array<ContactDepth, kContactPlaces>& depth,
+                               const std::array<FrictionLimit, kContactPlaces>& limits,
                                double slips_at) noexcept {
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
     const FrozenFriction& friction = frozen.friction[at];
-    const double d = depth[at].value;
-    if (!friction.acts || d == -INFINITY) continue;
+    if (!friction.acts || depth[at].value == -INFINITY) continue;
     const Vector3d stretched = stretch(world, frozen, static_cast<int>(at), tip);
-    const FrictionLimit is = friction_limit(world, friction, d, frozen.branch[at]);
+    const FrictionLimit& is = limits[at];
     Place& place = place_[at];
     const double length = stretched.norm();
     place.slips = is.limit > 0 && (friction.stiffness * length > slips_at * friction.limit ||
@@ -32,8 +47,7 @@ FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& fro
     place.limit = friction.limit;
     place.stiffness = is.stiffness;
     place.miss = is.limit - friction.limit;
-    place.per_depth =
-        (friction_limit(world, friction, d + kNudge, frozen.branch[at]).limit - is.limit) / kNudge;
+    place.per_depth = is.per_depth;
     place.depth_slope = depth[at].by_pose(tip.t);
     place.pull = pull_of_friction(world, frozen, static_cast<int>(at), stretched);
   }

@@ -12,11 +12,15 @@ namespace ferrule {
 
 class FrictionLimits {
  public:
-  // By how much the limits of `frozen` miss those at `depth`, where the end is at `tip`. What is
-  // stuck has none: what rubs with less than this part of its limit.
+  // By how much the limits of `frozen` miss those at `depth`, `limits`, where the end is at `tip`.
+  // What is stuck has none: what rubs with less than this part of its limit.
   FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                  const std::array<ContactDepth, kContactPlaces>& depth,
+                 const std::array<FrictionLimit, kContactPlaces>& limits,
                  double slips_at = 1) noexcept;
+  // The limits at these depths, computed.
+  FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                 const std::array<ContactDepth, kContactPlaces>& depth) noexcept;
 
   // The largest miss, as a part of its limit.
   double largest_miss() const noexcept;

@@ -8,8 +8,14 @@ namespace {
 
 constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
 constexpr double kForceFloor = 1e-14;     // [N]
-constexpr double kNearMove = 2e-5;        // of the clearance, beside kNearForce
-constexpr double kNearWall = 10e-9;       // moves that begin so near to a wall go along it [m]
+// The last Newton step leaves the square of these, and needs no evaluation.
+struct LastStep {
+  double force;  // of the sum of all forces
+  double move;   // of the clearance
+};
+constexpr LastStep kLastStep = {1e-3, 1e-4};
+constexpr LastStep kLastStepInWell = {kNearForce, 2e-5};  // the printed laws turn within a_0
+constexpr double kNearWall = 10e-9;  // moves that begin so near to a wall go along it [m]
 constexpr double kShortestLever =
     1e-6;                              // inserted length at which tilts are those of two places [m]
 constexpr double kFarthestTurn = 1.0;  // [rad]
@@ -251,11 +257,14 @@ double travel_of(const World& world, const FrozenCoefficients& frozen,
 bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& rest,
                        Minimum& found) noexcept {
   Potential& there = found.there;
-  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale &&
-        travel_of(world, frozen, rest) <= kNearMove * world.annulus.clearance()))
+  const bool wells =
+      has_printed_forces(world) || std::holds_alternative<printed::Adhesion>(world.laws.adhesion);
+  const LastStep most = wells ? kLastStepInWell : kLastStep;
+  if (!(residual(world, there.gradient) <= most.force * there.force_scale &&
+        travel_of(world, frozen, rest) <= most.move * world.annulus.clearance()))
     return false;
+  there.follow(rest, found.tip);
   found.tip += rest;
-  there.bore.gradient += there.bore.hessian.times(rest);
   found.converged = true;
   return true;
 }

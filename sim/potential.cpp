@@ -188,12 +188,27 @@ void freeze_inertia(const World& world, const State& state, double dt,
 
 }  // namespace
 
-FrictionLimit friction_limit(const World& world, const FrozenFriction& friction, double depth,
-                             int branch) noexcept {
-  const double a = friction_radius(world, depth, branch);
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction,
+                             const ContactRadius& radius) noexcept {
+  const double a = radius.value;
   if (!(a > 0)) return {};
   const Friction& law = *friction_law(world.laws);
-  return {friction.share * ferrule::friction(law, a), friction.patch * stuck_stiffness(law, a)};
+  const double limit = friction.share * ferrule::friction(law, a);
+  return {limit, friction.patch * stuck_stiffness(law, a),
+          friction_exponent(law, a) * limit / a * radius.per_depth};
+}
+
+std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
+                                                          const FrozenCoefficients& frozen,
+                                                          const Potential& there) noexcept {
+  std::array<FrictionLimit, kContactPlaces> limits;
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const double depth = there.depth[at].value;
+    if (frozen.friction[at].acts && depth != -INFINITY)
+      limits[at] =
+          friction_limit(world, frozen.friction[at], friction_radius(world, depth, there.pull[at]));
+  }
+  return limits;
 }
 
 FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
@@ -232,9 +247,11 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
     const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
     friction.patch = place == kSide ? PatchShare(past).value : 1.0;
     friction.share = friction.patch * (shared ? 0.5 : 1.0);
-    const FrictionLimit is = friction_limit(world, friction, depths[place].value, contact.branch);
+    const FrictionLimit is = friction_limit(
+        world, friction, friction_radius(world, depths[place].value, contact.branch));
     friction.limit = is.limit;
     friction.stiffness = is.stiffness;
+    friction.per_depth = is.per_depth;
     friction.acts = is.limit > 0;
   }
   return frozen;
@@ -374,6 +391,18 @@ Potential::Potential(const World& world, const FrozenCoefficients& frozen,
   }
   static_cast<Energy&>(*this) = bore;
   add_step(*this, world, frozen, tip);
+}
+
+void Potential::follow(const PoseVector& move, const PoseVector& tip) noexcept {
+  bore.gradient += bore.hessian.times(move);
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    if (depth[at].value == -INFINITY) continue;
+    const double deeper = depth[at].by_pose(tip.t).dot(move);
+    depth[at].value += deeper;
+    push[at].force += push[at].slope * deeper;
+    pull[at].force += pull[at].slope * deeper;
+    pull[at].radius += pull[at].radius_slope * deeper;
+  }
 }
 
 void forces(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,

@@ -36,6 +36,7 @@ struct FrozenFriction {
   double share;         // of the law's limit
   double limit;         // largest force [N]
   double stiffness;     // k_t [N/m]
+  double per_depth;     // d limit / d depth, where it was frozen [N/m]
 
   bool slips(const Vector3d& stretch) const noexcept { return stiffness * stretch.norm() > limit; }
 };
@@ -83,6 +84,9 @@ struct Contacts {
 struct Potential : Energy {
   Potential(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip) noexcept;
 
+  // Contacts and gradient of the bore's part after a short move from `tip`, to first order.
+  void follow(const PoseVector& move, const PoseVector& tip) noexcept;
+
   Energy bore;  // surface forces, contacts and meniscus: what does not depend on the step itself
   SurfaceGradients surface = {PoseVector(), PoseVector(), PoseVector()};
   std::array<ContactDepth, kContactPlaces> depth;
@@ -92,14 +96,19 @@ struct Potential : Energy {
   double push_out = 0, pull_out = 0;
 };
 
-// What a contact's friction has at a depth, with the patch and share of `friction`; nothing where it
+// What a contact's friction has at a contact radius, with the patch and share of `friction`; nothing where it
 // does not touch.
 struct FrictionLimit {
   double limit = 0;      // [N]
   double stiffness = 0;  // [N/m]
+  double per_depth = 0;  // of the limit [N/m]
 };
-FrictionLimit friction_limit(const World& world, const FrozenFriction& friction, double depth,
-                             int branch) noexcept;
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction,
+                             const ContactRadius& radius) noexcept;
+// Of the friction that acts, by the contacts of the potential `there`.
+std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
+                                                          const FrozenCoefficients& frozen,
+                                                          const Potential& there) noexcept;
 
 // Gradient and Hessian of all but friction at `tip`, from those of the bore's part there.
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,

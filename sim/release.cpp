@@ -143,7 +143,7 @@ double loaded_radius(const World& world, double load) noexcept {
     const double middle = 0.5 * (low + high);
     (pushes(middle) ? high : low) = middle;
   }
-  return friction_radius(world, high, branch);
+  return friction_radius(world, high, branch).value;
 }
 
 std::vector<Release> release(const World& world, double length, int places, double speed) {

@@ -12,13 +12,13 @@ namespace {
 constexpr int kMostParts = 8192;     // of the longest steps that the world allows
 constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
 constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
-constexpr int kReserve = 10;         // evaluations that are kept for the way to the command
+constexpr int kReserve = 28;         // evaluations that are kept for the way to the command
 constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
 constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
-constexpr double kStaysNear = 5e-3;       // of the sum of all forces
+constexpr double kStaysNear = 2e-2;       // of the sum of all forces
 constexpr int kMostSettling = 12;
 constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
 constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
@@ -63,15 +63,21 @@ bool rubs_on(const World& world, const FrozenCoefficients& before, const FrozenC
 bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
                      Prediction& end, NewtonStep& newton) noexcept {
   const FrozenCoefficients first = frozen;
+  // Where the step begins, and so where the limits were frozen.
   const auto depths = contact_depths(world, frozen.contact, end.tip);
+  std::array<FrictionLimit, kContactPlaces> limits;
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = frozen.friction[at];
+    if (friction.acts) limits[at] = {friction.limit, friction.stiffness, friction.per_depth};
+  }
   newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
-  auto move =
-      FrictionLimits(world, frozen, end.tip, depths, kSlipsOn).settle(newton, false, frozen);
+  auto move = FrictionLimits(world, frozen, end.tip, depths, limits, kSlipsOn)
+                  .settle(newton, false, frozen);
   if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
     frozen = first;
     newton = NewtonStep(world, frozen, here, end.tip);
     if (!newton.convex) return false;
-    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), depths)
+    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), depths, limits)
                .settle(newton, false, frozen);
   }
   if (move) end.move = *move;
@@ -129,7 +135,8 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
 // force stays and the stretch becomes less; one that shrinks gives up its part of the force (Mindlin
 // and Deresiewicz, 1953). So no energy is gained.
 void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
-                     const Contacts& now, State& state) noexcept {
+                     const Potential& there, const Contacts& now, State& state) noexcept {
+  const auto limits = friction_limits(world, frozen, there);
   const ContactSide side = contact_side(world, state);
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
@@ -141,8 +148,7 @@ void update_contacts(const World& world, const FrozenCoefficients& frozen, const
     if (!was_closed || !friction.acts) continue;
     const Vector3d stretched = stretch(world, frozen, place, tip);
     const double length = stretched.norm(), allowed = friction.limit / friction.stiffness;
-    const double stiffness =
-        friction_limit(world, friction, contact.depth, frozen.branch[place]).stiffness;
+    const double stiffness = limits[static_cast<std::size_t>(place)].stiffness;
     double part = length > allowed ? allowed / length : 1;
     if (stiffness > friction.stiffness) part *= friction.stiffness / stiffness;
     contact.stuck -= part * stretched;
@@ -257,12 +263,11 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
 // Ends the friction of contacts that have come apart; whether there were any.
 bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen) noexcept {
   bool any = false;
+  const auto limits = friction_limits(world, frozen, found.there);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     FrozenFriction& friction = frozen.friction[place];
     if (!friction.acts) continue;
-    const double depth = found.there.depth[place].value;
-    friction.acts = depth != -INFINITY &&
-                    friction_limit(world, friction, depth, frozen.branch[place]).limit > 0;
+    friction.acts = limits[place].limit > 0;
     any = any || !friction.acts;
   }
   return any;
@@ -281,7 +286,8 @@ void settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
       minimise(world, frozen, most_evaluations, true, found);
       if (!found.converged) return;
     }
-    const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
+    const FrictionLimits limits(world, frozen, found.tip, found.there.depth,
+                                friction_limits(world, frozen, found.there));
     const bool settled = limits.largest_miss() <= kSameLimit;
     if ((settled && found.converged) || found.evaluations >= most_evaluations) return;
     const Energy& bore = found.there.bore;
@@ -364,7 +370,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.tip = tip;
   state.command = command;
   state.side = frozen.contact.side;
-  update_contacts(world, frozen, found.tip, now, state);
+  update_contacts(world, frozen, found.tip, found.there, now, state);
   state.bridge = now.bridge;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};

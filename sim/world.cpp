@@ -14,11 +14,19 @@ State at_rest(const World& world, const Pose& tip) noexcept {
   return state;
 }
 
-double friction_radius(const World& world, double depth, int branch) noexcept {
+ContactRadius friction_radius(const World& world, double depth,
+                              const AdhesionForce& pull) noexcept {
   if (std::holds_alternative<printed::Friction>(world.laws.friction))
-    return printed::contact_radius(depth);
-  if (present(world.laws.adhesion)) return adhesion_force(world.laws, depth, branch).radius;
-  return std::sqrt(std::max(0.0, depth) * world.annulus.fibre_radius);
+    return {printed::contact_radius(depth), printed::contact_radius_slope(depth)};
+  if (present(world.laws.adhesion)) return {pull.radius, pull.radius_slope};
+  const double radius = std::sqrt(std::max(0.0, depth) * world.annulus.fibre_radius);
+  return {radius, radius > 0 ? 0.5 * world.annulus.fibre_radius / radius : 0};
+}
+
+ContactRadius friction_radius(const World& world, double depth, int branch) noexcept {
+  const bool prescribed = std::holds_alternative<printed::Friction>(world.laws.friction);
+  return friction_radius(world, depth,
+                         prescribed ? AdhesionForce{} : adhesion_force(world.laws, depth, branch));
 }
 
 AdhesionForce adhesion_force(const Laws& laws, double depth, int branch) noexcept {

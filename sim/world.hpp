@@ -29,9 +29,15 @@ struct World {
 // gravity.
 State at_rest(const World& world, const Pose& tip) noexcept;
 
-// Contact radius [m] that friction takes at penetration `depth` [m]: prescribed by the printed
-// form, else that of the adhesion (6c) or, without adhesion, of Hertz.
-double friction_radius(const World& world, double depth, int branch) noexcept;
+struct ContactRadius {
+  double value = 0;      // [m]
+  double per_depth = 0;  // its derivative by the penetration [-]
+};
+
+// The contact radius that friction takes at penetration `depth` [m]: prescribed by the printed
+// form, else that of the adhesion (6c), whose force there is `pull`, or, without adhesion, of Hertz.
+ContactRadius friction_radius(const World& world, double depth, const AdhesionForce& pull) noexcept;
+ContactRadius friction_radius(const World& world, double depth, int branch) noexcept;
 
 // Of the adhesion, in either form; no force without it.
 AdhesionForce adhesion_force(const Laws& laws, double depth, int branch) noexcept;

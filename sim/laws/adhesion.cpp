@@ -32,6 +32,7 @@ AdhesionForce adhesion(const Adhesion& law, double depth, int branch) noexcept {
   return {{contact.force * contact.depth * value.energy, contact.force * value.P,
            contact.force / contact.depth * value.slope},
           contact.radius * value.A,
+          contact.radius / contact.depth * value.A_slope,
           value.branch};
 }
 

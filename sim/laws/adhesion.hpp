@@ -45,8 +45,9 @@ struct ContactForce {
 };
 
 struct AdhesionForce : ContactForce {
-  double radius = 0;  // contact radius a [m]; 0 where the surfaces do not touch
-  int branch = 0;     // that holds at this depth
+  double radius = 0;        // contact radius a [m]; 0 where the surfaces do not touch
+  double radius_slope = 0;  // d radius / dd [-]
+  int branch = 0;           // that holds at this depth
 };
 
 // At penetration `depth` [m], any finite value, coming from `branch`. The law is prepared.

@@ -22,15 +22,23 @@ double hurtado_kim_b() noexcept {
          (elementary::log(kLarge / kSmall) * std::numbers::ln10);
 }
 
+namespace {
+const double kM = hurtado_kim_m();
+}  // namespace
+
 // In terms of a'/a_1, as 10^B = tau_1 a_1^-M.
 double friction(const Friction& law, double contact_radius) noexcept {
-  static const double m = hurtado_kim_m();
   const double least = kSmall * law.burgers;
   const double a = contact_radius / least;
   const double square = law.effective_shear_modulus() * least * least * a * a;
   if (a < 1) return kStressSmall * square;
   if (a > kLarge / kSmall) return kStressLarge * square;
-  return kStressSmall * square * elementary::exp(m * elementary::log(a));
+  return kStressSmall * square * elementary::exp(kM * elementary::log(a));
+}
+
+double friction_exponent(const Friction& law, double contact_radius) noexcept {
+  const double a = contact_radius / (kSmall * law.burgers);
+  return a < 1 || a > kLarge / kSmall ? 2 : kM + 2;
 }
 
 double stuck_stiffness(const Friction& law, double contact_radius) noexcept {

@@ -35,6 +35,9 @@ double hurtado_kim_b() noexcept;
 // Largest friction force [N], >= 0, of a contact of radius a [m], a >= 0.
 double friction(const Friction& law, double contact_radius) noexcept;
 
+// d log F / d log a there: 2, M + 2 between the knees, and 2.
+double friction_exponent(const Friction& law, double contact_radius) noexcept;
+
 // Tangential stiffness k_t [N/m] of a stuck contact of radius a [m].
 double stuck_stiffness(const Friction& law, double contact_radius) noexcept;
 

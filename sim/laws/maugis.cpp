@@ -130,7 +130,7 @@ namespace {
 // is P dD.
 struct Contact {
   MaugisPoint point;
-  double D_by_s, slope, energy;  // slope: dP/dD
+  double D_by_s, slope, A_slope, energy;  // slopes: by D
 
   Contact(double lambda, double s) noexcept : point(maugis_at_s(lambda, s)) {
     const double A = point.A, m = point.m, m2 = m * m, angle = elementary::atan(s);
@@ -140,6 +140,7 @@ struct Contact {
         lambda * A * (A * (s * angle + s * s / m2) + 4.0 / 3 * lambda * (angle + s / m2 - s / m));
     const double A_by_s = -closure_s / closure_A;
     D_by_s = (2 * A - 4.0 / 3 * lambda * s) * A_by_s - 4.0 / 3 * lambda * A;
+    A_slope = A_by_s / D_by_s;
     slope = A * ((3 * A - 2 * lambda * g) * A_by_s - 2 * lambda * A * (1 + s * angle)) / D_by_s;
     energy = A * A *
              (A * A * (0.4 * A + lambda * (0.25 * m2 * b - 0.5 * g - s / 3)) +
@@ -215,6 +216,7 @@ MaugisCurve::Value MaugisCurve::beyond(const Piece& table, double D) const noexc
   value.P = there.point.P;
   value.A = there.point.A;
   value.slope = there.slope;
+  value.A_slope = there.A_slope;
   value.energy = table.energy + there.energy - table.energy_there;
   return value;
 }
@@ -239,10 +241,11 @@ inline MaugisCurve::Value MaugisCurve::on(const Branch& branch, double D) const 
   const Cell& cell = piece->cells[number];
   value.P = polynomial(cell.force, u);
   value.A = polynomial(cell.radius, u);
-  // The slope is infinite where a branch begins at a fold.
+  // The slopes are infinite where a branch begins at a fold.
   const double y_slope = std::max(y, 1e-4);
-  value.slope =
-      polynomial_slope(cell.force, u) * piece->cells_per_y / (4 * y_slope * y_slope * y_slope);
+  const double per_D = piece->cells_per_y / (4 * y_slope * y_slope * y_slope);
+  value.slope = polynomial_slope(cell.force, u) * per_D;
+  value.A_slope = polynomial_slope(cell.radius, u) * per_D;
   value.energy = before + cell.energy + u * polynomial(cell.gained, u);
   return value;
 }

@@ -45,11 +45,12 @@ class MaugisCurve {
   explicit MaugisCurve(double lambda);
 
   struct Value {
-    double P = 0;       // force
-    double slope = 0;   // dP/dD
-    double energy = 0;  // integral of P dD along the way, from branch `branch` at the start
-    double A = 0;       // contact radius
-    int branch = 0;     // that holds at D
+    double P = 0;        // force
+    double slope = 0;    // dP/dD
+    double energy = 0;   // integral of P dD along the way, from branch `branch` at the start
+    double A = 0;        // contact radius
+    double A_slope = 0;  // dA/dD
+    int branch = 0;      // that holds at D
   };
   // At D, coming from branch `branch`. Force relative error below 1e-8 (see bench). Any finite D.
   Value at(double D, int branch) const noexcept;

@@ -193,7 +193,7 @@ double wall_at_gap(const World& world, const Posture& at) {
 double friction_at_gap(const World& world, const Posture& at) {
   if (!at.depth) return 0;
   return friction(*friction_law(world.laws),
-                  friction_radius(world, *at.depth, contact_branch(world)));
+                  friction_radius(world, *at.depth, contact_branch(world)).value);
 }
 
 DragCoefficients drag_coefficients(const World& world, const Posture& at) {

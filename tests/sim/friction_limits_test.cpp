@@ -6,6 +6,7 @@
 #include "sim/minimum.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/step.hpp"
+#include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {
@@ -25,13 +26,33 @@ TEST(FrictionLimits, AreThoseOfTheContactsWhereAStepEnds) {
     for (int place = 0; place < kContactPlaces; ++place) {
       const ContactState& contact = state.contact[place];
       if (!contact.closed || !before.contact[place].closed) continue;
-      const double limit = friction(law, friction_radius(world, contact.depth, contact.branch));
+      const double limit =
+          friction(law, friction_radius(world, contact.depth, contact.branch).value);
       const double force = r.forces[Term::friction][place].force.norm();
       EXPECT_LE(force, 1.005 * limit);
       slipped += force > 0.995 * limit;
     }
   }
   EXPECT_GT(slipped, 1000);
+}
+
+// Against differences, for each law that gives a contact its radius.
+TEST(FrictionLimit, ByDepthIsItsDerivative) {
+  for (const char* form :
+       {"laws.adhesion.form=corrected", "laws.adhesion.form=printed", "laws.adhesion=null"})
+    for (const char* friction : {"laws.friction.form=corrected", "laws.friction.form=printed"}) {
+      const World world = load_scene("paper", {form, friction}).world;
+      FrozenFriction contact;
+      contact.patch = contact.share = 0.7;
+      for (const double depth : {0.5e-9, 3e-9, 9e-9}) {
+        const auto limit = [&](double d) {
+          return friction_limit(world, contact, friction_radius(world, d, 1));
+        };
+        const double h = 1e-3 * depth;
+        EXPECT_CLOSE(limit(depth).per_depth,
+                     (limit(depth + h).limit - limit(depth - h).limit) / (2 * h), 1e-5);
+      }
+    }
 }
 
 // Limits that miss by 3 %, moved once.

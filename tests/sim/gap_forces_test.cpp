@@ -56,7 +56,7 @@ TEST(GapForces, InContactAreThoseOfThePenetrationAndNothingIsOfWhatIsLeftOut) {
   const GapForces f = gap_forces(world, {0, 100e-6, 5e-9});
   EXPECT_EQ(f[Term::adhesion], adhesion_force(world.laws, 5e-9, 0).force);
   EXPECT_EQ(f[Term::friction],
-            friction(*friction_law(world.laws), friction_radius(world, 5e-9, 0)));
+            friction(*friction_law(world.laws), friction_radius(world, 5e-9, 0).value));
   const GapForces none = gap_forces(testing::bare().world, {1e-9, 100e-6, std::nullopt});
   for (const Term term : kAllTerms) EXPECT_EQ(none[term], 0);
   EXPECT_EQ(none.squeeze, 0);

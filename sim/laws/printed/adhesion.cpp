@@ -18,6 +18,10 @@ double contact_radius(double depth) noexcept {
   return kRadiusAtTouch + kRadiusPerDepth * std::clamp(depth, 0.0, kDeepest);
 }
 
+double contact_radius_slope(double depth) noexcept {
+  return depth >= 0 && depth < kDeepest ? kRadiusPerDepth : 0;
+}
+
 AdhesionForce adhesion(const Adhesion& law, double depth) noexcept {
   constexpr double a0 = kInteratomicDistance;
   if (depth <= -a0) return {};
@@ -35,7 +39,7 @@ AdhesionForce adhesion(const Adhesion& law, double depth) noexcept {
   const double touch = force(kRadiusAtTouch);
   if (depth < 0) {
     const double t = 1 + depth / a0;  // 0 .. 1 over the last a_0 of the approach
-    return {{0.5 * touch * a0 * t * t, touch * t, touch / a0}, 0, 0};
+    return {{0.5 * touch * a0 * t * t, touch * t, touch / a0}, 0, 0, 0};
   }
   const double a = contact_radius(depth);
   const double beyond = std::max(0.0, depth - kDeepest);
@@ -43,7 +47,7 @@ AdhesionForce adhesion(const Adhesion& law, double depth) noexcept {
                            (integral(a) - integral(kRadiusAtTouch)) / kRadiusPerDepth +
                            force(a) * beyond;
   const double slope = beyond > 0 ? 0.0 : a * (3 * stiff * a - 2 * pull) * kRadiusPerDepth;
-  return {{potential, force(a), slope}, a, 0};
+  return {{potential, force(a), slope}, a, contact_radius_slope(depth), 0};
 }
 
 }  // namespace ferrule::printed

@@ -26,6 +26,8 @@ inline constexpr double kDeepest = 10e-9;
 
 // Prescribed contact radius a [m] at penetration d [m].
 double contact_radius(double depth) noexcept;
+// And its derivative by the penetration [-], to the right of its kinks.
+double contact_radius_slope(double depth) noexcept;
 
 // At penetration `depth` [m], any finite value. Its branch is always 0.
 AdhesionForce adhesion(const Adhesion& law, double depth) noexcept;

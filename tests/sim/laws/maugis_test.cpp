@@ -103,6 +103,9 @@ TEST(MaugisCurve, EnergyAndSlopeAreThoseOfTheForce) {
       EXPECT_LT(
           std::abs(testing::derivative([&](double d) { return at(d).P; }, D, 1e-3) - at(D).slope),
           1e-5 * (1 + std::abs(at(D).slope)));
+      EXPECT_LT(
+          std::abs(testing::derivative([&](double d) { return at(d).A; }, D, 1e-3) - at(D).A_slope),
+          1e-5 * (1 + std::abs(at(D).A_slope)));
     }
   }
 }
