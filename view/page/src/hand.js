@@ -10,9 +10,10 @@ const kDeadZone = 0.12;   // of a stick
 const kWheelLast = 140;   // a notch of the wheel pushes so long [ms]
 
 export class Hand {
-  /** @param {() => boolean} driving whether keys are the hand's now */
-  constructor(driving) {
+  /** @param {() => boolean} driving whether keys are the hand's now @param {() => void} changed  it has another velocity */
+  constructor(driving, changed) {
     this.driving = driving;
+    this.changed = changed;
     /** @type {Map<string, {since: number, way: Share}>} what is held, since when [ms], by code */
     this.keys = new Map();
     /** @type {Share} */
@@ -42,12 +43,14 @@ export class Hand {
     }
     if (!down) {
       this.keys.delete(event.code);
+      this.changed();
       return;
     }
     if (!this.driving() || event.ctrlKey || event.metaKey || typing(event.target)) return;
     event.preventDefault();
     const held = this.keys.get(event.code);
     this.keys.set(event.code, {since: held?.since ?? performance.now(), way});
+    if (!held) this.changed();
   }
 
   /** Drag in a view drives: `right` and `up` are the axes that the view shows there. @param {HTMLElement} view @param {Share} right @param {() => Share} up */

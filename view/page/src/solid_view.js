@@ -16,12 +16,15 @@ const kRings = 40, kSides = 48;
 const kUp = new Vector3(0, 1, 0);
 
 export class SolidView {
-  /** @param {HTMLCanvasElement} canvas @param {HTMLElement} note where scale and factors are said */
-  constructor(canvas, note) {
+  /** @param {HTMLCanvasElement} canvas @param {HTMLElement} note where scale and factors are said @param {() => void} changed  it is to be drawn */
+  constructor(canvas, note, changed) {
+    this.changed = changed;
     this.canvas = canvas;
     this.note = note;
     this.renderer = new WebGLRenderer({canvas, antialias: !software, alpha: true, powerPreference: 'low-power'});
+    this.renderer.debug.checkShaderErrors = false;  // that would wait for them
     this.camera = new PerspectiveCamera(28, 1, 5, 60000);
+    this.compiled = false;
     /** @type {Stage | null} */
     this.stage = null;
     this.angle = {turn: 0.62, rise: 0.36, zoom: 1};
@@ -138,6 +141,12 @@ export class SolidView {
     this.distance = 2.1 * Math.max(span, 1.7 * outer);
     this.stage?.traverse((thing) => { if (thing instanceof Mesh) thing.geometry.dispose(); });
     this.stage = stage;
+    this.compiled = !this.renderer.extensions.has('KHR_parallel_shader_compile');
+    if (!this.compiled) void this.renderer.compileAsync(stage, this.camera).then(() => {
+      if (this.stage !== stage) return;
+      this.compiled = true;
+      this.changed();
+    });
   }
 
   /** @param {Stage} stage @param {Scene['geometry']} g @param {number} inner @param {number} outer @param {Colours} colours */
@@ -178,12 +187,12 @@ export class SolidView {
     stage.add(filled);
   }
 
-  /** @param {Read} read @param {Read | null} other @param {number} bend */
+  /** False where there is nothing to be seen yet. @param {Read} read @param {Read | null} other @param {number} bend @returns {boolean} */
   draw(read, other, bend) {
     const {stage, scene, canvas} = this;
-    if (!stage || !scene || !this.fibreGeometry || !this.otherGeometry) return;
+    if (!stage || !scene || !this.fibreGeometry || !this.otherGeometry || !this.compiled) return false;
     const width = canvas.clientWidth, height = canvas.clientHeight;
-    if (width < 8 || height < 8) return;
+    if (width < 8 || height < 8) return false;
     // What software renders is no larger than it can at 4K.
     const ratio = Math.min(devicePixelRatio || 1, (software ? 700 : 2800) / Math.max(width, height));
     const size = this.renderer.getSize(new Vector2());
@@ -202,6 +211,7 @@ export class SolidView {
     const text = `true scale; bar ${this.barText}; arrows ${length(1).split(' ')[0]} \u00b5N = ${force < 10 ? force.toFixed(1) : Math.round(force)} \u00b5m` +
         (scene.geometry.free_length_um > 0 && bend !== 1 ? `; bending \u00d7${bend}` : '');
     if (this.note.textContent !== text) this.note.textContent = text;
+    return true;
   }
 
   /** @param {number} aspect */

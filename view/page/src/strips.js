@@ -1,6 +1,6 @@
 // Velocity and force over time, in the manner of the paper's Fig. 10 (uPlot).
 import uPlot from 'uplot';
-import {withFasterCanvas} from './software.js';
+import {withPlaneCanvas} from './software.js';
 
 /** @typedef {import('./table.js').Table} Table @typedef {import('./theme.js').Colours} Colours */
 
@@ -37,7 +37,7 @@ export class Strips {
       const series = [colours.x, colours.y, colours.z].map((colour, i) => line(names[i], colour, kDashes[i]));
       if (which === 1) series.push(line('limit', colours.ink, [10, 4, 2, 4], 0.09));
       series.push(line('other', colours.ghost, [3, 3], 0.14));
-      const plot = withFasterCanvas(() => new uPlot({
+      const plot = withPlaneCanvas(() => new uPlot({
         width: place.clientWidth || 300, height: place.clientHeight || 120,
         series: [{label: 't'}, ...series],
         axes: [
