@@ -115,6 +115,13 @@ check('live: draws, moves with the simulation, inserts by arrow keys alone, lose
   held.clear();
   await ready(page);
   await page.waitForFunction(() => globalThis.ferrule.session.running);
+  await page.waitForFunction(() => globalThis.ferrule.live.batches > 5);
+  const {rows, first, last} = await page.evaluate(() => {
+    const {history} = globalThis.ferrule.live, [first, last] = history.span();
+    return {rows: history.rows, first, last};
+  });
+  assert.equal(first, 0);
+  assert.equal(rows, Math.round(1000 * last) + 1, 'the page has every row again');
   await insert(page, steer);
   await page.waitForSelector('#ended:not([hidden])');
   console.log(`# after it: ${await page.locator('#ended').innerText()}`.replaceAll('\n', '; '));
@@ -199,7 +206,9 @@ check('a failed trial that is clicked in the map plays and ends with its outcome
   const {page, amiss} = await open('file://' + report);
   const frame = await (await page.waitForSelector('iframe.replay')).contentFrame();
   await frame.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
-  const trial = await frame.evaluate(() => globalThis.ferrule.replay.recorded.maps[0].points.find((p) => p.run !== undefined).trial);
+  const failed = await frame.evaluate(() => globalThis.ferrule.replay.recorded.maps[0].points.filter((p) => p.outcome !== 'inserted'));
+  assert.ok(failed.length > 20 && failed.every((p) => p.run !== undefined), 'every failure is there');
+  const {trial} = failed[failed.length - 1];
   await frame.locator('#speed').selectOption('10');
   await frame.evaluate((k) => document.querySelector(`#map circle[data-trial="${k}"]`).scrollIntoView(), trial);
   await frame.locator(`#map circle[data-trial="${trial}"]`).dispatchEvent('click');

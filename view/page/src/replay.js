@@ -56,12 +56,14 @@ export class Replay {
 
   /** Rows that are not here yet come from the program. @param {RecordedRun} run */
   async load(run) {
+    await run.unpack();
     if (run.loaded || run.file === undefined) return;
     const answer = await fetch(`recorded?file=${encodeURIComponent(run.file)}`);
     if (!answer.ok) throw new Error(`${run.name} could not be read: ${(await answer.text()).slice(0, 200)}`);
     /** @type {RecordedJson} */
     const json = await answer.json();
     Object.assign(run, new RecordedRun(json.runs[0], json.columns, json.scene), {file: run.file});
+    await run.unpack();
     this.listRuns();
   }
 
@@ -182,7 +184,7 @@ export class Replay {
   /** A trial of the map. @param {MapPoint} point @param {MapJson} map */
   async watch(point, map) {
     if (point.run === undefined || !this.runs[point.run]) {
-      this.say(`Trial ${point.trial} (${words(point.outcome)}) is not in this file. It is made again by: ${map.command.replace('TRIAL', String(point.trial))}`);
+      this.say(`Trial ${point.trial} (${words(point.outcome)}) is not in this file.${map.command ? ` It is made again by: ${map.command.replace('TRIAL', String(point.trial))}` : ''}`);
       return;
     }
     const run = this.runs[point.run];
