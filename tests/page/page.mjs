@@ -190,6 +190,33 @@ check('replay: scrubs, jumps to events, lays one episode over another', async ()
   await page.waitForFunction(() => globalThis.ferrule.replay.over?.loaded);
   await pause(300);
   assert.ok(!one.equals(await page.locator('#axis').screenshot()), 'the other is seen');
+  // A force's arrow goes and comes; a view alone; a part of time enlarged, and all of it again.
+  const arrows = await page.locator('#axis').screenshot();
+  await page.locator('#tab-terms').click();
+  for (const box of await page.locator('#terms input').all()) await box.uncheck();
+  await pause(200);
+  assert.ok(!arrows.equals(await page.locator('#axis').screenshot()), 'arrows went');
+  await page.locator('[data-view=strips]').click();
+  await pause(200);
+  assert.equal(await page.locator('#axis').isVisible(), false);
+  const box = await page.locator('#strip-force').boundingBox(), middle = box.y + box.height / 2;
+  await page.mouse.move(box.x + 0.4 * box.width, middle);
+  assert.match(await page.locator('#strip-force .under').innerText(), / s: .* \u00b5N/);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.6 * box.width, middle, {steps: 4});
+  await page.mouse.up();
+  const shown = () => page.evaluate(() => globalThis.ferrule.strips.plots.map((p) => p.scales.x.max - p.scales.x.min));
+  const whole = await page.evaluate(() => globalThis.ferrule.replay.shown.table.span()[1]);
+  assert.ok((await shown()).every((span) => span < 0.5 * whole), String(await shown()));
+  await page.keyboard.press('Escape');
+  assert.ok(await page.locator('#axis').isVisible());
+  // The address opens the same picture.
+  await page.locator('#scrub').fill('7.25');
+  await page.waitForFunction(() => location.hash.includes('t=7.25'));
+  const again = await open(page.url());
+  await again.page.waitForFunction(() => globalThis.ferrule?.replay?.over?.loaded && globalThis.ferrule.replay.t > 7);
+  assert.equal((await again.page.locator('#clock').innerText()).split(' /')[0], '7.250');
+  await again.page.close();
   await page.locator('#speed').selectOption('10');
   await page.locator('#play').click();
   await page.waitForSelector('#outcome:not([hidden])');

@@ -35,7 +35,7 @@ export class Hand {
 
   /** @param {KeyboardEvent} event @param {boolean} down */
   key(event, down) {
-    if (event.code === 'KeyF') this.slow = down && !typing(event.target);
+    if (event.code === 'KeyF') this.slow = down && !typing(event);
     const way = keyWay(event);
     if (!way) {
       if (!down && event.key === 'Shift') this.keys.clear();  // arrows change their meaning
@@ -46,7 +46,7 @@ export class Hand {
       this.changed();
       return;
     }
-    if (!this.driving() || event.ctrlKey || event.metaKey || typing(event.target)) return;
+    if (!this.driving() || event.ctrlKey || event.metaKey || typing(event)) return;
     event.preventDefault();
     const held = this.keys.get(event.code);
     this.keys.set(event.code, {since: held?.since ?? performance.now(), way});
@@ -147,9 +147,16 @@ function keyWay(event) {
   }
 }
 
-/** @param {EventTarget | null} target */
-export function typing(target) {
-  return target instanceof HTMLElement && target.closest('input, select, textarea, [contenteditable], [data-keys]') !== null;
+/** Whether a key is for what has the focus. @param {KeyboardEvent} event */
+export function typing({target, key}) {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target instanceof HTMLInputElement) {
+    if (target.type === 'checkbox') return key === ' ';
+    if (target.type === 'range' || target.type === 'radio') return key.startsWith('Arrow') || key.startsWith('Page') || key === 'Home' || key === 'End' || (key === ' ' && target.type === 'radio');
+    return true;
+  }
+  if (target.dataset.keys !== undefined) return key.startsWith('Arrow') || key === '+' || key === '=' || key === '-';
+  return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement || target.isContentEditable;
 }
 
 /** Fine near the middle. @param {number} x */

@@ -2,11 +2,12 @@
 import {Table} from './table.js';
 
 /** @typedef {import('./recording.js').Scene} Scene
- * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string}} Hello
+ * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string, trainee: string}} Hello
  * @typedef {Record<string, unknown> & {type: string}} Message */
 
 const kProtocol = 1;
 const kKeepSeconds = 30;
+const kHold = 3000;     // how an insertion ended is shown so long, before the next start [ms]
 const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
 
 export class Live {
@@ -25,6 +26,10 @@ export class Live {
     this.heard = 0;    // word of the hand that the newest row has heard
     /** @type {number[]} hand to picture [ms], the last ones */
     this.latencies = [];
+    /** @type {ArrayBuffer | null} the newest row, while an older one is shown */
+    this.held = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.releasing = undefined;
     this.states = 0;   // since they were counted
     this.arrived = 0;  // in all
     this.batches = 0;
@@ -72,6 +77,10 @@ export class Live {
     const [kind, rows, columns, seq] = new Uint32Array(packet, 0, 4);
     if (columns !== this.history.columns.length || packet.byteLength < 16 + 4 * rows * columns || rows === 0) return;
     const data = new Float32Array(packet, 16, rows * columns);
+    if (kind === 1 && this.held) {
+      this.held = packet;
+      return;
+    }
     if (kind === 2) {
       if (rows === 1 && data[0] === 0) return;  // at rest, before a try: the strips keep the last one
       if (data[0] === 0) this.history.clear();  // another insertion
@@ -88,6 +97,20 @@ export class Live {
       ++this.states;
       ++this.arrived;
     }
+  }
+
+  /** For a while the newest row stays what it is. */
+  hold() {
+    this.held = new ArrayBuffer(0);
+    clearTimeout(this.releasing);
+    this.releasing = setTimeout(() => this.release(), kHold);
+  }
+
+  release() {
+    const held = this.held;
+    this.held = null;
+    clearTimeout(this.releasing);
+    if (held) this.rows(held);
   }
 
   /** @param {Message} message */

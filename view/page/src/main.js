@@ -34,7 +34,7 @@ class Page {
     this.axis = new AxisView(byId('axis', HTMLCanvasElement));
     /** @type {SolidView | null} */
     this.solid = null;
-    this.strips = new Strips(byId('strip-velocity', HTMLElement), byId('strip-force', HTMLElement), (t) => this.replay?.seek(t));
+    this.strips = new Strips(byId('strip-velocity', HTMLElement), byId('strip-force', HTMLElement), (t) => this.replay?.seek(t), () => this.replay !== null);
     this.sound = new Sound();
     /** @type {Replay | null} */
     this.replay = null;
@@ -94,6 +94,9 @@ class Page {
     const help = byId('help', HTMLDialogElement);
     byId('help-open', HTMLButtonElement).addEventListener('click', () => help.showModal());
     byId('bend', HTMLButtonElement).addEventListener('click', () => this.nextBend());
+    byId('camera', HTMLButtonElement).addEventListener('click', () => this.nextCamera());
+    for (const button of document.querySelectorAll('[data-view]'))
+      if (button instanceof HTMLElement) button.addEventListener('click', () => this.only(button.dataset.view ?? null));
     byId('plane', HTMLButtonElement).addEventListener('click', (event) => {
       this.side.up = this.side.up === 'y' ? 'z' : 'y';
       /** @type {HTMLElement} */ (event.currentTarget).textContent = this.side.up === 'y' ? 'x\u2013y' : 'x\u2013z';
@@ -125,6 +128,22 @@ class Page {
     this.hand.dragIn(byId('axis', HTMLCanvasElement), [0, 0, -1], () => [0, 1, 0]);
   }
 
+  nextCamera() {
+    const name = this.solid?.nextCamera();
+    if (name) byId('camera', HTMLButtonElement).textContent = name;
+    this.redraw();
+  }
+
+  /** One view alone, or all of them. @param {string | null} view */
+  only(view) {
+    const main = /** @type {HTMLElement} */ (document.querySelector('main'));
+    if (view === null || main.dataset.only === view) delete main.dataset.only;
+    else main.dataset.only = view;
+    for (const button of document.querySelectorAll('[data-view]'))
+      if (button instanceof HTMLElement) button.setAttribute('aria-pressed', String(button.dataset.view === main.dataset.only));
+    this.buildStrips();
+  }
+
   nextBend() {
     this.bend = kBends[(kBends.indexOf(this.bend) + 1) % kBends.length];
     byId('bend', HTMLButtonElement).textContent = `bending \u00d7${this.bend}`;
@@ -133,11 +152,16 @@ class Page {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    if (typing(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (document.querySelector('dialog[open]')) return;
+    if (typing(event) || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (document.querySelector('dialog[open]')) return;  // Escape closes it
     const onButton = event.target instanceof HTMLButtonElement;
     switch (event.key) {
       case 'b': this.nextBend(); break;
+      case 'v': this.nextCamera(); break;
+      case 'Escape': this.only(null); break;
+      case 'r': if (!this.replay) return; this.replay.repeat(); break;
+      case '-': this.replay?.faster(-1); break;
+      case '+': case '=': this.replay?.faster(1); break;
       case 't': byId('theme', HTMLButtonElement).click(); break;
       case 'm': byId('sound', HTMLButtonElement).click(); break;
       case 'l': byId('health-toggle', HTMLButtonElement).click(); break;
@@ -172,7 +196,7 @@ class Page {
       byId('scene', HTMLElement).textContent = `scene ${scene.name}`;
       byId('scene', HTMLElement).title = scene.about;
       byId('bend', HTMLButtonElement).hidden = !(scene.geometry.free_length_um > 0);
-      this.readout.build(scene, phases);
+      this.readout.build(scene, phases, () => this.redraw());
       this.sideAcross.range = this.axisAcross.range = 0;
       this.solid?.build(scene, this.colours);
     }
@@ -196,10 +220,7 @@ class Page {
     byId('tab-map', HTMLElement).hidden = maps.length === 0;
     if (maps.length) new FailureMap((point, map) => void replay.watch(point, map)).set(maps);
     if (maps.length) choose(byId('tab-map', HTMLElement));
-    if (this.replay.runs.length) {
-      void this.replay.show(this.replay.runs[0], !matchMedia('(prefers-reduced-motion: reduce)').matches);
-      if (recorded.over !== undefined && this.replay.runs[recorded.over]) void this.replay.lay(this.replay.runs[recorded.over]);
-    }
+    if (this.replay.runs.length) void this.replay.begin(!matchMedia('(prefers-reduced-motion: reduce)').matches);
     else this.replay.say('There is nothing recorded here.');
   }
 
@@ -211,8 +232,11 @@ class Page {
         this.phases = hello.phases;
         this.use(hello.scene, hello.phases);
         document.title = `ferrule: ${hello.scene.name}`;
+        byId('who', HTMLElement).textContent = hello.trainee;
       },
       message: (message) => {
+        if (message.type === 'ended' && session.running) live.hold();
+        if (message.type === 'state_of_session' && message.running === true) live.release();
         if (message.type === 'state_of_session' && message.scene) this.use(/** @type {Scene} */ (message.scene), this.phases);
         if (session.take(message)) return;
         if (message.type === 'error') byId('said', HTMLElement).textContent = String(message.text);
@@ -282,7 +306,7 @@ class Page {
     this.batch = live.batches;
     const [, last] = live.history.span();
     this.strips.resize();
-    this.strips.show(live.history, null, live.history.rowAt(last - kStripSeconds), [last - kStripSeconds, last]);
+    this.strips.show(live.history, null, live.history.rowAt(last - kStripSeconds), [Math.max(0, last - kStripSeconds), Math.max(kStripSeconds, last)]);
   }
 
   /** @param {Read} read @param {Read | null} other */

@@ -1,4 +1,5 @@
 // What is to be replayed: runs of rows with events, and the map of the trials they are of.
+import {withMicro} from './format.js';
 import {Table} from './table.js';
 
 /**
@@ -23,11 +24,11 @@ export class RecordedRun {
   constructor(json, columns, scene) {
     this.name = String(json.name);
     this.outcome = String(json.outcome ?? '');
-    this.why = String(json.why ?? '');
+    this.why = withMicro(String(json.why ?? ''));
     this.scene = json.scene ?? scene;
     this.file = json.file;
     this.trial = json.trial;
-    this.events = Array.isArray(json.events) ? json.events : [];
+    this.events = Array.isArray(json.events) ? json.events.map((event) => ({...event, text: withMicro(String(event.text ?? ''))})) : [];
     this.table = new Table(columns);
     /** @type {string | undefined} rows that are still packed */
     this.packed = json.rows;

@@ -17,10 +17,14 @@ export class Replay {
     this.over = null;
     this.t = 0;
     this.speed = 1;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.noted = undefined;
     this.playing = false;
+    this.again = false;
     this.play = byId('play', HTMLButtonElement);
     this.scrub = byId('scrub', HTMLInputElement);
     this.clock = byId('clock', HTMLElement);
+    this.speeds = byId('speed', HTMLSelectElement);
     this.choice = byId('run', HTMLSelectElement);
     this.overChoice = byId('over', HTMLSelectElement);
     this.events = byId('events', HTMLElement);
@@ -37,9 +41,8 @@ export class Replay {
       this.playing = false;
       this.seek(Number(this.scrub.value));
     });
-    byId('speed', HTMLSelectElement).addEventListener('change', (event) => {
-      this.speed = Number(/** @type {HTMLSelectElement} */ (event.target).value);
-    });
+    this.speeds.addEventListener('change', () => { this.speed = Number(this.speeds.value); });
+    byId('repeat', HTMLButtonElement).addEventListener('click', () => this.repeat());
     byId('event-before', HTMLButtonElement).addEventListener('click', () => this.jump(-1));
     byId('event-after', HTMLButtonElement).addEventListener('click', () => this.jump(1));
     this.choice.addEventListener('change', () => void this.show(this.runs[Number(this.choice.value)]));
@@ -125,6 +128,43 @@ export class Replay {
     return this.shown.table.rowAt(this.t);
   }
 
+  /** Over and over, or once. */
+  repeat() {
+    this.again = !this.again;
+    byId('repeat', HTMLButtonElement).setAttribute('aria-pressed', String(this.again));
+  }
+
+  /** @param {number} steps of the list of speeds */
+  faster(steps) {
+    this.speeds.selectedIndex = Math.max(0, Math.min(this.speeds.options.length - 1, this.speeds.selectedIndex + steps));
+    this.speed = Number(this.speeds.value);
+  }
+
+  // What is shown first: what the address says (#run=NAME&t=12.4&over=NAME), else the first run.
+  /** @param {boolean} play */
+  async begin(play) {
+    const wanted = new URLSearchParams(location.hash.slice(1));
+    const named = (/** @type {string | null} */ name) => this.runs.find((run) => run.name === name);
+    const run = named(wanted.get('run')), t = parseFloat(wanted.get('t') ?? '');
+    const over = wanted.has('run') ? named(wanted.get('over')) : this.runs[this.recorded.over ?? -1];
+    await this.show(run ?? this.runs[0], play && !Number.isFinite(t));
+    if (over) await this.lay(over);
+    if (Number.isFinite(t)) this.seek(t);
+  }
+
+  // The address says where it is, so that it can be passed on.
+  note() {
+    if (this.noted !== undefined) clearTimeout(this.noted);
+    this.noted = setTimeout(() => {
+      const place = new URLSearchParams({run: this.shown.name, t: this.t.toFixed(3), ...(this.over ? {over: this.over.name} : {})});
+      try {
+        history.replaceState(null, '', `#${place}`);
+      } catch {
+        // within a report it has no address
+      }
+    }, 300);
+  }
+
   toggle() {
     const [first, last] = this.shown.table.span();
     if (!this.playing && this.t >= last - 1e-6) this.seek(first);
@@ -161,8 +201,8 @@ export class Replay {
     const [, last] = this.shown.table.span();
     this.t += elapsed * this.speed;
     if (this.t >= last) {
-      this.t = last;
-      this.playing = false;
+      this.t = this.again ? this.shown.table.span()[0] : last;
+      this.playing = this.again;
     }
     this.update();
   }
@@ -179,6 +219,7 @@ export class Replay {
     if (this.outcome.textContent !== text) this.outcome.textContent = text;
     this.outcome.hidden = !over;
     this.outcome.dataset.good = String(this.shown.outcome === 'inserted');
+    if (!this.playing) this.note();
   }
 
   /** A trial of the map. @param {MapPoint} point @param {MapJson} map */

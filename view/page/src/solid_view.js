@@ -7,13 +7,15 @@ import {
 } from 'three';
 import {length, round125} from './format.js';
 import {software} from './software.js';
-import {contacts, drawnLength, fibreAt, filledWithLiquid, termForces} from './shape.js';
+import {contacts, drawnLength, fibreAt, filledWithLiquid, hidden, termForces} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
  * @typedef {import('./theme.js').Colours} Colours */
 
 const kRings = 40, kSides = 48;
 const kUp = new Vector3(0, 1, 0);
+// Where it is looked at from: turn about y, from in front of the cut; rise [rad].
+const kCameras = [['oblique', 0.62, 0.36], ['side', 0, 0], ['from within', -Math.PI / 2, 0], ['top', 0, 1.4]];
 
 export class SolidView {
   /** @param {HTMLCanvasElement} canvas @param {HTMLElement} note where scale and factors are said @param {() => void} changed  it is to be drawn */
@@ -27,6 +29,7 @@ export class SolidView {
     this.compiled = false;
     /** @type {Stage | null} */
     this.stage = null;
+    this.place_ = 0;
     this.angle = {turn: 0.62, rise: 0.36, zoom: 1};
     this.target = new Vector3();
     this.distance = 1000;
@@ -62,6 +65,14 @@ export class SolidView {
       event.preventDefault();
       event.stopPropagation();
     });
+  }
+
+  /** The next of the places to look from; its name. @returns {string} */
+  nextCamera() {
+    this.place_ = (this.place_ + 1) % kCameras.length;
+    const [name, turn, rise] = kCameras[this.place_];
+    this.angle = {turn: Number(turn), rise: Number(rise), zoom: 1};
+    return String(name);
   }
 
   /** @param {number} turn @param {number} rise [rad] */
@@ -253,12 +264,13 @@ export class SolidView {
     const away = new Vector2(tip.y, tip.z), r = scene.geometry.fibre_radius_um;
     if (away.length() > 0) this.bridge.position.set(Math.max(tip.x, 0), tip.y + r * tip.y / away.length(), tip.z + r * tip.z / away.length());
     const scale = this.forceScale(read);
+    for (const arrow of this.arrows.values()) arrow.visible = false;
     for (const {term, force, at} of termForces(scene, read)) {
       const arrow = this.arrows.get(term);
       if (arrow) pointArrow(arrow, new Vector3(...at), new Vector3(...force).multiplyScalar(scale));
     }
     const hand = this.arrows.get('hand');
-    if (hand) pointArrow(hand, tip, new Vector3(read('force_x_uN'), read('force_y_uN'), read('force_z_uN')).multiplyScalar(scale));
+    if (hand && !hidden.has('hand')) pointArrow(hand, tip, new Vector3(read('force_x_uN'), read('force_y_uN'), read('force_z_uN')).multiplyScalar(scale));
     const s = scene.geometry.free_length_um || 900;
     this.gripper.position.set(...fibreAt(scene, read, s + 210, bend));
     this.gripper.quaternion.setFromUnitVectors(kUp, new Vector3(1, read('holder_ay_rad'), read('holder_az_rad')).normalize());
