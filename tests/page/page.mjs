@@ -134,6 +134,37 @@ check('live: draws, moves with the simulation, inserts by arrow keys alone, lose
   expectInserted(out);
 });
 
+check('live: a drag and the wheel move the fibre, and what is let go stands still', async () => {
+  const server = await view('--scene', 'demo', '--seed', '7', '--out', join(folder, 'mouse'));
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => globalThis.ferrule.session.running);
+  const moved = (/** @type {string} */ name, /** @type {number} */ from, /** @type {number} */ way) =>
+      page.waitForFunction(([column, at, sign]) => sign * (globalThis.ferrule.live.newest.read(0)(column) - at) > 1, [name, from, way]);
+  let at = await row(page, 'holder_x_um', 'holder_y_um', 'holder_z_um');
+  const box = await page.locator('#axis').boundingBox(), x = box.x + box.width / 2, y = box.y + box.height / 2;
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x - 60, y - 60, {steps: 3});
+  await moved('holder_y_um', at.holder_y_um, 1);
+  await moved('holder_z_um', at.holder_z_um, 1);
+  await page.mouse.up();
+  at = await row(page, 'holder_x_um');
+  for (let i = 0; i < 8; ++i) {
+    await page.mouse.wheel(0, -120);
+    await pause(50);
+  }
+  await moved('holder_x_um', at.holder_x_um, -1);
+  await pause(500);
+  at = await row(page, 'holder_x_um', 'holder_y_um', 'holder_z_um');
+  await pause(300);
+  assert.deepEqual(await row(page, 'holder_x_um', 'holder_y_um', 'holder_z_um'), at);
+  await page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
+});
+
 const kGamepad = `
   const pad = {connected: true, id: 'test', index: 0, mapping: 'standard', timestamp: 0, axes: [0, 0, 0, 0],
     buttons: Array.from({length: 17}, () => ({pressed: false, touched: false, value: 0}))};
@@ -301,4 +332,22 @@ check('pictures at both sizes in both themes', async () => {
       await page.close();
       assert.deepEqual(amiss, []);
     }
+  const server = await view('--scene', 'hard', '--trainee', 'Ada', '--out', join(folder, 'pictured'));
+  for (const theme of /** @type {const} */ (['light', 'dark']))
+    for (const [width, height] of [[1280, 720], [3840, 2160]]) {
+      const {page, amiss} = await open(server.address, {width, height, theme});
+      await page.waitForFunction(() => globalThis.ferrule?.drawn?.solid > 0);
+      await page.keyboard.press('Enter');
+      await page.waitForFunction(() => globalThis.ferrule.session.running);
+      await page.keyboard.down('w');
+      await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('force_uN') > 10 || !globalThis.ferrule.session.running);
+      await page.screenshot({path: join(pictures, `live-${width}-${theme}.png`)});
+      await page.waitForSelector('#ended:not([hidden])');
+      await page.keyboard.up('w');
+      await page.screenshot({path: join(pictures, `ended-${width}-${theme}.png`)});
+      assert.deepEqual(await violations(page), []);
+      await page.close();
+      assert.deepEqual(amiss, []);
+    }
+  await server.end();
 });

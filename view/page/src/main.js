@@ -235,8 +235,14 @@ class Page {
         byId('who', HTMLElement).textContent = hello.trainee;
       },
       message: (message) => {
-        if (message.type === 'ended' && session.running) live.hold();
-        if (message.type === 'state_of_session' && message.running === true) live.release();
+        if (message.type === 'ended' && session.running) {
+          live.hold();
+          choose(byId('tab-session', HTMLElement));
+        }
+        if (message.type === 'state_of_session' && message.running === true && !session.running) {
+          live.release();
+          choose(byId('tab-terms', HTMLElement));
+        }
         if (message.type === 'state_of_session' && message.scene) this.use(/** @type {Scene} */ (message.scene), this.phases);
         if (session.take(message)) return;
         if (message.type === 'error') byId('said', HTMLElement).textContent = String(message.text);

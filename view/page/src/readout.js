@@ -95,7 +95,7 @@ export class Readout {
     const period = read('period_us');
     put(this.loop, period > 0
       ? `${fixed(1e6 / period, 0)} Hz, worst ${fixed(read('worst_period_us') / 1e3, 2)} ms, missed ${fixed(read('missed'), 0)}; hand's energy ${fixed(1e6 * read('passivity_J'), 1)} \u00b5J`
-      : 'none, this is a replay');
+      : 'rests');
   }
 }
 

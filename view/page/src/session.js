@@ -80,8 +80,8 @@ export class Session {
   end(message) {
     const score = /** @type {{total?: number, parts?: Record<string, number | null>} | null} */ (message.score ?? null);
     const who = message.what === 'insert' ? 'the controller: ' : '';
-    const took = typeof message.time_s === 'number' ? `, ${fixed(message.time_s, 1)} s` : '';
-    const peak = typeof message.peak_force_uN === 'number' ? `, at most ${fixed(message.peak_force_uN, 1)} \u00b5N` : '';
+    const took = typeof message.time_s === 'number' ? `, ${fixed(message.time_s, 1)}\u00a0s` : '';
+    const peak = typeof message.peak_force_uN === 'number' ? `, at most ${fixed(message.peak_force_uN, 1)}\u00a0\u00b5N` : '';
     this.ended.replaceChildren(element('strong', `${who}${words(String(message.outcome))}${took}${peak}`));
     if (message.why) this.ended.append(element('span', withMicro(String(message.why))));
     if (score && typeof score.total === 'number') {
