@@ -115,7 +115,7 @@ export class SolidView {
     this.core = new Mesh(new CylinderGeometry(4.5, 4.5, 1.6, 24), new MeshBasicMaterial({color: new Color(colours.contact)}));
     stage.add(this.end, this.core);
     this.otherGeometry = this.fibreGeometry.clone();
-    this.other = new Mesh(this.otherGeometry, new MeshLambertMaterial({color: new Color(colours.ghost), transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false}));
+    this.other = new Mesh(this.otherGeometry, new MeshLambertMaterial({color: new Color(colours.ghost), transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}));
     this.other.frustumCulled = false;
     stage.add(this.other);
 
