@@ -1,6 +1,6 @@
 // The operator's window in a real browser: node page.mjs PROGRAM BUILD_FOLDER [PATTERN]
 import assert from 'node:assert/strict';
-import {mkdirSync, readdirSync, statSync} from 'node:fs';
+import {copyFileSync, mkdirSync, readdirSync, statSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
@@ -303,7 +303,6 @@ check('a trial made again ends as the campaign had it, and both are seen', async
 
 check('an exported file replays from disk, and a name in it stays text', async () => {
   const name = '<img src=x onerror=alert(1)>.h5', file = join(folder, 'exported.html');
-  const {copyFileSync} = await import('node:fs');
   copyFileSync(join(episodes, readdirSync(episodes).filter((f) => f.endsWith('.h5'))[0]), join(folder, name));
   ferrule('view', join(folder, name), '--export', file);
   assert.ok(statSync(file).size < 6_000_000);
@@ -316,6 +315,26 @@ check('an exported file replays from disk, and a name in it stays text', async (
   for (const canvas of ['#solid', '#side', '#axis']) assert.ok(await coloursOf(page, canvas) > 20, `${canvas} is uniform`);
   await page.close();
   assert.deepEqual(amiss, []);
+});
+
+check('a folder opens with what can be read, and says what cannot', async () => {
+  const mixed = join(folder, 'mixed');
+  mkdirSync(mixed);
+  writeFileSync(join(mixed, 'a <b>broken.h5'), 'nothing');
+  copyFileSync(join(episodes, 'episode_0001.h5'), join(mixed, 'b.h5'));
+  const server = await view(mixed);
+  const {page} = await open(server.address);
+  await page.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
+  const broken = await page.evaluate(() => globalThis.ferrule.replay.runs.findIndex((run) => run.name.startsWith('a ')));
+  for (const choice of ['#run', '#over']) {
+    await page.locator('#said').evaluate((said) => { said.textContent = ''; });
+    await page.locator(choice).selectOption(String(broken));
+    await page.waitForFunction(() => document.querySelector('#said').textContent.includes('<b>broken.h5 could not be read'));
+    assert.match(await page.locator(`${choice} option:checked`).innerText(), choice === '#run' ? /^b.h5/ : /nothing/);
+  }
+  assert.equal(await page.locator('b').count(), 0);
+  await page.close();
+  await server.end();
 });
 
 check('pictures at both sizes in both themes', async () => {

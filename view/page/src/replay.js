@@ -70,14 +70,22 @@ export class Replay {
     this.listRuns();
   }
 
-  /** @param {RecordedRun} run @param {boolean} [play] */
-  async show(run, play = false) {
+  /** Whether there is something to see; where not, says why. @param {RecordedRun} run */
+  async loads(run) {
     try {
       await this.load(run);
+      if (run.loaded) return true;
+      this.say(`${run.name}: there is nothing in it to be seen`);
     } catch (error) {
       this.say(String(error instanceof Error ? error.message : error));
-      return;
     }
+    this.listRuns();  // with what is still shown
+    return false;
+  }
+
+  /** @param {RecordedRun} run @param {boolean} [play] */
+  async show(run, play = false) {
+    if (!await this.loads(run)) return;
     this.shown = run;
     this.choice.value = String(this.runs.indexOf(run));
     const [first, last] = run.table.span();
@@ -92,7 +100,7 @@ export class Replay {
 
   /** @param {RecordedRun | null} run */
   async lay(run) {
-    if (run) await this.load(run);
+    if (run && !await this.loads(run)) return;
     this.over = run;
     this.overChoice.value = run ? String(this.runs.indexOf(run)) : '';
     this.changed();
