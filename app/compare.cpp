@@ -247,7 +247,6 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
 // All of it in one page, on which trials that failed can be watched.
 void write_report(const CompareArguments& a, const Scene& scene, const Found& found,
                   const std::vector<Vector2d>& starts, const Provenance& provenance) {
-  constexpr std::size_t kRuns = 60;  // in all, so that the page stays one that opens at once
   std::vector<ReplayRun> runs;
   std::vector<TrialMap> maps;
   std::string maps_drawn, table;
@@ -262,8 +261,7 @@ void write_report(const CompareArguments& a, const Scene& scene, const Found& fo
                               SceneArguments{scene.name, a.scene.settings}.given(), a.seed,
                               who == kTeacher ? fmt::format(" --skill {}", a.skill) : "")
                 : "";
-    add_failures(scene, a.seed, {who, command, e.candidate.make, &e.results},
-                 std::max<std::size_t>(3, kRuns / found.entries.size()), runs, maps);
+    add_failures(scene, a.seed, {who, command, e.candidate.make, &e.results}, runs, maps);
     maps_drawn += figure(failure_map(who, e.results, starts), "");
     rings.emplace_back(who, e.rings);
     table += to_text(who, e.alone);

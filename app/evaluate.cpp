@@ -106,7 +106,7 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
     const std::string command =
         fmt::format("./ferrule view --trial TRIAL {}{}{} --seed {}{}", baseline ? "--against " : "",
                     tried.name, a.scene.given(), a.seed, a.supervise ? " --supervise" : "");
-    add_failures(scene, a.seed, {tried.name, command, make, &tried.results}, 24, runs, maps);
+    add_failures(scene, a.seed, {tried.name, command, make, &tried.results}, runs, maps);
     text += to_text(tried.name, summarise(tried.results));
   }
   if (runs.empty())  // nothing failed: the first trial that went in

@@ -1,8 +1,12 @@
 #include "app/failures.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <atomic>
 
 #include "app/html.hpp"
+#include "app/verb.hpp"
 #include "sim/scene/draw.hpp"
 #include "view/page_file.hpp"
 
@@ -10,6 +14,9 @@ namespace ferrule {
 namespace {
 
 constexpr double kReportRate = 30;  // frames a second of them
+// In one report, some five megabytes; but of a controller these at least.
+constexpr std::size_t kMostShown = 1000, kShownOfEach = 50;
+constexpr std::size_t kShownAtOnce = 24;  // where the user is in a hurry
 
 // The failed trials to be shown: of every outcome in turn.
 std::vector<std::size_t> shown_failures(const std::vector<TrialResult>& results, std::size_t most) {
@@ -30,17 +37,28 @@ std::vector<std::size_t> shown_failures(const std::vector<TrialResult>& results,
 }  // namespace
 
 void add_failures(const Scene& scene, std::uint64_t seed, const TestedController& tested,
-                  std::size_t most, std::vector<ReplayRun>& runs, std::vector<TrialMap>& maps) {
+                  std::vector<ReplayRun>& runs, std::vector<TrialMap>& maps) {
   const std::vector<TrialResult>& results = *tested.results;
   TrialMap map{tested.name, tested.command, results, {}, {}};
   map.runs.resize(results.size());
   for (std::size_t k = 0; k < results.size(); ++k)
     map.starts.push_back(draw_start(scene, seed, k).tip.segment<2>(1));
-  for (const std::size_t k : shown_failures(results, most)) {
-    map.runs[k] = runs.size();
-    runs.push_back(
-        replay_of(scene, tested.make, seed, k, fmt::format("{}, trial {}", tested.name, k)));
-    thin(runs.back(), kReportRate);
+  const std::vector<std::size_t> shown = shown_failures(
+      results, std::max(kMostShown - std::min(kMostShown, runs.size()), kShownOfEach));
+  std::vector<ReplayRun> again(shown.size());
+  Progress progress("failed trials again", shown.size());
+  std::atomic<std::size_t> done = 0;
+  tbb::parallel_for(std::size_t{0}, shown.size(), [&](std::size_t i) {
+    if (interrupted() && i >= kShownAtOnce) return;
+    const std::string name = fmt::format("{}, trial {}", tested.name, shown[i]);
+    again[i] = replay_of(scene, tested.make, seed, shown[i], name);
+    thin(again[i], kReportRate);
+    progress(++done);
+  });
+  for (std::size_t i = 0; i < shown.size(); ++i) {
+    if (again[i].frames.empty()) continue;
+    map.runs[shown[i]] = runs.size();
+    runs.push_back(std::move(again[i]));
   }
   maps.push_back(std::move(map));
 }

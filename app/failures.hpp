@@ -1,4 +1,4 @@
-// The trials of campaigns for a page: where they started, how they ended, and some that failed.
+// The trials of campaigns for a page: where they started, how they ended, and those that failed.
 #pragma once
 
 #include <string>
@@ -15,10 +15,10 @@ struct TestedController {
   const std::vector<TrialResult>* results;
 };
 
-// Adds its map to `maps`, and to `runs` up to `most` of the trials that failed, of every outcome,
-// made again.
+// Adds its map to `maps`, and to `runs` the trials that failed, made again: all of them, up to a
+// thousand in one report; of more than that some of every outcome.
 void add_failures(const Scene& scene, std::uint64_t seed, const TestedController& tested,
-                  std::size_t most, std::vector<ReplayRun>& runs, std::vector<TrialMap>& maps);
+                  std::vector<ReplayRun>& runs, std::vector<TrialMap>& maps);
 
 // A replay within a report: HTML with all that it needs, or where the page of the window was not
 // built what is missing. `title` is what it shows. Throws FileTrouble.

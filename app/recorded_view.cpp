@@ -53,6 +53,7 @@ void RecordedView::find_episodes(const RecordedViewArguments& a) {
   title_ = file_name(a.path);
   if (!std::filesystem::is_directory(a.path, error)) {
     files_ = {a.path};
+    read_episode(a.path);  // says at once what is wrong with it
   } else {
     files_ = episode_files(a.path);
     if (files_.empty()) throw BadInput(a.path + ": no episodes in it");
@@ -99,7 +100,14 @@ std::optional<std::string> RecordedView::json(const std::string& file) const {
   if (!trials_.empty()) return text(replay_json(title_, trials_));
   for (const std::string& each : files_) {
     if (!file.empty() && file_name(each) != file) continue;
-    Json json = replay_json(title_, {run_of(each)});
+    std::vector<ReplayRun> runs;
+    try {
+      runs.push_back(run_of(each));
+    } catch (const std::runtime_error&) {  // the page begins with one that can be read
+      if (!file.empty() || each == files_.back()) throw;
+      continue;
+    }
+    Json json = replay_json(title_, runs);
     if (file.empty())
       for (const std::string& other : files_)
         if (other != each)

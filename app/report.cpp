@@ -158,8 +158,8 @@ std::string replays_section(const Report& r) {
   const auto add = [&](const char* who, const char* what, MakeController make,
                        const std::vector<TrialResult>& results) {
     add_failures(scene, r.trial_seed(),
-                 {who, fmt::format(fmt::runtime(command), what), std::move(make), &results}, 16,
-                 runs, maps);
+                 {who, fmt::format(fmt::runtime(command), what), std::move(make), &results}, runs,
+                 maps);
   };
   add("constant velocity", "--against constant-velocity",
       controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed)),

@@ -199,8 +199,12 @@ Score score(const Measures& m, const Yardstick& yardstick) {
 std::string hint(const Measures& m, const Score& s) {
   constexpr double kWorthSaying = 0.9;
   std::size_t worst = kParts;
-  for (std::size_t i = 0; i < kParts; ++i)
+  // What fails has no marks for its time, whatever was amiss: unless it never touched.
+  const bool timed = m.outcome == Outcome::inserted || !(m[Part::contact_time] > 0);
+  for (std::size_t i = 0; i < kParts; ++i) {
+    if (!timed && i == static_cast<std::size_t>(Part::time)) continue;
     if (s.parts[i] < (worst < kParts ? s.parts[worst] : kWorthSaying)) worst = i;
+  }
   if (worst == kParts) return "";
   const auto& where = m.by_phase[worst];
   const auto most =

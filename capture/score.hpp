@@ -81,7 +81,7 @@ struct Score {
 Score score(const Measures& episode, const Yardstick& yardstick);
 
 // What cost it most, in words: "longest loss: 3 corrections on the cone". Empty where nothing cost
-// anything worth saying (a tenth of a part).
+// anything worth saying (a tenth of a part). Of a failure not the time, unless it never touched.
 std::string hint(const Measures& episode, const Score& score);
 
 }  // namespace ferrule

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstring>
 
 #include "sim/scene/draw.hpp"
+#include "view/packed_rows.hpp"
 
 namespace ferrule {
 namespace {
@@ -154,28 +154,13 @@ void finish(ReplayRun& run, const Scene& scene, const std::string& said) {
     run.events.push_back({run.frames.size() - 1, "end", words(name(run.outcome))});
 }
 
-std::string base64(const std::vector<Frame>& frames) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string bytes(frames.size() * sizeof(Frame), '\0');
-  if (!frames.empty()) std::memcpy(bytes.data(), frames.data(), bytes.size());
-  std::string text;
-  text.reserve(bytes.size() / 3 * 4 + 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) {
-      return i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u;
-    };
-    const unsigned three = byte(0) << 16 | byte(1) << 8 | byte(2);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += i + k > bytes.size() ? '=' : kDigits[three >> (18 - 6 * k) & 63];
-  }
-  return text;
-}
-
 Json to_json(const ReplayRun& run, const Json& scene) {
-  Json json = {
-      {"name", run.name},           {"outcome", name(run.outcome)}, {"why", run.why},
-      {"rows", base64(run.frames)}, {"count", run.frames.size()},   {"events", Json::array()}};
+  Json json = {{"name", run.name},
+               {"outcome", name(run.outcome)},
+               {"why", run.why},
+               {"rows", packed_rows(run.frames)},
+               {"count", run.frames.size()},
+               {"events", Json::array()}};
   for (const ReplayEvent& e : run.events)
     json["events"].push_back({{"t_s", value(run.frames[e.row], "t_s")},
                               {"row", e.row},

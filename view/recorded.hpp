@@ -1,7 +1,7 @@
 // What a page replays: insertions that are over, frame by frame, with their events.
 //
 // As JSON {"mode": "replay", "title", "scene" (view/frame.hpp), "columns", "phases", "runs":
-//   [{"name", "outcome", "why", "rows": base64 of float32, little endian, row by row, "count",
+//   [{"name", "outcome", "why", "rows": as view/packed_rows.hpp has them, "count",
 //     "events": [{"t_s", "row", "kind": contact|bridge|slip|jam|limit|seated|end, "text"}],
 //     "scene" where it is not that of all}],
 //   "over": place of the run to be laid over the first, where both began alike,

@@ -195,6 +195,11 @@ TEST(Score, TheHintNamesWhatCostMostAndWhere) {
   set(Part::corrections, Phase::approach, 4, 1);
   set(Part::corrections, Phase::cone, 4, 3);
   EXPECT_EQ(hint(m, score(m, best)), "longest loss: 3 corrections on the cone");
+  // A failure has lost all marks for its time; what it did wrong is worth more to know.
+  m = {{4.6, 10e-6, 1, 1, 1.5, 0, 1}, Outcome::force_limit, 0, 0.5};
+  set(Part::peak_force, Phase::cone, 10e-6, 10e-6);
+  const Yardstick gentle{{5, 3e-6, 1, 1, 1.5, 0, 1}};
+  EXPECT_EQ(hint(m, score(m, gentle)), "longest loss: a force of 10 uN on the cone");
 }
 
 TEST(Score, SkilledTraineesScoreBetter) {

@@ -1,6 +1,6 @@
 // The operator's window in a real browser: node page.mjs PROGRAM BUILD_FOLDER [PATTERN]
 import assert from 'node:assert/strict';
-import {mkdirSync, readdirSync, statSync} from 'node:fs';
+import {copyFileSync, mkdirSync, readdirSync, statSync, writeFileSync} from 'node:fs';
 import {join} from 'node:path';
 import {after, test} from 'node:test';
 import {gzipSync} from 'node:zlib';
@@ -115,6 +115,13 @@ check('live: draws, moves with the simulation, inserts by arrow keys alone, lose
   held.clear();
   await ready(page);
   await page.waitForFunction(() => globalThis.ferrule.session.running);
+  await page.waitForFunction(() => globalThis.ferrule.live.batches > 5);
+  const {rows, first, last} = await page.evaluate(() => {
+    const {history} = globalThis.ferrule.live, [first, last] = history.span();
+    return {rows: history.rows, first, last};
+  });
+  assert.equal(first, 0);
+  assert.equal(rows, Math.round(1000 * last) + 1, 'the page has every row again');
   await insert(page, steer);
   await page.waitForSelector('#ended:not([hidden])');
   console.log(`# after it: ${await page.locator('#ended').innerText()}`.replaceAll('\n', '; '));
@@ -125,6 +132,37 @@ check('live: draws, moves with the simulation, inserts by arrow keys alone, lose
   await server.end();
   assert.deepEqual(amiss, []);
   expectInserted(out);
+});
+
+check('live: a drag and the wheel move the fibre, and what is let go stands still', async () => {
+  const server = await view('--scene', 'demo', '--seed', '7', '--out', join(folder, 'mouse'));
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => globalThis.ferrule.session.running);
+  const moved = (/** @type {string} */ name, /** @type {number} */ from, /** @type {number} */ way) =>
+      page.waitForFunction(([column, at, sign]) => sign * (globalThis.ferrule.live.newest.read(0)(column) - at) > 1, [name, from, way]);
+  let at = await row(page, 'holder_x_um', 'holder_y_um', 'holder_z_um');
+  const box = await page.locator('#axis').boundingBox(), x = box.x + box.width / 2, y = box.y + box.height / 2;
+  await page.mouse.move(x, y);
+  await page.mouse.down();
+  await page.mouse.move(x - 60, y - 60, {steps: 3});
+  await moved('holder_y_um', at.holder_y_um, 1);
+  await moved('holder_z_um', at.holder_z_um, 1);
+  await page.mouse.up();
+  at = await row(page, 'holder_x_um');
+  for (let i = 0; i < 8; ++i) {
+    await page.mouse.wheel(0, -120);
+    await pause(50);
+  }
+  await moved('holder_x_um', at.holder_x_um, -1);
+  await pause(500);
+  at = await row(page, 'holder_x_um', 'holder_y_um', 'holder_z_um');
+  await pause(300);
+  assert.deepEqual(await row(page, 'holder_x_um', 'holder_y_um', 'holder_z_um'), at);
+  await page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
 });
 
 const kGamepad = `
@@ -183,6 +221,33 @@ check('replay: scrubs, jumps to events, lays one episode over another', async ()
   await page.waitForFunction(() => globalThis.ferrule.replay.over?.loaded);
   await pause(300);
   assert.ok(!one.equals(await page.locator('#axis').screenshot()), 'the other is seen');
+  // A force's arrow goes and comes; a view alone; a part of time enlarged, and all of it again.
+  const arrows = await page.locator('#axis').screenshot();
+  await page.locator('#tab-terms').click();
+  for (const box of await page.locator('#terms input').all()) await box.uncheck();
+  await pause(200);
+  assert.ok(!arrows.equals(await page.locator('#axis').screenshot()), 'arrows went');
+  await page.locator('[data-view=strips]').click();
+  await pause(200);
+  assert.equal(await page.locator('#axis').isVisible(), false);
+  const box = await page.locator('#strip-force').boundingBox(), middle = box.y + box.height / 2;
+  await page.mouse.move(box.x + 0.4 * box.width, middle);
+  assert.match(await page.locator('#strip-force .under').innerText(), / s: .* \u00b5N/);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 0.6 * box.width, middle, {steps: 4});
+  await page.mouse.up();
+  const shown = () => page.evaluate(() => globalThis.ferrule.strips.plots.map((p) => p.scales.x.max - p.scales.x.min));
+  const whole = await page.evaluate(() => globalThis.ferrule.replay.shown.table.span()[1]);
+  assert.ok((await shown()).every((span) => span < 0.5 * whole), String(await shown()));
+  await page.keyboard.press('Escape');
+  assert.ok(await page.locator('#axis').isVisible());
+  // The address opens the same picture.
+  await page.locator('#scrub').fill('7.25');
+  await page.waitForFunction(() => location.hash.includes('t=7.25'));
+  const again = await open(page.url());
+  await again.page.waitForFunction(() => globalThis.ferrule?.replay?.over?.loaded && globalThis.ferrule.replay.t > 7);
+  assert.equal((await again.page.locator('#clock').innerText()).split(' /')[0], '7.250');
+  await again.page.close();
   await page.locator('#speed').selectOption('10');
   await page.locator('#play').click();
   await page.waitForSelector('#outcome:not([hidden])');
@@ -199,17 +264,23 @@ check('a failed trial that is clicked in the map plays and ends with its outcome
   const {page, amiss} = await open('file://' + report);
   const frame = await (await page.waitForSelector('iframe.replay')).contentFrame();
   await frame.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
-  const trial = await frame.evaluate(() => globalThis.ferrule.replay.recorded.maps[0].points.find((p) => p.run !== undefined).trial);
+  const failed = await frame.evaluate(() => globalThis.ferrule.replay.recorded.maps[0].points.filter((p) => p.outcome !== 'inserted'));
+  assert.ok(failed.length > 20 && failed.every((p) => p.run !== undefined), 'every failure is there');
+  const {trial} = failed[failed.length - 1];
   await frame.locator('#speed').selectOption('10');
-  await frame.evaluate((k) => document.querySelector(`#map circle[data-trial="${k}"]`).scrollIntoView(), trial);
-  await frame.locator(`#map circle[data-trial="${trial}"]`).dispatchEvent('click');
+  await page.setViewportSize({width: 1500, height: 1100});
+  // In its middle, where the reach of another may be on top.
+  const mark = frame.locator(`#map path[data-trial="${trial}"]`);
+  await mark.scrollIntoViewIfNeeded();
+  const middle = await mark.boundingBox();
+  await page.mouse.click(middle.x + middle.width / 2, middle.y + middle.height / 2);
+  await frame.waitForFunction((k) => globalThis.ferrule.replay.shown.name.endsWith(`trial ${k}`), trial);
   const outcome = await frame.evaluate((k) => globalThis.ferrule.replay.recorded.maps[0].points[k].outcome, trial);
   await frame.waitForSelector('#outcome:not([hidden])');
   const said = await frame.locator('#outcome').innerText();
   assert.ok(said.startsWith(`ended: ${outcome.replaceAll('_', ' ')}. `), said);
   assert.equal(await frame.evaluate(() => globalThis.ferrule.replay.shown.outcome), outcome);
   assert.deepEqual(await violations(page), []);
-  await page.setViewportSize({width: 1500, height: 1100});
   await pause(1500);
   await page.screenshot({path: join(pictures, 'report.png')});
   await page.close();
@@ -232,7 +303,6 @@ check('a trial made again ends as the campaign had it, and both are seen', async
 
 check('an exported file replays from disk, and a name in it stays text', async () => {
   const name = '<img src=x onerror=alert(1)>.h5', file = join(folder, 'exported.html');
-  const {copyFileSync} = await import('node:fs');
   copyFileSync(join(episodes, readdirSync(episodes).filter((f) => f.endsWith('.h5'))[0]), join(folder, name));
   ferrule('view', join(folder, name), '--export', file);
   assert.ok(statSync(file).size < 6_000_000);
@@ -245,6 +315,26 @@ check('an exported file replays from disk, and a name in it stays text', async (
   for (const canvas of ['#solid', '#side', '#axis']) assert.ok(await coloursOf(page, canvas) > 20, `${canvas} is uniform`);
   await page.close();
   assert.deepEqual(amiss, []);
+});
+
+check('a folder opens with what can be read, and says what cannot', async () => {
+  const mixed = join(folder, 'mixed');
+  mkdirSync(mixed);
+  writeFileSync(join(mixed, 'a <b>broken.h5'), 'nothing');
+  copyFileSync(join(episodes, 'episode_0001.h5'), join(mixed, 'b.h5'));
+  const server = await view(mixed);
+  const {page} = await open(server.address);
+  await page.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
+  const broken = await page.evaluate(() => globalThis.ferrule.replay.runs.findIndex((run) => run.name.startsWith('a ')));
+  for (const choice of ['#run', '#over']) {
+    await page.locator('#said').evaluate((said) => { said.textContent = ''; });
+    await page.locator(choice).selectOption(String(broken));
+    await page.waitForFunction(() => document.querySelector('#said').textContent.includes('<b>broken.h5 could not be read'));
+    assert.match(await page.locator(`${choice} option:checked`).innerText(), choice === '#run' ? /^b.h5/ : /nothing/);
+  }
+  assert.equal(await page.locator('b').count(), 0);
+  await page.close();
+  await server.end();
 });
 
 check('pictures at both sizes in both themes', async () => {
@@ -265,4 +355,22 @@ check('pictures at both sizes in both themes', async () => {
       await page.close();
       assert.deepEqual(amiss, []);
     }
+  const server = await view('--scene', 'hard', '--trainee', 'Ada', '--out', join(folder, 'pictured'));
+  for (const theme of /** @type {const} */ (['light', 'dark']))
+    for (const [width, height] of [[1280, 720], [3840, 2160]]) {
+      const {page, amiss} = await open(server.address, {width, height, theme});
+      await page.waitForFunction(() => globalThis.ferrule?.drawn?.solid > 0);
+      await page.keyboard.press('Enter');
+      await page.waitForFunction(() => globalThis.ferrule.session.running);
+      await page.keyboard.down('w');
+      await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('force_uN') > 10 || !globalThis.ferrule.session.running);
+      await page.screenshot({path: join(pictures, `live-${width}-${theme}.png`)});
+      await page.waitForSelector('#ended:not([hidden])');
+      await page.keyboard.up('w');
+      await page.screenshot({path: join(pictures, `ended-${width}-${theme}.png`)});
+      assert.deepEqual(await violations(page), []);
+      await page.close();
+      assert.deepEqual(amiss, []);
+    }
+  await server.end();
 });

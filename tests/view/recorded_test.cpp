@@ -64,18 +64,6 @@ TEST(Recorded, ThinningKeepsTheEventsTheirSurroundingsAndTheEnds) {
     EXPECT_LE(time_of(few.frames[n]) - time_of(few.frames[n - 1]), 1.0 / 30 + 1e-3);
 }
 
-TEST(Recorded, RowsAreBase64OfLittleEndianFloats) {
-  ReplayRun run;
-  run.scene = Json::object();
-  run.frames.resize(1);
-  run.frames[0].fill(0);
-  run.frames[0][0] = 1.0f;  // 00 00 80 3f, then zeros
-  const std::string rows = replay_json("", {run}).at("runs").at(0).at("rows");
-  EXPECT_EQ(rows.substr(0, 8), "AACAPwAA");
-  EXPECT_EQ(rows.size(), (sizeof(Frame) + 2) / 3 * 4);
-  EXPECT_EQ(rows.size() - rows.find_last_not_of('=') - 1, (3 - sizeof(Frame) % 3) % 3);
-}
-
 TEST(PageFile, WhatIsInsideCannotEndItsElement) {
   const std::string page =
       "<p><script type=\"application/json\" id=\"recorded\"></script><script>1</script>";

@@ -1,7 +1,7 @@
 // Along the axis, as the holder sees it: where in the play the fibre's end is, and where the fibre
 // crosses the bore's mouth. y is up; z to the left.
 import {forceScale, Pane} from './pane.js';
-import {atMouth, contacts, filledWithLiquid, termForces} from './shape.js';
+import {atMouth, contacts, filledWithLiquid, hidden, termForces} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
  * @typedef {import('./theme.js').Colours} Colours @typedef {import('./magnify.js').Magnification} Magnification */
@@ -52,12 +52,14 @@ export class AxisView {
     c.lineWidth = 0.15 * rem;
     c.stroke();
     // Play: the centre of the end stays in this circle while it is in the bore.
-    circle(cx, cy, gap);
-    c.setLineDash([0.3 * rem, 0.3 * rem]);
     c.strokeStyle = colours.soft;
     c.lineWidth = 0.08 * rem;
-    c.stroke();
-    c.setLineDash([]);
+    if (gap > rem) {
+      circle(cx, cy, gap);
+      c.setLineDash([0.3 * rem, 0.3 * rem]);
+      c.stroke();
+      c.setLineDash([]);
+    }
     cross(c, cx, cy, 0.5 * rem, colours.soft);
 
     if (other) {
@@ -110,7 +112,7 @@ export class AxisView {
     const force = forceScale(read('limit_uN'), 0.9 * half);
     for (const {term, force: [, y, z]} of termForces(scene, read))
       pane.arrow(tx, ty, -z * force, -y * force, colours.terms[term] ?? colours.ink);
-    pane.arrow(tx, ty, -read('force_z_uN') * force, -read('force_y_uN') * force, colours.hand, 0.3);
+    if (!hidden.has('hand')) pane.arrow(tx, ty, -read('force_z_uN') * force, -read('force_y_uN') * force, colours.hand, 0.3);
 
     pane.scaleBar(width - 0.8 * rem, height - 0.9 * rem, scale, colours);
     pane.font(0.85);

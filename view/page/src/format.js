@@ -18,6 +18,11 @@ export function significant(x) {
   return fixed(x, digits);
 }
 
+/** What the program says, with the micro that a page can show. @param {string} text */
+export function withMicro(text) {
+  return text.replace(/\bu(?=(m|N|J)\b)/g, '\u00b5');
+}
+
 /** A term or outcome as words. @param {string} name */
 export function words(name) {
   return name === 'van_der_waals' ? 'van der Waals' : name.replaceAll('_', ' ');

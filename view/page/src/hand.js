@@ -10,9 +10,10 @@ const kDeadZone = 0.12;   // of a stick
 const kWheelLast = 140;   // a notch of the wheel pushes so long [ms]
 
 export class Hand {
-  /** @param {() => boolean} driving whether keys are the hand's now */
-  constructor(driving) {
+  /** @param {() => boolean} driving whether keys are the hand's now @param {() => void} changed  it has another velocity */
+  constructor(driving, changed) {
     this.driving = driving;
+    this.changed = changed;
     /** @type {Map<string, {since: number, way: Share}>} what is held, since when [ms], by code */
     this.keys = new Map();
     /** @type {Share} */
@@ -34,7 +35,7 @@ export class Hand {
 
   /** @param {KeyboardEvent} event @param {boolean} down */
   key(event, down) {
-    if (event.code === 'KeyF') this.slow = down && !typing(event.target);
+    if (event.code === 'KeyF') this.slow = down && !typing(event);
     const way = keyWay(event);
     if (!way) {
       if (!down && event.key === 'Shift') this.keys.clear();  // arrows change their meaning
@@ -42,12 +43,14 @@ export class Hand {
     }
     if (!down) {
       this.keys.delete(event.code);
+      this.changed();
       return;
     }
-    if (!this.driving() || event.ctrlKey || event.metaKey || typing(event.target)) return;
+    if (!this.driving() || event.ctrlKey || event.metaKey || typing(event)) return;
     event.preventDefault();
     const held = this.keys.get(event.code);
     this.keys.set(event.code, {since: held?.since ?? performance.now(), way});
+    if (!held) this.changed();
   }
 
   /** Drag in a view drives: `right` and `up` are the axes that the view shows there. @param {HTMLElement} view @param {Share} right @param {() => Share} up */
@@ -144,9 +147,16 @@ function keyWay(event) {
   }
 }
 
-/** @param {EventTarget | null} target */
-export function typing(target) {
-  return target instanceof HTMLElement && target.closest('input, select, textarea, [contenteditable], [data-keys]') !== null;
+/** Whether a key is for what has the focus. @param {KeyboardEvent} event */
+export function typing({target, key}) {
+  if (!(target instanceof HTMLElement)) return false;
+  if (target instanceof HTMLInputElement) {
+    if (target.type === 'checkbox') return key === ' ';
+    if (target.type === 'range' || target.type === 'radio') return key.startsWith('Arrow') || key.startsWith('Page') || key === 'Home' || key === 'End' || (key === ' ' && target.type === 'radio');
+    return true;
+  }
+  if (target.dataset.keys !== undefined) return key.startsWith('Arrow') || key === '+' || key === '=' || key === '-';
+  return target instanceof HTMLSelectElement || target instanceof HTMLTextAreaElement || target.isContentEditable;
 }
 
 /** Fine near the middle. @param {number} x */

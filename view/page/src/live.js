@@ -2,11 +2,12 @@
 import {Table} from './table.js';
 
 /** @typedef {import('./recording.js').Scene} Scene
- * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string}} Hello
+ * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string, trainee: string}} Hello
  * @typedef {Record<string, unknown> & {type: string}} Message */
 
 const kProtocol = 1;
 const kKeepSeconds = 30;
+const kHold = 3000;     // how an insertion ended is shown so long, before the next start [ms]
 const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
 
 export class Live {
@@ -22,11 +23,16 @@ export class Live {
     this.seq = 0;
     /** @type {Map<number, number>} when a word of the hand was sent [ms] */
     this.sent = new Map();
-    /** @type {number | null} word of the hand that the newest row has heard */
-    this.heard = null;
+    this.heard = 0;    // word of the hand that the newest row has heard
     /** @type {number[]} hand to picture [ms], the last ones */
     this.latencies = [];
-    this.states = 0;
+    /** @type {ArrayBuffer | null} the newest row, while an older one is shown */
+    this.held = null;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.releasing = undefined;
+    this.states = 0;   // since they were counted
+    this.arrived = 0;  // in all
+    this.batches = 0;
     this.retry = 250;
     this.said = 0;
     this.connect();
@@ -71,17 +77,40 @@ export class Live {
     const [kind, rows, columns, seq] = new Uint32Array(packet, 0, 4);
     if (columns !== this.history.columns.length || packet.byteLength < 16 + 4 * rows * columns || rows === 0) return;
     const data = new Float32Array(packet, 16, rows * columns);
+    if (kind === 1 && this.held) {
+      this.held = packet;
+      return;
+    }
     if (kind === 2) {
       if (rows === 1 && data[0] === 0) return;  // at rest, before a try: the strips keep the last one
+      if (data[0] === 0) this.history.clear();  // another insertion
+      // What a page is greeted with may come again in the next batch.
       const [, last] = this.history.span();
-      if (this.history.rows && data[0] < last - 1e-6) this.history.clear();  // another insertion
-      this.history.append(data);
+      let known = 0;
+      while (this.history.rows && known < rows && data[known * columns] <= last) ++known;
+      this.history.append(data.subarray(known * columns));
+      ++this.batches;
     } else if (kind === 1) {
       this.newest.clear();
       this.newest.append(data.subarray((rows - 1) * columns));
       this.heard = seq;
       ++this.states;
+      ++this.arrived;
     }
+  }
+
+  /** For a while the newest row stays what it is. */
+  hold() {
+    this.held = new ArrayBuffer(0);
+    clearTimeout(this.releasing);
+    this.releasing = setTimeout(() => this.release(), kHold);
+  }
+
+  release() {
+    const held = this.held;
+    this.held = null;
+    clearTimeout(this.releasing);
+    if (held) this.rows(held);
   }
 
   /** @param {Message} message */
@@ -101,16 +130,13 @@ export class Live {
     this.send({type: 'hand', v: v.map((x) => Math.round(x * 1e4) / 1e4), buttons: 0, seq: this.seq, t: Math.round(now)});
   }
 
-  /** The newest row is on the screen. */
-  drawn() {
-    if (this.heard === null) return;
-    const sent = this.sent.get(this.heard);
-    if (sent !== undefined) {
-      this.latencies.push(performance.now() - sent);
-      if (this.latencies.length > 240) this.latencies.shift();
-      for (const seq of this.sent.keys()) if (seq <= this.heard) this.sent.delete(seq);
-    }
-    this.heard = null;
+  /** A row is on the screen, that has heard the hand's word `heard`. @param {number} heard */
+  drawn(heard) {
+    const sent = this.sent.get(heard);
+    if (sent === undefined) return;
+    this.latencies.push(performance.now() - sent);
+    if (this.latencies.length > 240) this.latencies.shift();
+    for (const seq of this.sent.keys()) if (seq <= heard) this.sent.delete(seq);
   }
 
   /** [ms] */

@@ -10,7 +10,7 @@ import {embedded} from './recording.js';
 import {Replay} from './replay.js';
 import {Session} from './session.js';
 import {SideView} from './side_view.js';
-import {software} from './software.js';
+import {detectSoftware, software} from './software.js';
 import {SolidView} from './solid_view.js';
 import {Sound} from './sound.js';
 import {Strips} from './strips.js';
@@ -20,7 +20,7 @@ import {colours, watchTheme} from './theme.js';
  * @typedef {import('./table.js').Read} Read */
 
 const kStripSeconds = 8;
-const kStripPeriod = software ? 200 : 100;  // between pictures of the strips while they run [ms]
+const kStripPeriod = 100;  // between pictures of the strips while they run [ms]; of software twice that
 const kSolidPeriod = 66;   // and of 3-D where software renders it
 const kHandPeriod = 16;    // between words of the hand [ms]
 const kBends = [1, 10, 100, 1000];
@@ -33,8 +33,8 @@ class Page {
     this.side = new SideView(byId('side', HTMLCanvasElement));
     this.axis = new AxisView(byId('axis', HTMLCanvasElement));
     /** @type {SolidView | null} */
-    this.solid = this.makeSolid();
-    this.strips = new Strips(byId('strip-velocity', HTMLElement), byId('strip-force', HTMLElement), (t) => this.replay?.seek(t));
+    this.solid = null;
+    this.strips = new Strips(byId('strip-velocity', HTMLElement), byId('strip-force', HTMLElement), (t) => this.replay?.seek(t), () => this.replay !== null);
     this.sound = new Sound();
     /** @type {Replay | null} */
     this.replay = null;
@@ -50,20 +50,29 @@ class Page {
     this.bend = 1;
     this.signature = '';
     this.stripped = 0;
+    this.batch = -1;   // of history that the strips show
+    /** @type {(() => void) | null} draws the strips of a replay */
+    this.restrip = null;
     this.solidDrawn = 0;
+    /** @type {{read: Read, other: Read | null} | null} what 3-D does not show yet */
+    this.solidDue = null;
     this.rumbled = 0;
     this.before = performance.now();
-    this.frames = {count: 0, since: performance.now(), rate: NaN};
-    this.hand = new Hand(() => this.live !== null);
+    this.frames = {count: 0, since: performance.now(), rate: NaN, states: NaN};
+    this.drawn = {first: 0, solid: 0};  // when there was something to see [ms since the page was asked for]
+    this.hand = new Hand(() => this.live !== null, () => this.live?.hand(this.hand.velocity()));
     this.wire();
   }
 
+  // After the first picture of the rest: it waits for nothing.
   makeSolid() {
     try {
-      return new SolidView(byId('solid', HTMLCanvasElement), byId('solid-note', HTMLElement));
+      detectSoftware();
+      this.solid = new SolidView(byId('solid', HTMLCanvasElement), byId('solid-note', HTMLElement), () => this.redraw());
+      if (this.scene) this.solid.build(this.scene, this.colours);
+      this.redraw();
     } catch (error) {
       byId('solid-note', HTMLElement).textContent = 'This browser has no WebGL 2: the other views show the same insertion.';
-      return null;
     }
   }
 
@@ -71,8 +80,7 @@ class Page {
     const retheme = () => {
       this.colours = colours();
       if (this.scene) this.solid?.build(this.scene, this.colours);
-      this.strips.build(this.colours);
-      this.redraw();
+      this.buildStrips();
     };
     const toggle = watchTheme(retheme);
     byId('theme', HTMLButtonElement).addEventListener('click', toggle);
@@ -86,6 +94,9 @@ class Page {
     const help = byId('help', HTMLDialogElement);
     byId('help-open', HTMLButtonElement).addEventListener('click', () => help.showModal());
     byId('bend', HTMLButtonElement).addEventListener('click', () => this.nextBend());
+    byId('camera', HTMLButtonElement).addEventListener('click', () => this.nextCamera());
+    for (const button of document.querySelectorAll('[data-view]'))
+      if (button instanceof HTMLElement) button.addEventListener('click', () => this.only(button.dataset.view ?? null));
     byId('plane', HTMLButtonElement).addEventListener('click', (event) => {
       this.side.up = this.side.up === 'y' ? 'z' : 'y';
       /** @type {HTMLElement} */ (event.currentTarget).textContent = this.side.up === 'y' ? 'x\u2013y' : 'x\u2013z';
@@ -110,14 +121,27 @@ class Page {
           if (to instanceof HTMLElement) { choose(to); to.focus(); }
         });
       }
-    addEventListener('resize', () => {
-      this.strips.build(this.colours);
-      this.redraw();
-    });
+    addEventListener('resize', () => this.buildStrips());
     addEventListener('keydown', (event) => this.key(event));
     for (const what of ['pointermove', 'wheel', 'keydown']) document.addEventListener(what, () => this.redraw(), {passive: true});
     this.hand.dragIn(byId('side', HTMLCanvasElement), [1, 0, 0], () => this.side.up === 'y' ? [0, 1, 0] : [0, 0, 1]);
     this.hand.dragIn(byId('axis', HTMLCanvasElement), [0, 0, -1], () => [0, 1, 0]);
+  }
+
+  nextCamera() {
+    const name = this.solid?.nextCamera();
+    if (name) byId('camera', HTMLButtonElement).textContent = name;
+    this.redraw();
+  }
+
+  /** One view alone, or all of them. @param {string | null} view */
+  only(view) {
+    const main = /** @type {HTMLElement} */ (document.querySelector('main'));
+    if (view === null || main.dataset.only === view) delete main.dataset.only;
+    else main.dataset.only = view;
+    for (const button of document.querySelectorAll('[data-view]'))
+      if (button instanceof HTMLElement) button.setAttribute('aria-pressed', String(button.dataset.view === main.dataset.only));
+    this.buildStrips();
   }
 
   nextBend() {
@@ -128,11 +152,16 @@ class Page {
 
   /** @param {KeyboardEvent} event */
   key(event) {
-    if (typing(event.target) || event.ctrlKey || event.metaKey || event.altKey) return;
-    if (document.querySelector('dialog[open]')) return;
+    if (typing(event) || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (document.querySelector('dialog[open]')) return;  // Escape closes it
     const onButton = event.target instanceof HTMLButtonElement;
     switch (event.key) {
       case 'b': this.nextBend(); break;
+      case 'v': this.nextCamera(); break;
+      case 'Escape': this.only(null); break;
+      case 'r': if (!this.replay) return; this.replay.repeat(); break;
+      case '-': this.replay?.faster(-1); break;
+      case '+': case '=': this.replay?.faster(1); break;
       case 't': byId('theme', HTMLButtonElement).click(); break;
       case 'm': byId('sound', HTMLButtonElement).click(); break;
       case 'l': byId('health-toggle', HTMLButtonElement).click(); break;
@@ -152,9 +181,8 @@ class Page {
     event.preventDefault();
   }
 
-  /** Whether another picture follows at once. */
-  get moving() {
-    return this.live !== null || this.replay?.playing === true;
+  get stripPeriod() {
+    return software ? 2 * kStripPeriod : kStripPeriod;
   }
 
   redraw() {
@@ -168,7 +196,7 @@ class Page {
       byId('scene', HTMLElement).textContent = `scene ${scene.name}`;
       byId('scene', HTMLElement).title = scene.about;
       byId('bend', HTMLButtonElement).hidden = !(scene.geometry.free_length_um > 0);
-      this.readout.build(scene, phases);
+      this.readout.build(scene, phases, () => this.redraw());
       this.sideAcross.range = this.axisAcross.range = 0;
       this.solid?.build(scene, this.colours);
     }
@@ -186,33 +214,35 @@ class Page {
       const [first, last] = shown.table.span();
       this.strips.show(shown.table, over ? over.table : null, 0, [first, Math.max(last, over ? over.table.span()[1] : last)]);
     };
-    this.strips.build(this.colours);
+    this.restrip = strips;
     const replay = this.replay = new Replay(recorded, strips);
     const maps = recorded.maps ?? [];
     byId('tab-map', HTMLElement).hidden = maps.length === 0;
     if (maps.length) new FailureMap((point, map) => void replay.watch(point, map)).set(maps);
     if (maps.length) choose(byId('tab-map', HTMLElement));
-    addEventListener('resize', strips);
-    byId('theme', HTMLButtonElement).addEventListener('click', strips);
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', strips);
-    if (this.replay.runs.length) {
-      void this.replay.show(this.replay.runs[0], !matchMedia('(prefers-reduced-motion: reduce)').matches);
-      if (recorded.over !== undefined && this.replay.runs[recorded.over]) void this.replay.lay(this.replay.runs[recorded.over]);
-    }
+    if (this.replay.runs.length) void this.replay.begin(!matchMedia('(prefers-reduced-motion: reduce)').matches);
     else this.replay.say('There is nothing recorded here.');
   }
 
   startLive() {
     document.body.dataset.mode = 'live';
-    this.strips.build(this.colours);
     choose(byId('tab-session', HTMLElement));
     const live = this.live = new Live({
       hello: (hello) => {
         this.phases = hello.phases;
         this.use(hello.scene, hello.phases);
         document.title = `ferrule: ${hello.scene.name}`;
+        byId('who', HTMLElement).textContent = hello.trainee;
       },
       message: (message) => {
+        if (message.type === 'ended' && session.running) {
+          live.hold();
+          choose(byId('tab-session', HTMLElement));
+        }
+        if (message.type === 'state_of_session' && message.running === true && !session.running) {
+          live.release();
+          choose(byId('tab-terms', HTMLElement));
+        }
         if (message.type === 'state_of_session' && message.scene) this.use(/** @type {Scene} */ (message.scene), this.phases);
         if (session.take(message)) return;
         if (message.type === 'error') byId('said', HTMLElement).textContent = String(message.text);
@@ -237,6 +267,7 @@ class Page {
     this.before = now;
     if (this.replay) this.frameReplay(elapsed);
     else if (this.live) this.frameLive(now);
+    this.drawSolid(now);
     this.count(now);
     requestAnimationFrame((next) => this.frame(next));
   }
@@ -253,7 +284,7 @@ class Page {
     this.signature = signature;
     this.draw(table.read(row), other ? other.read(other.rowAt(replay.t)) : null);
     const now = performance.now();
-    if (replay.playing && now - this.stripped < kStripPeriod) return;
+    if (replay.playing && now - this.stripped < this.stripPeriod) return;
     this.stripped = now;
     this.strips.resize();
     this.strips.point(replay.t);
@@ -264,33 +295,60 @@ class Page {
     const live = this.live;
     if (!live) return;
     if (!live.newest?.rows || !live.history) return;
-    const read = live.newest.read(0);
-    this.draw(read, null);
-    live.drawn();
+    const read = live.newest.read(0), signature = `live ${live.arrived}`;
+    if (signature !== this.signature) {
+      this.signature = signature;
+      this.draw(read, null);
+      const {heard} = live;
+      afterPicture(() => live.drawn(heard));
+    }
     if (this.phases[read('phase')] === 'seated' && read('t_s') > 0) this.session?.seated();
     if (now - this.rumbled > 60) {
       this.rumbled = now;
       this.hand.rumble(touching(read) ? read('force_uN') / read('limit_uN') : 0);
     }
-    if (now - this.stripped < kStripPeriod || !live.history.rows) return;
+    if (now - this.stripped < this.stripPeriod || !live.history.rows || live.batches === this.batch) return;
     this.stripped = now;
+    this.batch = live.batches;
     const [, last] = live.history.span();
     this.strips.resize();
-    this.strips.show(live.history, null, live.history.rowAt(last - kStripSeconds), [last - kStripSeconds, last]);
+    this.strips.show(live.history, null, live.history.rowAt(last - kStripSeconds), [Math.max(0, last - kStripSeconds), Math.max(kStripSeconds, last)]);
   }
 
   /** @param {Read} read @param {Read | null} other */
   draw(read, other) {
     if (!this.scene) return;
-    const now = performance.now();
-    if (this.solid && (!software || now - this.solidDrawn >= kSolidPeriod || !this.moving)) {
-      this.solidDrawn = now;
-      this.solid.draw(read, other, this.bend);
-    }
+    this.solidDue = {read, other};
     this.side.draw(this.scene, read, other, this.sideAcross, this.bend, this.colours);
     this.axis.draw(this.scene, read, other, this.axisAcross, this.colours);
     this.readout.draw(read);
+    if (this.drawn.first === 0) this.first();
     this.sound.follow(read('force_uN') / read('limit_uN'), touching(read));
+  }
+
+  buildStrips() {
+    if (this.drawn.first === 0) return;  // they come after it
+    this.strips.build(this.colours);
+    this.batch = -1;
+    this.restrip?.();
+    this.redraw();
+  }
+
+  /** 3-D, at its own pace. @param {number} now */
+  drawSolid(now) {
+    if (!this.solid || !this.solidDue || (software && now - this.solidDrawn < kSolidPeriod)) return;
+    this.solidDrawn = now;
+    if (this.solid.draw(this.solidDue.read, this.solidDue.other, this.bend)) this.drawn.solid ||= performance.now();
+    this.solidDue = null;
+  }
+
+  // There is a picture: what takes longer comes after it is on the screen.
+  first() {
+    this.drawn.first = performance.now();
+    requestAnimationFrame(() => setTimeout(() => {
+      this.buildStrips();
+      setTimeout(() => this.makeSolid());
+    }));
   }
 
   /** Pictures and states a second, and latency, where they are asked for. @param {number} now */
@@ -299,7 +357,7 @@ class Page {
     if (now - this.frames.since < 1000) return;
     const seconds = (now - this.frames.since) / 1e3;
     this.frames.rate = this.frames.count / seconds;
-    const states = this.live ? this.live.states / seconds : NaN;
+    const states = this.frames.states = this.live ? this.live.states / seconds : NaN;
     this.frames.count = 0;
     this.frames.since = now;
     if (this.live) this.live.states = 0;
@@ -311,6 +369,16 @@ class Page {
 /** @param {Read} read */
 function touching(read) {
   return read('contact0_on') > 0.5 || read('contact1_on') > 0.5;
+}
+
+/** When the picture that is being drawn is on the screen. @param {() => void} then */
+function afterPicture(then) {
+  const {port1, port2} = new MessageChannel();
+  port1.onmessage = () => {
+    port1.close();
+    then();
+  };
+  port2.postMessage(null);
 }
 
 /** Shows the panel of a tab. @param {HTMLElement} tab */

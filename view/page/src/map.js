@@ -5,6 +5,7 @@ import {byId, element, words} from './format.js';
 
 const kSvg = 'http://www.w3.org/2000/svg';
 const kSize = 300, kRoom = 34;
+const kReach = 8;  // of a mark, for the mouse
 
 /** How an outcome is drawn: colour and shape, so that either is enough. @type {Record<string, [string, (r: number) => string]>} */
 const kMarks = {
@@ -68,7 +69,7 @@ export class FailureMap {
       const mark = svgElement('path', {d: shape(small), transform: at(p), class: failed ? 'failed' : 'done', stroke: `var(${colour})`, fill: failed ? 'none' : `var(${colour})`});
       mark.dataset.trial = String(p.trial);
       if (p.run === undefined && map.command) mark.classList.add('absent');
-      const reach = svgElement('circle', {r: '8', transform: at(p), class: 'reach'});
+      const reach = svgElement('circle', {r: String(kReach), transform: at(p), class: 'reach'});
       reach.dataset.trial = String(p.trial);
       const title = svgElement('title', {});
       title.textContent = `trial ${p.trial}: ${words(p.outcome)}`;
@@ -76,8 +77,13 @@ export class FailureMap {
       svg.append(mark, reach);
     }
     svg.addEventListener('click', (event) => {
-      const trial = event.target instanceof SVGElement ? event.target.dataset.trial : undefined;
-      if (trial !== undefined) this.pick(Number(trial));
+      const matrix = svg.getScreenCTM();
+      if (!matrix) return;
+      // The nearest one: where they are dense they lie over each other. A failed one before others.
+      const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(matrix.inverse());
+      const off = (/** @type {MapPoint} */ p) => Math.hypot(kSize / 2 - p.z_um * unit - place.x, kSize / 2 - p.y_um * unit - place.y) + (p.outcome === 'inserted' ? kReach / 2 : 0);
+      const near = map.points.filter((p) => p.outcome !== 'infeasible' && off(p) < kReach).sort((a, b) => off(a) - off(b));
+      if (near.length) this.pick(near[0].trial);
     });
     return svg;
   }

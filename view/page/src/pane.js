@@ -1,6 +1,6 @@
 // A canvas that is as sharp as the screen, and what is drawn in several of them.
 import {length, round125} from './format.js';
-import {software} from './software.js';
+import {kPlane} from './software.js';
 
 /** @typedef {import('./theme.js').Colours} Colours */
 
@@ -8,7 +8,7 @@ export class Pane {
   /** @param {HTMLCanvasElement} canvas */
   constructor(canvas) {
     this.canvas = canvas;
-    const context = canvas.getContext('2d', {willReadFrequently: software});
+    const context = canvas.getContext('2d', {willReadFrequently: kPlane.willReadFrequently});
     if (!context) throw new Error('no 2-D canvas in this browser');
     this.context = context;
     this.width = this.height = 1;

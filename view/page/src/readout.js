@@ -1,5 +1,6 @@
 // The numbers beside the picture: they keep their width, and have units.
 import {byId, element, fixed, significant, words} from './format.js';
+import {hidden} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene */
 
@@ -44,17 +45,27 @@ export class Readout {
     this.phases = [];
   }
 
-  /** @param {Scene} scene @param {string[]} phases */
-  build(scene, phases) {
+  /** @param {Scene} scene @param {string[]} phases @param {() => void} changed  other arrows are wanted */
+  build(scene, phases, changed) {
     this.phases = phases;
     const body = byId('terms', HTMLTableSectionElement);
     body.replaceChildren();
     const row = (/** @type {string} */ term, /** @type {string} */ label) => {
       const line = element('tr'), head = element('th');
       head.scope = 'row';
-      const swatch = element('span', undefined, 'swatch');
-      swatch.style.background = `var(--${term.replaceAll('_', '-')})`;
-      head.append(swatch, label);
+      const choice = element('label'), box = element('input');
+      box.type = 'checkbox';
+      box.checked = !hidden.has(term);
+      box.title = 'its arrow, of this colour';
+      box.style.accentColor = `var(--${term.replaceAll('_', '-')})`;
+      box.style.borderColor = box.style.accentColor;
+      box.addEventListener('change', () => {
+        if (box.checked) hidden.delete(term);
+        else hidden.add(term);
+        changed();
+      });
+      choice.append(box, label);
+      head.append(choice);
       const cells = ['x', 'y', 'z'].map(() => element('td', '\u2013'));
       line.append(head, ...cells);
       body.append(line);
@@ -84,7 +95,7 @@ export class Readout {
     const period = read('period_us');
     put(this.loop, period > 0
       ? `${fixed(1e6 / period, 0)} Hz, worst ${fixed(read('worst_period_us') / 1e3, 2)} ms, missed ${fixed(read('missed'), 0)}; hand's energy ${fixed(1e6 * read('passivity_J'), 1)} \u00b5J`
-      : 'none, this is a replay');
+      : 'rests');
   }
 }
 

@@ -1,4 +1,5 @@
 // What is to be replayed: runs of rows with events, and the map of the trials they are of.
+import {withMicro} from './format.js';
 import {Table} from './table.js';
 
 /**
@@ -23,25 +24,44 @@ export class RecordedRun {
   constructor(json, columns, scene) {
     this.name = String(json.name);
     this.outcome = String(json.outcome ?? '');
-    this.why = String(json.why ?? '');
+    this.why = withMicro(String(json.why ?? ''));
     this.scene = json.scene ?? scene;
     this.file = json.file;
     this.trial = json.trial;
-    this.events = Array.isArray(json.events) ? json.events : [];
+    this.events = Array.isArray(json.events) ? json.events.map((event) => ({...event, text: withMicro(String(event.text ?? ''))})) : [];
     this.table = new Table(columns);
-    if (json.rows !== undefined) this.table.append(floats(json.rows));
+    /** @type {string | undefined} rows that are still packed */
+    this.packed = json.rows;
   }
   get loaded() {
     return this.table.rows > 0;
   }
+
+  async unpack() {
+    if (this.packed === undefined) return;
+    const data = await unpacked(this.packed, this.table.columns.length);
+    if (!this.loaded) this.table.append(data);
+    this.packed = undefined;
+  }
 }
 
-/** @param {string} base64 of little-endian float32 @returns {Float32Array} */
-export function floats(base64) {
-  const text = atob(base64);
-  const bytes = new Uint8Array(text.length);
-  for (let i = 0; i < text.length; ++i) bytes[i] = text.charCodeAt(i);
-  return new Float32Array(bytes.buffer, 0, bytes.length >> 2);
+/** What view/packed_rows.hpp packs. @param {string} base64 @param {number} columns @returns {Promise<Float32Array>} */
+export async function unpacked(base64, columns) {
+  const text = atob(base64), packed = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; ++i) packed[i] = text.charCodeAt(i);
+  const inflated = new Blob([packed]).stream().pipeThrough(new DecompressionStream('deflate-raw'));
+  const planes = new Uint8Array(await new Response(inflated).arrayBuffer());
+  const rows = Math.floor(planes.length / (4 * columns));
+  const bits = new Uint32Array(rows * columns);
+  for (let column = 0; column < columns; ++column) {
+    const begin = 4 * column * rows;
+    for (let row = 0, sum = 0; row < rows; ++row) {
+      const at = begin + row;
+      sum = sum + planes[at] + (planes[at + rows] << 8) + (planes[at + 2 * rows] << 16) + (planes[at + 3 * rows] << 24) | 0;
+      bits[row * columns + column] = sum;
+    }
+  }
+  return new Float32Array(bits.buffer);
 }
 
 /** What an exported file holds; 'served' where the program has it; null where there is nothing. @returns {RecordedJson | 'served' | null} */

@@ -17,10 +17,14 @@ export class Replay {
     this.over = null;
     this.t = 0;
     this.speed = 1;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.noted = undefined;
     this.playing = false;
+    this.again = false;
     this.play = byId('play', HTMLButtonElement);
     this.scrub = byId('scrub', HTMLInputElement);
     this.clock = byId('clock', HTMLElement);
+    this.speeds = byId('speed', HTMLSelectElement);
     this.choice = byId('run', HTMLSelectElement);
     this.overChoice = byId('over', HTMLSelectElement);
     this.events = byId('events', HTMLElement);
@@ -37,9 +41,8 @@ export class Replay {
       this.playing = false;
       this.seek(Number(this.scrub.value));
     });
-    byId('speed', HTMLSelectElement).addEventListener('change', (event) => {
-      this.speed = Number(/** @type {HTMLSelectElement} */ (event.target).value);
-    });
+    this.speeds.addEventListener('change', () => { this.speed = Number(this.speeds.value); });
+    byId('repeat', HTMLButtonElement).addEventListener('click', () => this.repeat());
     byId('event-before', HTMLButtonElement).addEventListener('click', () => this.jump(-1));
     byId('event-after', HTMLButtonElement).addEventListener('click', () => this.jump(1));
     this.choice.addEventListener('change', () => void this.show(this.runs[Number(this.choice.value)]));
@@ -56,23 +59,33 @@ export class Replay {
 
   /** Rows that are not here yet come from the program. @param {RecordedRun} run */
   async load(run) {
+    await run.unpack();
     if (run.loaded || run.file === undefined) return;
     const answer = await fetch(`recorded?file=${encodeURIComponent(run.file)}`);
     if (!answer.ok) throw new Error(`${run.name} could not be read: ${(await answer.text()).slice(0, 200)}`);
     /** @type {RecordedJson} */
     const json = await answer.json();
     Object.assign(run, new RecordedRun(json.runs[0], json.columns, json.scene), {file: run.file});
+    await run.unpack();
     this.listRuns();
+  }
+
+  /** Whether there is something to see; where not, says why. @param {RecordedRun} run */
+  async loads(run) {
+    try {
+      await this.load(run);
+      if (run.loaded) return true;
+      this.say(`${run.name}: there is nothing in it to be seen`);
+    } catch (error) {
+      this.say(String(error instanceof Error ? error.message : error));
+    }
+    this.listRuns();  // with what is still shown
+    return false;
   }
 
   /** @param {RecordedRun} run @param {boolean} [play] */
   async show(run, play = false) {
-    try {
-      await this.load(run);
-    } catch (error) {
-      this.say(String(error instanceof Error ? error.message : error));
-      return;
-    }
+    if (!await this.loads(run)) return;
     this.shown = run;
     this.choice.value = String(this.runs.indexOf(run));
     const [first, last] = run.table.span();
@@ -87,7 +100,7 @@ export class Replay {
 
   /** @param {RecordedRun | null} run */
   async lay(run) {
-    if (run) await this.load(run);
+    if (run && !await this.loads(run)) return;
     this.over = run;
     this.overChoice.value = run ? String(this.runs.indexOf(run)) : '';
     this.changed();
@@ -121,6 +134,43 @@ export class Replay {
 
   get row() {
     return this.shown.table.rowAt(this.t);
+  }
+
+  /** Over and over, or once. */
+  repeat() {
+    this.again = !this.again;
+    byId('repeat', HTMLButtonElement).setAttribute('aria-pressed', String(this.again));
+  }
+
+  /** @param {number} steps of the list of speeds */
+  faster(steps) {
+    this.speeds.selectedIndex = Math.max(0, Math.min(this.speeds.options.length - 1, this.speeds.selectedIndex + steps));
+    this.speed = Number(this.speeds.value);
+  }
+
+  // What is shown first: what the address says (#run=NAME&t=12.4&over=NAME), else the first run.
+  /** @param {boolean} play */
+  async begin(play) {
+    const wanted = new URLSearchParams(location.hash.slice(1));
+    const named = (/** @type {string | null} */ name) => this.runs.find((run) => run.name === name);
+    const run = named(wanted.get('run')), t = parseFloat(wanted.get('t') ?? '');
+    const over = wanted.has('run') ? named(wanted.get('over')) : this.runs[this.recorded.over ?? -1];
+    await this.show(run ?? this.runs[0], play && !Number.isFinite(t));
+    if (over) await this.lay(over);
+    if (Number.isFinite(t)) this.seek(t);
+  }
+
+  // The address says where it is, so that it can be passed on.
+  note() {
+    if (this.noted !== undefined) clearTimeout(this.noted);
+    this.noted = setTimeout(() => {
+      const place = new URLSearchParams({run: this.shown.name, t: this.t.toFixed(3), ...(this.over ? {over: this.over.name} : {})});
+      try {
+        history.replaceState(null, '', `#${place}`);
+      } catch {
+        // within a report it has no address
+      }
+    }, 300);
   }
 
   toggle() {
@@ -159,8 +209,8 @@ export class Replay {
     const [, last] = this.shown.table.span();
     this.t += elapsed * this.speed;
     if (this.t >= last) {
-      this.t = last;
-      this.playing = false;
+      this.t = this.again ? this.shown.table.span()[0] : last;
+      this.playing = this.again;
     }
     this.update();
   }
@@ -177,12 +227,13 @@ export class Replay {
     if (this.outcome.textContent !== text) this.outcome.textContent = text;
     this.outcome.hidden = !over;
     this.outcome.dataset.good = String(this.shown.outcome === 'inserted');
+    if (!this.playing) this.note();
   }
 
   /** A trial of the map. @param {MapPoint} point @param {MapJson} map */
   async watch(point, map) {
     if (point.run === undefined || !this.runs[point.run]) {
-      this.say(`Trial ${point.trial} (${words(point.outcome)}) is not in this file. It is made again by: ${map.command.replace('TRIAL', String(point.trial))}`);
+      this.say(`Trial ${point.trial} (${words(point.outcome)}) is not in this file.${map.command ? ` It is made again by: ${map.command.replace('TRIAL', String(point.trial))}` : ''}`);
       return;
     }
     const run = this.runs[point.run];

@@ -1,6 +1,6 @@
 // The session of a person: start, stop, rate, the list of episodes with its learning curve, and
 // what is learned from them.
-import {byId, element, fixed, words} from './format.js';
+import {byId, element, fixed, withMicro, words} from './format.js';
 import {svgElement} from './map.js';
 
 /** @typedef {import('./live.js').Message} Message
@@ -80,16 +80,16 @@ export class Session {
   end(message) {
     const score = /** @type {{total?: number, parts?: Record<string, number | null>} | null} */ (message.score ?? null);
     const who = message.what === 'insert' ? 'the controller: ' : '';
-    const took = typeof message.time_s === 'number' ? `, ${fixed(message.time_s, 1)} s` : '';
-    const peak = typeof message.peak_force_uN === 'number' ? `, at most ${fixed(message.peak_force_uN, 1)} \u00b5N` : '';
+    const took = typeof message.time_s === 'number' ? `, ${fixed(message.time_s, 1)}\u00a0s` : '';
+    const peak = typeof message.peak_force_uN === 'number' ? `, at most ${fixed(message.peak_force_uN, 1)}\u00a0\u00b5N` : '';
     this.ended.replaceChildren(element('strong', `${who}${words(String(message.outcome))}${took}${peak}`));
-    if (message.why) this.ended.append(element('span', String(message.why)));
+    if (message.why) this.ended.append(element('span', withMicro(String(message.why))));
     if (score && typeof score.total === 'number') {
       this.ended.append(element('span', `score ${fixed(score.total, 1)} of 100`, 'score'));
       const parts = Object.entries(score.parts ?? {}).filter(([, value]) => typeof value === 'number');
       if (parts.length) this.ended.append(element('span', parts.map(([name, value]) => `${words(name)} ${fixed(100 * Number(value), 0)}`).join(' \u00b7 '), 'parts'));
     }
-    if (message.hint) this.ended.append(element('span', String(message.hint), 'hint'));
+    if (message.hint) this.ended.append(element('span', withMicro(String(message.hint)), 'hint'));
     this.ended.dataset.good = String(message.outcome === 'inserted');
     this.ended.hidden = false;
     return true;
@@ -110,6 +110,7 @@ export class Session {
       });
       cell.append(box);
       name.scope = 'row';
+      name.title = [episode.trainee, episode.date?.replace('T', ' ')].filter(Boolean).join(', ');
       line.append(cell, name, element('td', words(episode.outcome)), element('td', episode.score === null || episode.score === undefined ? '\u2013' : fixed(episode.score, 1)));
       return line;
     }));

@@ -2,6 +2,9 @@
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene */
 
+/** Forces whose arrows the person does not want: terms, `hand`. @type {Set<string>} */
+export const hidden = new Set();
+
 /** How much of a fibre without an elastic part is drawn [um]. */
 const kRigidLength = 2000;
 
@@ -51,7 +54,7 @@ export function termForces(scene, read) {
   const tip = /** @type {[number, number, number]} */ (
       [read('tip_x_um'), read('tip_y_um'), read('tip_z_um')]);
   const contact = contacts(read)[0];
-  return scene.terms.map((term) => ({
+  return scene.terms.filter((term) => !hidden.has(term)).map((term) => ({
     term,
     force: /** @type {[number, number, number]} */ (
         ['x', 'y', 'z'].map((axis) => read(`${term}_${axis}_uN`))),

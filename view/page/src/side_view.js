@@ -3,7 +3,7 @@
 import {axes} from './axis_view.js';
 import {length} from './format.js';
 import {forceScale, Pane} from './pane.js';
-import {contacts, drawnLength, fibreAt, filledWithLiquid, termForces} from './shape.js';
+import {contacts, drawnLength, fibreAt, filledWithLiquid, hidden, termForces} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
  * @typedef {import('./theme.js').Colours} Colours @typedef {import('./magnify.js').Magnification} Magnification */
@@ -121,7 +121,7 @@ export class SideView {
       const x = at[0] === read('tip_x_um') ? tipX : X(at[0]);
       pane.arrow(x, tipY, f[0] * force, -f[across1] * force, colours.terms[term] ?? colours.ink);
     }
-    pane.arrow(tipX, tipY, read('force_x_uN') * force, -read(`force_${this.up}_uN`) * force, colours.hand, 0.3);
+    if (!hidden.has('hand')) pane.arrow(tipX, tipY, read('force_x_uN') * force, -read(`force_${this.up}_uN`) * force, colours.hand, 0.3);
 
     pane.scaleBar(width - 0.8 * rem, height - 0.9 * rem, along, colours);
     pane.scaleBar(width - 1 * rem, height - 3 * rem, scale, colours, true);

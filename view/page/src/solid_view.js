@@ -7,23 +7,29 @@ import {
 } from 'three';
 import {length, round125} from './format.js';
 import {software} from './software.js';
-import {contacts, drawnLength, fibreAt, filledWithLiquid, termForces} from './shape.js';
+import {contacts, drawnLength, fibreAt, filledWithLiquid, hidden, termForces} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
  * @typedef {import('./theme.js').Colours} Colours */
 
 const kRings = 40, kSides = 48;
 const kUp = new Vector3(0, 1, 0);
+// Where it is looked at from: turn about y, from in front of the cut; rise [rad].
+const kCameras = [['oblique', 0.62, 0.36], ['side', 0, 0], ['from within', -Math.PI / 2, 0], ['top', 0, 1.4]];
 
 export class SolidView {
-  /** @param {HTMLCanvasElement} canvas @param {HTMLElement} note where scale and factors are said */
-  constructor(canvas, note) {
+  /** @param {HTMLCanvasElement} canvas @param {HTMLElement} note where scale and factors are said @param {() => void} changed  it is to be drawn */
+  constructor(canvas, note, changed) {
+    this.changed = changed;
     this.canvas = canvas;
     this.note = note;
     this.renderer = new WebGLRenderer({canvas, antialias: !software, alpha: true, powerPreference: 'low-power'});
+    this.renderer.debug.checkShaderErrors = false;  // that would wait for them
     this.camera = new PerspectiveCamera(28, 1, 5, 60000);
+    this.compiled = false;
     /** @type {Stage | null} */
     this.stage = null;
+    this.place_ = 0;
     this.angle = {turn: 0.62, rise: 0.36, zoom: 1};
     this.target = new Vector3();
     this.distance = 1000;
@@ -59,6 +65,14 @@ export class SolidView {
       event.preventDefault();
       event.stopPropagation();
     });
+  }
+
+  /** The next of the places to look from; its name. @returns {string} */
+  nextCamera() {
+    this.place_ = (this.place_ + 1) % kCameras.length;
+    const [name, turn, rise] = kCameras[this.place_];
+    this.angle = {turn: Number(turn), rise: Number(rise), zoom: 1};
+    return String(name);
   }
 
   /** @param {number} turn @param {number} rise [rad] */
@@ -101,7 +115,7 @@ export class SolidView {
     this.core = new Mesh(new CylinderGeometry(4.5, 4.5, 1.6, 24), new MeshBasicMaterial({color: new Color(colours.contact)}));
     stage.add(this.end, this.core);
     this.otherGeometry = this.fibreGeometry.clone();
-    this.other = new Mesh(this.otherGeometry, new MeshLambertMaterial({color: new Color(colours.ghost), transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false}));
+    this.other = new Mesh(this.otherGeometry, new MeshLambertMaterial({color: new Color(colours.ghost), transparent: true, opacity: 0.35, side: DoubleSide, depthWrite: false, polygonOffset: true, polygonOffsetFactor: -4, polygonOffsetUnits: -4}));
     this.other.frustumCulled = false;
     stage.add(this.other);
 
@@ -138,6 +152,12 @@ export class SolidView {
     this.distance = 2.1 * Math.max(span, 1.7 * outer);
     this.stage?.traverse((thing) => { if (thing instanceof Mesh) thing.geometry.dispose(); });
     this.stage = stage;
+    this.compiled = !this.renderer.extensions.has('KHR_parallel_shader_compile');
+    if (!this.compiled) void this.renderer.compileAsync(stage, this.camera).then(() => {
+      if (this.stage !== stage) return;
+      this.compiled = true;
+      this.changed();
+    });
   }
 
   /** @param {Stage} stage @param {Scene['geometry']} g @param {number} inner @param {number} outer @param {Colours} colours */
@@ -178,12 +198,12 @@ export class SolidView {
     stage.add(filled);
   }
 
-  /** @param {Read} read @param {Read | null} other @param {number} bend */
+  /** False where there is nothing to be seen yet. @param {Read} read @param {Read | null} other @param {number} bend @returns {boolean} */
   draw(read, other, bend) {
     const {stage, scene, canvas} = this;
-    if (!stage || !scene || !this.fibreGeometry || !this.otherGeometry) return;
+    if (!stage || !scene || !this.fibreGeometry || !this.otherGeometry || !this.compiled) return false;
     const width = canvas.clientWidth, height = canvas.clientHeight;
-    if (width < 8 || height < 8) return;
+    if (width < 8 || height < 8) return false;
     // What software renders is no larger than it can at 4K.
     const ratio = Math.min(devicePixelRatio || 1, (software ? 700 : 2800) / Math.max(width, height));
     const size = this.renderer.getSize(new Vector2());
@@ -202,6 +222,7 @@ export class SolidView {
     const text = `true scale; bar ${this.barText}; arrows ${length(1).split(' ')[0]} \u00b5N = ${force < 10 ? force.toFixed(1) : Math.round(force)} \u00b5m` +
         (scene.geometry.free_length_um > 0 && bend !== 1 ? `; bending \u00d7${bend}` : '');
     if (this.note.textContent !== text) this.note.textContent = text;
+    return true;
   }
 
   /** @param {number} aspect */
@@ -243,12 +264,13 @@ export class SolidView {
     const away = new Vector2(tip.y, tip.z), r = scene.geometry.fibre_radius_um;
     if (away.length() > 0) this.bridge.position.set(Math.max(tip.x, 0), tip.y + r * tip.y / away.length(), tip.z + r * tip.z / away.length());
     const scale = this.forceScale(read);
+    for (const arrow of this.arrows.values()) arrow.visible = false;
     for (const {term, force, at} of termForces(scene, read)) {
       const arrow = this.arrows.get(term);
       if (arrow) pointArrow(arrow, new Vector3(...at), new Vector3(...force).multiplyScalar(scale));
     }
     const hand = this.arrows.get('hand');
-    if (hand) pointArrow(hand, tip, new Vector3(read('force_x_uN'), read('force_y_uN'), read('force_z_uN')).multiplyScalar(scale));
+    if (hand && !hidden.has('hand')) pointArrow(hand, tip, new Vector3(read('force_x_uN'), read('force_y_uN'), read('force_z_uN')).multiplyScalar(scale));
     const s = scene.geometry.free_length_um || 900;
     this.gripper.position.set(...fibreAt(scene, read, s + 210, bend));
     this.gripper.quaternion.setFromUnitVectors(kUp, new Vector3(1, read('holder_ay_rad'), read('holder_az_rad')).normalize());

@@ -1,6 +1,7 @@
 // Velocity and force over time, in the manner of the paper's Fig. 10 (uPlot).
 import uPlot from 'uplot';
-import {withFasterCanvas} from './software.js';
+import {element, fixed} from './format.js';
+import {withPlaneCanvas} from './software.js';
 
 /** @typedef {import('./table.js').Table} Table @typedef {import('./theme.js').Colours} Colours */
 
@@ -8,10 +9,19 @@ const kMostPoints = 1500;
 const kDashes = [[], [8, 4], [2, 4]];
 
 export class Strips {
-  /** @param {HTMLElement} velocity @param {HTMLElement} force @param {(t: number) => void} pick  a time was clicked */
-  constructor(velocity, force, pick) {
+  /**
+   * @param {HTMLElement} velocity @param {HTMLElement} force @param {(t: number) => void} pick  a time was clicked
+   * @param {() => boolean} held  whether time stands still, so that a part of it can be enlarged
+   */
+  constructor(velocity, force, pick, held) {
     this.places = [velocity, force];
+    this.under = this.places.map((place) => {
+      const text = element('span', '', 'under');
+      place.append(text);
+      return text;
+    });
     this.pick = pick;
+    this.held = held;
     /** @type {uPlot[]} */
     this.plots = [];
     this.cursor = NaN;
@@ -37,7 +47,7 @@ export class Strips {
       const series = [colours.x, colours.y, colours.z].map((colour, i) => line(names[i], colour, kDashes[i]));
       if (which === 1) series.push(line('limit', colours.ink, [10, 4, 2, 4], 0.09));
       series.push(line('other', colours.ghost, [3, 3], 0.14));
-      const plot = withFasterCanvas(() => new uPlot({
+      const plot = withPlaneCanvas(() => new uPlot({
         width: place.clientWidth || 300, height: place.clientHeight || 120,
         series: [{label: 't'}, ...series],
         axes: [
@@ -46,9 +56,9 @@ export class Strips {
         ],
         scales: {x: {time: false}, y: {range: (_, low, high) => padded(low, high)}},
         legend: {show: false},
-        cursor: {show: false},
+        cursor: {drag: {x: this.held(), y: false, dist: 6}, sync: {key: 'time'}, points: {show: false}, y: false},
         padding: [0.5 * rem, 1.5 * rem, 0, 0],
-        hooks: {draw: [(plot) => this.mark(plot, colours)]},
+        hooks: {draw: [(plot) => this.mark(plot, colours)], setCursor: [(plot) => this.tell(plot, which)]},
       }, [[], ...series.map(() => [])], place));
       plot.over.addEventListener('click', (event) => this.pick(plot.posToVal(event.offsetX, 'x')));
       return plot;
@@ -97,6 +107,13 @@ export class Strips {
     if (t === this.cursor) return;
     this.cursor = t;
     for (const plot of this.plots) plot.redraw(false, false);
+  }
+
+  /** The values under the mouse. @param {uPlot} plot @param {number} which */
+  tell(plot, which) {
+    const at = plot.cursor.idx, number = (/** @type {number | null | undefined} */ x) => fixed(x ?? NaN, which === 0 ? 1 : 2);
+    this.under[which].textContent = at === null || at === undefined ? ''
+      : `${fixed(plot.data[0][at], 3)} s: ${[1, 2, 3].map((k) => number(plot.data[k][at])).join(', ')} ${which === 0 ? '\u00b5m/s' : '\u00b5N'}`;
   }
 
   /** @param {uPlot} plot @param {Colours} colours */
