@@ -23,10 +23,10 @@ constexpr double kOvershoot = 0.3;     // of the slope at the begin: a move may 
 constexpr double kMostRise = 10;  // of what a Newton step should gain, where the residual falls
 constexpr double kLevel = 1e-9;   // of the sum of all energies
 constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the end of a step
-constexpr int kMostRounds = 10;
+constexpr int kMostRounds = 3;
 constexpr double kFurther = 3;  // a step that got ever steeper
 constexpr int kMostExpansions = 4;
-constexpr int kMostBisections = 40;
+constexpr int kMostBisections = 16;
 constexpr double kShortest = 1e-12;       // part of a Newton step
 constexpr double kShortestTrial = 1e-19;  // the printed well is 1e12 N/m stiff [m]
 

@@ -28,6 +28,7 @@ Laws complete(Laws laws, const WorldParameters& p, const Annulus& annulus) {
   if (auto* law = std::get_if<printed::Adhesion>(&laws.adhesion)) {
     law->reduced_modulus = modulus;
     law->radius = annulus.fibre_radius;
+    *law = prepare(*law);
     laws.wall->begins = printed::kDeepest;
   } else if (auto* self_consistent = std::get_if<Adhesion>(&laws.adhesion)) {
     self_consistent->reduced_modulus = modulus;

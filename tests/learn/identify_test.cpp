@@ -44,12 +44,18 @@ TEST(Identify, ReplaysARecordingInItsOwnSceneExactly) {
   EXPECT_GT(i.rows, 300u);
 }
 
+// Without the printed wells: whether a recording falls into one, and when, is no smooth function of
+// the parameters.
 TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
+  const auto scene = [](std::vector<std::string> settings) {
+    for (const char* none : {"laws.van_der_waals=null", "laws.electrostatic=null"})
+      settings.emplace_back(none);
+    return scene_with(settings);
+  };
   const auto data = recordings(
-      scene_with({"laws.friction.burgers_nm=0.6", "laws.adhesion.work_of_adhesion_J_m2=0.2"}), 0, 1,
-      8);
-  const Identification i = identify(data, scene_with({}), {kFriction, kAdhesion}, 1);
-  EXPECT_CLOSE(i.parameters[0].value, 0.6, 1e-3);
+      scene({"laws.friction.burgers_nm=0.6", "laws.adhesion.work_of_adhesion_J_m2=0.2"}), 0, 1);
+  const Identification i = identify(data, scene({}), {kFriction, kAdhesion}, 1);
+  EXPECT_CLOSE(i.parameters[0].value, 0.6, 1e-4);
   EXPECT_CLOSE(i.parameters[1].value, 0.2, 1e-3);
   EXPECT_LT(i.residual, 0.01 * i.residual_start);
 }

@@ -18,6 +18,15 @@ double contact_radius(double depth) noexcept {
   return kRadiusAtTouch + kRadiusPerDepth * std::clamp(depth, 0.0, kDeepest);
 }
 
+Adhesion prepare(Adhesion law) noexcept {
+  const double s = std::sqrt((law.m - 1) * (law.m + 1));
+  law.pull = law.maugis_lambda *
+             elementary::cbrt(std::numbers::pi * law.work_of_adhesion * law.reduced_modulus *
+                              law.reduced_modulus / law.radius) *
+             (s + law.m * law.m * elementary::atan(s));
+  return law;
+}
+
 double contact_radius_slope(double depth) noexcept {
   return depth >= 0 && depth < kDeepest ? kRadiusPerDepth : 0;
 }
@@ -28,11 +37,7 @@ AdhesionForce adhesion(const Adhesion& law, double depth) noexcept {
 
   // force(a) = stiff a^3 - pull a^2, and its integral over a
   const double stiff = law.reduced_modulus / law.radius;
-  const double s = std::sqrt((law.m - 1) * (law.m + 1));
-  const double pull = law.maugis_lambda *
-                      elementary::cbrt(std::numbers::pi * law.work_of_adhesion *
-                                       law.reduced_modulus * law.reduced_modulus / law.radius) *
-                      (s + law.m * law.m * elementary::atan(s));
+  const double pull = law.pull;
   const auto force = [&](double a) { return a * a * (stiff * a - pull); };
   const auto integral = [&](double a) { return a * a * a * (stiff * a / 4 - pull / 3); };
 

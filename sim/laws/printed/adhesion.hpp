@@ -19,7 +19,11 @@ struct Adhesion {
   double m;                 // c_ad / a [-], >= 1
   double reduced_modulus;   // K [Pa], > 0
   double radius;            // r [m], > 0: the fibre's
+  // lambda (pi w K^2/r)^(1/3) (s + m^2 atan s) [N/m^2], of the values above, by prepare().
+  double pull = 0;
 };
+
+Adhesion prepare(Adhesion law) noexcept;
 
 // Largest penetration the law speaks of [m]: 10 nm.
 inline constexpr double kDeepest = 10e-9;
@@ -29,7 +33,7 @@ double contact_radius(double depth) noexcept;
 // And its derivative by the penetration [-], to the right of its kinks.
 double contact_radius_slope(double depth) noexcept;
 
-// At penetration `depth` [m], any finite value. Its branch is always 0.
+// At penetration `depth` [m], any finite value. The law is prepared. Its branch is always 0.
 AdhesionForce adhesion(const Adhesion& law, double depth) noexcept;
 
 }  // namespace ferrule::printed

@@ -7,7 +7,7 @@ namespace ferrule {
 namespace {
 
 const double kModulus = reduced_modulus(4.7e10, 0.35, 7.0e10, 0.35);
-const printed::Adhesion kTableI = {0.144, 4.0, 1.05, kModulus, 62.5e-6};
+const printed::Adhesion kTableI = prepare(printed::Adhesion{0.144, 4.0, 1.05, kModulus, 62.5e-6});
 
 TEST(ReducedModulus, OfTableI) {
   EXPECT_CLOSE(kModulus, 4.2726925917809e10, 1e-13);
@@ -23,7 +23,8 @@ TEST(Adhesion, PrintedHasThePublishedValuesOfTableI) {
 }
 
 TEST(Adhesion, PrintedHas30DigitValuesOfOtherParameters) {
-  const printed::Adhesion law = {0.09, 2.5, 1.2, 74818798223.053542, 62.5e-6};
+  const printed::Adhesion law =
+      prepare(printed::Adhesion{0.09, 2.5, 1.2, 74818798223.053542, 62.5e-6});
   EXPECT_CLOSE(adhesion(law, 0).force, -9.8644216337964975e-6, 1e-13);
   EXPECT_CLOSE(adhesion(law, 4e-9).force, -1.1394157526463601e-5, 1e-13);
   EXPECT_CLOSE(adhesion(law, 10e-9).force, -1.3860002130455125e-5, 1e-13);

@@ -57,7 +57,8 @@ TEST(Slip, E6SiliconInPlaceOfSilicaMakesTheFibreSoftAndHeavy) {
 }
 
 TEST(Slip, E7ThePrintedAdhesionAttractsEverMoreWithDepth) {
-  const printed::Adhesion law = {0.144, 4, 1.05, 4.2726925917809e10, 62.5e-6};
+  const printed::Adhesion law =
+      prepare(printed::Adhesion{0.144, 4, 1.05, 4.2726925917809e10, 62.5e-6});
   double before = adhesion(law, 0).force;
   for (double d = 1e-9; d <= 10e-9; d += 1e-9) {
     EXPECT_LT(adhesion(law, d).force, before);
