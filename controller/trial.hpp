@@ -13,6 +13,9 @@ struct TrialResult {
   std::optional<Supervision> supervision;  // empty for a controller without supervisor
 };
 
+// Of an insertion that ended so, with the joint loss that follows.
+TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept;
+
 // Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
 // succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by
 // `scaling`, and its velocity is scaled down; control and simulation share one period [s].
