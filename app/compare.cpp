@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cmath>
 
-#include "app/campaign_table.hpp"
+#include "controller/campaign_table.hpp"
 #include "app/compare_plot.hpp"
 #include "app/csv.hpp"
 #include "app/trained.hpp"

@@ -1,7 +1,7 @@
 // ferrule evaluate: the success rate of a controller over a campaign of trials.
 #include <fmt/format.h>
 
-#include "app/campaign_table.hpp"
+#include "controller/campaign_table.hpp"
 #include "app/csv.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"

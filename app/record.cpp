@@ -5,7 +5,7 @@
 #include <cstring>
 #include <exception>
 
-#include "app/campaign_table.hpp"
+#include "controller/campaign_table.hpp"
 #include "app/recording.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "app/campaign_table.hpp"
+#include "controller/campaign_table.hpp"
 #include "app/demonstration_plot.hpp"
 #include "app/force_table.hpp"
 #include "app/html.hpp"

@@ -1,4 +1,4 @@
-#include "app/campaign_table.hpp"
+#include "controller/campaign_table.hpp"
 
 #include <fmt/format.h>
 
