@@ -18,7 +18,7 @@ def run(*arguments: str, code: int = 0) -> subprocess.CompletedProcess:
 @pytest.fixture(scope="session")
 def episodes(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("recorded") / "episodes"
-    run("record", "--scene", "bench", "--episodes", 6, "--skill", 0.8, "--seed", 1, "--out", folder)
+    run("record", "--scene", "bench", "--episodes", 4, "--skill", 0.8, "--seed", 1, "--out", folder)
     return folder
 
 
