@@ -19,7 +19,11 @@
 //                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
 //     next_obs/<key>     the same one row later
 //     raw/counts         (N, 6) int64, of a device with raw axes: as it counted them at t_n
-// Every data set has the attributes `unit` and `columns`.
+//     time               (N) as rows/time: the scale of the rows' dimension, by which netCDF and xarray
+//                        know it; pose, wrench, force, state, axis, value: those of the columns
+// Every data set has the attributes `unit`, `columns` (a list of names), `about`, and where all
+// columns have one unit `units`, as CF has it. Files of format 1 have `columns` as one text and no
+// scales; they are read.
 #pragma once
 
 #include <cstdint>
