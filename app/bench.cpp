@@ -8,17 +8,23 @@
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
+#include "bench/campaigns.hpp"
 #include "bench/capture.hpp"
 #include "bench/controllers.hpp"
+#include "bench/events.hpp"
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
+#include "bench/peers.hpp"
 #include "bench/stepping.hpp"
+#include "bench/tail.hpp"
 
 namespace ferrule {
 namespace {
 
 struct BenchArguments {
   std::string what, plot;
+  std::uint64_t seed = 1;
+  std::size_t scenes = 200;
   Output output;
 };
 
@@ -27,6 +33,15 @@ Provenance provenance_of_bench() {
   Provenance provenance;
   provenance.read(scene_file("paper"));
   if (interrupted()) provenance.partial("the cases as far as they were run");
+  return provenance;
+}
+
+// Of the benchmarks that draw motions in every shipped scene.
+Provenance provenance_of_steps(const BenchArguments& a) {
+  Provenance provenance = provenance_of_bench();
+  for (const std::string& name : shipped_scenes())
+    if (name != "paper") provenance.read(scene_file(name));
+  provenance.seed("scenes, starts and motions", a.seed);
   return provenance;
 }
 
@@ -128,12 +143,38 @@ void print_stepping(const std::vector<SteppingRow>& rows) {
                r.not_converged, r.halvings);
 }
 
+Json campaign_json(const CampaignRow& r) {
+  return {{"scene", r.scene},
+          {"controller", r.controller},
+          {"step_s", r.step_s},
+          {"steps", r.steps},
+          {"ns_per_step", r.ns_per_step},
+          {"iterations_in_contact", r.iterations_in_contact},
+          {"evaluations", r.evaluations},
+          {"evaluations_max", r.evaluations_max},
+          {"not_converged", r.not_converged},
+          {"capped", r.capped}};
+}
+
+void print_campaigns(const std::vector<CampaignRow>& rows) {
+  fmt::print("{:<10} {:<14} {:>8} {:>8} {:>11} {:>14} {:>9} {:>9} {:>7} {:>7}\n", "campaign in",
+             "controller", "step [s]", "steps", "ns per step", "iter. contact", "evals/st", "most",
+             "failed", "capped");
+  for (const CampaignRow& r : rows)
+    fmt::print("{:<11} {:<14} {:8.0e} {:>8} {:11.0f} {:14.2f} {:9.2f} {:>9} {:>7} {:>7}\n", r.scene,
+               r.controller, r.step_s, r.steps, r.ns_per_step, r.iterations_in_contact,
+               r.evaluations, r.evaluations_max, r.not_converged, r.capped);
+}
+
 void print(const std::vector<LawRow>& laws, const std::vector<SteppingRow>& stepping,
+           const std::vector<CampaignRow>& campaigns,
            const std::vector<ControllerRow>& controllers) {
   print_heading("law", "fidelity");
   for (const LawRow& r : laws) print_line(r.name, r.fidelity, r.ns, r.relative_error);
   fmt::print("\n");
   print_stepping(stepping);
+  fmt::print("\n");
+  print_campaigns(campaigns);
   fmt::print("\n");
   print_heading("controller", "shape");
   for (const ControllerRow& r : controllers) print_line(r.name, r.shape, r.ns, r.relative_error);
@@ -142,18 +183,20 @@ void print(const std::vector<LawRow>& laws, const std::vector<SteppingRow>& step
 int speed_and_error(const BenchArguments& a) {
   const std::vector<LawRow> laws = bench_laws(watched("laws"));
   const std::vector<SteppingRow> stepping = bench_stepping(watched("stepping"));
+  const std::vector<CampaignRow> campaigns = bench_campaigns(watched("campaigns"));
   const std::vector<ControllerRow> controllers = bench_controllers(watched("controllers"));
   if (!a.plot.empty() && !interrupted()) draw(a.plot, laws, stepping);
   const Provenance provenance = provenance_of_bench();
   Json json = {{"laws", json_list(laws, law_json)},
                {"stepping", json_list(stepping, stepping_json)},
+               {"campaigns", json_list(campaigns, campaign_json)},
                {"controllers", json_list(controllers, controller_json)}};
   if (a.output.text()) {
-    print(laws, stepping, controllers);
+    print(laws, stepping, campaigns, controllers);
     fmt::print("{}", provenance.foot());
-  } else if (a.output.csv) {  // the three tables in one
+  } else if (a.output.csv) {  // the tables in one
     json["table"] = Json::array();
-    for (const char* of : {"laws", "stepping", "controllers"})
+    for (const char* of : {"laws", "stepping", "campaigns", "controllers"})
       for (const Json& row : json[of]) {
         json["table"].push_back({{"of", of}});
         json["table"].back().update(row);
@@ -232,6 +275,116 @@ int capture(const BenchArguments& a) {
   return ended(wrong == 0);
 }
 
+Json tail_json(const TailRow& r) {
+  return {{"scene", r.scene},
+          {"steps", r.steps},
+          {"not_converged", r.not_converged},
+          {"capped", r.capped},
+          {"evaluations_p9999", r.evaluations_p9999},
+          {"evaluations_max", r.evaluations_max},
+          {"p9999_us", r.p9999_us},
+          {"worst_us", r.worst_us},
+          {"loops", r.loops},
+          {"loops_that_gained", r.loops_that_gained}};
+}
+
+void print_tail(const std::vector<TailRow>& rows) {
+  fmt::print("{:<10} {:>9} {:>7} {:>7} {:>12} {:>9} {:>12} {:>9} {:>6} {:>7}\n", "scene", "steps",
+             "failed", "capped", "eval 99.99 %", "eval most", "us 99.99 %", "us most", "loops",
+             "gained");
+  for (const TailRow& r : rows)
+    fmt::print("{:<10} {:>9} {:>7} {:>7} {:>12} {:>9} {:>12.3g} {:>9.3g} {:>6} {:>7}\n", r.scene,
+               r.steps, r.not_converged, r.capped, r.evaluations_p9999, r.evaluations_max,
+               r.p9999_us, r.worst_us, r.loops, r.loops_that_gained);
+}
+
+int tail(const BenchArguments& a) {
+  const std::vector<TailRow> rows = bench_tail(a.seed, a.scenes, watched("tail"));
+  const Provenance provenance = provenance_of_steps(a);
+  if (a.output.text()) {
+    print_tail(rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, tail_json)}}, "rows", provenance);
+  return ended(true);
+}
+
+Json event_json(const EventRow& r) {
+  return {{"scene", r.scene},
+          {"motion", r.motion},
+          {"step_s", r.step_s},
+          {"pose_difference_clearances", r.pose_difference_clearances},
+          {"force_difference_relative", r.force_difference_relative},
+          {"us_per_simulated_s", r.us_per_simulated_s},
+          {"not_converged", r.not_converged},
+          {"capped", r.capped}};
+}
+
+void print_events(const std::vector<EventRow>& rows) {
+  fmt::print("{:<10} {:<10} {:>9} {:>18} {:>12} {:>16} {:>7} {:>7}\n", "scene", "motion",
+             "step [ms]", "pose [clearances]", "force", "us per simul. s", "failed", "capped");
+  for (const EventRow& r : rows)
+    fmt::print("{:<10} {:<10} {:9.4g} {:18.2g} {:12.2g} {:16.4g} {:>7} {:>7}\n", r.scene, r.motion,
+               1e3 * r.step_s, r.pose_difference_clearances, r.force_difference_relative,
+               r.us_per_simulated_s, r.not_converged, r.capped);
+}
+
+int events(const BenchArguments& a) {
+  const std::vector<EventRow> rows = bench_events(a.seed, 2, shipped_scenes(), watched("events"));
+  const Provenance provenance = provenance_of_steps(a);
+  if (a.output.text()) {
+    print_events(rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, event_json)}}, "rows", provenance);
+  return ended(true);
+}
+
+Json peer_json(const PeerRow& r) {
+  return {{"engine", r.engine},
+          {"version", r.version},
+          {"settings", r.settings},
+          {"segments", r.segments},
+          {"step_s", r.step_s},
+          {"us_per_simulated_ms", r.us_per_simulated_ms},
+          {"pose_error_um", number_or_null(r.pose_error_um)},
+          {"force_error_relative", number_or_null(r.force_error_relative)},
+          {"penetration_um", number_or_null(r.penetration_um)},
+          {"outside", r.outside},
+          {"let_in", r.let_in}};
+}
+
+void print_peers(const std::vector<PeerRow>& rows) {
+  fmt::print("{:<8} {:<8} {:>8} {:>8} {:>9} {:>10} {:>11} {:>11} {:>8}  {}\n", "engine", "version",
+             "segments", "step [s]", "us per ms", "pose [um]", "force error", "penetr.[um]",
+             "let in", "settings");
+  for (const PeerRow& r : rows)
+    fmt::print("{:<8} {:<8} {:>8} {:>8g} {:>9.3g} {:>10} {:>11} {:>11} {:>8}  {}\n", r.engine,
+               r.version, r.segments ? fmt::format("{}", r.segments) : "round", r.step_s,
+               r.us_per_simulated_ms, number_or("diverged", "{:.3g}", r.pose_error_um),
+               number_or("diverged", "{:.2g}", r.force_error_relative),
+               number_or("diverged", "{:.3g}", r.penetration_um),
+               fmt::format("{} of {}", r.let_in, r.outside), r.settings);
+  fmt::print(
+      "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: of "
+      "fibres that start beside a sharp bore\n");
+}
+
+int peers(const BenchArguments& a) {
+  const PeerBench bench = bench_peers(watched("engines"));
+  const Provenance provenance = provenance_of_bench();
+  for (const std::string& missing : bench.missing)
+    fmt::print(stderr, "ferrule: not measured: {}\n", missing);
+  if (a.output.text()) {
+    print_peers(bench.rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output,
+               {{"rows", json_list(bench.rows, peer_json)}, {"not_measured", bench.missing}},
+               "rows", provenance);
+  return ended(true);
+}
+
 }  // namespace
 
 void add_bench(CLI::App& app, Run& run) {
@@ -239,18 +392,26 @@ void add_bench(CLI::App& app, Run& run) {
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<BenchArguments>();
   verb->add_option("what", a->what,
-                   "Nothing: laws, stepping and controllers; hard: the hard cases; capture: "
-                   "clearance means clearance")
-      ->check(CLI::IsMember({"hard", "capture"}));
+                   "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
+                   "capture: clearance means clearance; tail: the worst steps; events: the same "
+                   "motions at ever finer steps; peers: other engines in the same motion")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers"}));
+  add_seed(*verb, a->seed, "Of the scenes, starts and motions that tail and events draw");
+  verb->add_option("--scenes", a->scenes,
+                   "How many random scenes, and starts of shipped ones, tail draws")
+      ->check(CLI::Range(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
-  add_examples(*verb, {"bench --plot pictures", "bench hard --json"});
+  add_examples(*verb, {"bench --plot pictures", "bench hard --json", "bench peers"});
   verb->callback([a, &run] {
     run = [a] {
       if (!a->what.empty() && !a->plot.empty())
         throw BadInput("--plot: there is nothing to draw of bench " + a->what);
       return a->what == "hard"      ? hard(*a)
              : a->what == "capture" ? capture(*a)
+             : a->what == "tail"    ? tail(*a)
+             : a->what == "events"  ? events(*a)
+             : a->what == "peers"   ? peers(*a)
                                     : speed_and_error(*a);
     };
   });

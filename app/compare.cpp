@@ -5,12 +5,14 @@
 #include <chrono>
 #include <cmath>
 
-#include "controller/campaign_table.hpp"
 #include "app/compare_plot.hpp"
 #include "app/csv.hpp"
+#include "app/failures.hpp"
+#include "app/html.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
+#include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
@@ -64,6 +66,14 @@ struct BySeed {
 struct Transfer {
   std::string scene, controller;
   CampaignSummary alone, supervised;
+};
+
+// Everything that is found, as far as Ctrl-C lets it.
+struct Found {
+  std::vector<Entry> entries;
+  std::vector<Learning> learning;
+  std::vector<BySeed> by_seeds;
+  std::vector<Transfer> transfer;
 };
 
 std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
@@ -232,6 +242,39 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
   }
   write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
   if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
+}
+
+// All of it in one page, on which trials that failed can be watched.
+void write_report(const CompareArguments& a, const Scene& scene, const Found& found,
+                  const std::vector<Vector2d>& starts, const Provenance& provenance) {
+  constexpr std::size_t kRuns = 60;  // in all, so that the page stays one that opens at once
+  std::vector<ReplayRun> runs;
+  std::vector<TrialMap> maps;
+  std::string maps_drawn, table;
+  std::vector<std::pair<std::string, std::vector<Ring>>> rings;
+  for (const Entry& e : found.entries) {
+    const std::string& who = e.candidate.name;
+    const char* against = who == "constant velocity" ? "constant-velocity"
+                          : who == kTeacher          ? "operator"
+                                                     : nullptr;
+    const std::string command =
+        against ? fmt::format("./ferrule view --trial TRIAL --against {}{} --seed {}{}", against,
+                              SceneArguments{scene.name, a.scene.settings}.given(), a.seed,
+                              who == kTeacher ? fmt::format(" --skill {}", a.skill) : "")
+                : "";
+    add_failures(scene, a.seed, {who, command, e.candidate.make, &e.results},
+                 std::max<std::size_t>(3, kRuns / found.entries.size()), runs, maps);
+    maps_drawn += figure(failure_map(who, e.results, starts), "");
+    rings.emplace_back(who, e.rings);
+    table += to_text(who, e.alone);
+  }
+  std::string html = html_head("ferrule: ways to insert") +
+                     "<h1>Ways to insert, on the same trials</h1>\n" +
+                     replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) +
+                     "</pre>\n" + figure(misalignment_plot(rings), "") + maps_drawn;
+  if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
+  write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
+                                          escaped(provenance.foot()) + "</p>\n</body></html>\n");
 }
 
 std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set) {
@@ -441,14 +484,6 @@ std::vector<const Demonstration*> pointers(const DemonstrationSet& set) {
   return all;
 }
 
-// Everything that is found, as far as Ctrl-C lets it.
-struct Found {
-  std::vector<Entry> entries;
-  std::vector<Learning> learning;
-  std::vector<BySeed> by_seeds;
-  std::vector<Transfer> transfer;
-};
-
 // Why it is partial, if it is.
 void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candidates,
                   const Found& found, Provenance& provenance) {
@@ -557,7 +592,8 @@ int compare_verb(const CompareArguments& a) {
   write_trials(a, found, provenance);
   if (!a.plot.empty() && !interrupted()) {
     draw(a.plot, found.entries, found.learning, starts);
-    fmt::print(stderr, "plots are in {}\n", a.plot);
+    write_report(a, scene, found, starts, provenance);
+    fmt::print(stderr, "plots are in {}, all of them in report.html\n", a.plot);
   }
   return interrupted() ? kInterrupted : kDone;
 }

@@ -150,9 +150,7 @@ int demo_verb(const DemoArguments& a) {
   const Stopwatch clock;
   Report report;
   report.scene = &scene;
-  report.scene_arguments = "--scene " + a.scene.name();
-  for (const std::string& setting : a.scene.settings)
-    report.scene_arguments += " --set '" + setting + "'";
+  report.scene_arguments = SceneArguments{a.scene.name(), a.scene.settings}.given().substr(1);
   report.seed = a.seed;
 
   report.provenance.in(chosen).seed("demonstrations", a.seed).seed("trials", report.trial_seed());

@@ -9,6 +9,7 @@
 
 #include "app/connected.hpp"
 #include "app/verb.hpp"
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -58,7 +59,7 @@ void move_fake(FakeTransport& model, double t) {
   std::array<int, 6> counts{};
   for (std::size_t axis = 0; axis < counts.size(); ++axis)
     counts[axis] = static_cast<int>(std::lround(
-        350 * std::sin(2 * std::numbers::pi * t / (2.0 + 0.3 * static_cast<double>(axis)))));
+        350 * elementary::sin(2 * std::numbers::pi * t / (2.0 + 0.3 * static_cast<double>(axis)))));
   model.deflect(counts);
   model.press(std::fmod(t, 1) > 0.8 ? 1 : 0);
   model.advance(t);
@@ -67,7 +68,7 @@ void move_fake(FakeTransport& model, double t) {
 // A push along X and Y in turn, in parts of what the device can do.
 HandWrench test_push(double t) {
   HandWrench wrench = HandWrench::Zero();
-  wrench[std::fmod(t, 2) < 1 ? 0 : 1] = kPush * std::sin(2 * std::numbers::pi * t);
+  wrench[std::fmod(t, 2) < 1 ? 0 : 1] = kPush * elementary::sin(2 * std::numbers::pi * t);
   return wrench;
 }
 

@@ -1,10 +1,12 @@
 // ferrule evaluate: the success rate of a controller over a campaign of trials.
 #include <fmt/format.h>
 
-#include "controller/campaign_table.hpp"
 #include "app/csv.hpp"
+#include "app/failures.hpp"
+#include "app/html.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
+#include "controller/campaign_table.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -14,7 +16,7 @@ namespace {
 
 struct EvaluateArguments {
   SceneArguments scene;
-  std::string controller, baseline, trials_out;
+  std::string controller, baseline, trials_out, report;
   std::size_t trials = 1000;
   std::uint64_t seed = 7;
   int threads = 0;
@@ -91,10 +93,40 @@ std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned
   return all;
 }
 
+// The trials to be looked at, and the tables.
+void write_report(const EvaluateArguments& a, const Scene& scene, const std::vector<Tried>& all,
+                  const Provenance& provenance) {
+  std::vector<ReplayRun> runs;
+  std::vector<TrialMap> maps;
+  std::string text;
+  for (const Tried& tried : all) {
+    const bool baseline = tried.name == a.baseline;
+    MakeController make = tried.make;
+    if (a.supervise) make = supervised(make, supervisor_limits(scene, scene_scaling(scene)));
+    const std::string command =
+        fmt::format("./ferrule view --trial TRIAL {}{}{} --seed {}{}", baseline ? "--against " : "",
+                    tried.name, a.scene.given(), a.seed, a.supervise ? " --supervise" : "");
+    add_failures(scene, a.seed, {tried.name, command, make, &tried.results}, 24, runs, maps);
+    text += to_text(tried.name, summarise(tried.results));
+  }
+  if (runs.empty())  // nothing failed: the first trial that went in
+    for (std::size_t k = 0; k < all[0].results.size() && runs.empty(); ++k)
+      if (all[0].results[k].outcome == Outcome::inserted)
+        runs.push_back(replay_of(scene, all[0].make, a.seed, k, fmt::format("trial {}", k)));
+  if (all.size() > 1)
+    if (const auto comparison = compared(all[0], all[1])) text += to_text(*comparison);
+  write_text(a.report, html_head("ferrule: trials") + "<h1>Trials of " + escaped(all[0].name) +
+                           "</h1>\n" + replay_section("trials that failed", runs, maps) + "<pre>" +
+                           escaped(text) + "</pre>\n<p>" + escaped(provenance.head()) +
+                           "</p>\n<p>" + escaped(provenance.foot()) + "</p>\n</body></html>\n");
+  fmt::print(stderr, "the report is {}\n", a.report);
+}
+
 int evaluate_verb(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty())
     throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
   expect_place_for(a.trials_out);
+  expect_place_for(a.report);
   LearnedFile learned;
   BroughtScene brought;
   if (!a.controller.empty()) {
@@ -138,6 +170,7 @@ int evaluate_verb(const EvaluateArguments& a) {
     for (const Tried& tried : all) add_trials(tried.name, tried.results, rows);
     write_text(a.trials_out, csv_text(rows, provenance));
   }
+  if (!a.report.empty() && !interrupted()) write_report(a, scene, all, provenance);
   return interrupted() ? kInterrupted : kDone;
 }
 
@@ -158,6 +191,9 @@ void add_evaluate(CLI::App& app, Run& run) {
       ->check(CLI::IsMember({"constant-velocity"}));
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");
+  verb->add_option("--report", a->report,
+                   "A page with the map of the trials, on which those that failed can be watched")
+      ->type_name("FILE.html");
   verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
       ->type_name("FILE.csv");
   add_output(*verb, a->output);

@@ -17,7 +17,8 @@ namespace ferrule {
 namespace {
 
 struct FitArguments {
-  std::string folder, method = "ceres", out, plot, seeds;
+  std::vector<std::string> places;
+  std::string method = "ceres", out, plot, seeds;
   std::map<std::string, std::string> options;  // of all learners, by flag
   std::uint64_t seed = 1;
   Output output;
@@ -68,7 +69,9 @@ Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArg
                          });
   } catch (const BadInput& error) {
     if (interrupted()) throw Stopped();
-    throw BadInput(a.folder + ": " + error.what());
+    throw BadInput(fmt::format(
+        "{}: {}", a.places.size() == 1 ? a.places[0] : fmt::format("{} places", a.places.size()),
+        error.what()));
   }
 }
 
@@ -180,7 +183,7 @@ int fit_verb(const FitArguments& a) {
   expect_place_for(a.out);
   expect_place_for(a.plot);
   for (const std::string& file : learner.files(a.out)) expect_place_for(file);
-  const DemonstrationSet set = load_demonstrations(a.folder, Loading());
+  const DemonstrationSet set = load_demonstrations(episode_files(a.places), Loading());
   if (!a.seeds.empty()) parse_seeds(a.seeds);  // refused before anything is fitted
   const Learned result = fitted(learner, set, a, a.seed);
   const bool partial = trained_on(result.controller).partial;
@@ -217,7 +220,9 @@ int fit_verb(const FitArguments& a) {
 void add_fit(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("fit", "Fit a controller to demonstrations");
   auto a = std::make_shared<FitArguments>();
-  verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
+  verb->add_option("episodes", a->places, "Folder with the episodes, or some of them by name")
+      ->required()
+      ->type_name("DIR|FILE...");
   verb->add_option("--method", a->method, "How: a law with Ceres, or a policy with libtorch")
       ->capture_default_str()
       ->check(CLI::IsMember(methods()));

@@ -1,8 +1,11 @@
-// ferrule forces: force curves against gap, inserted length and penetration.
+// ferrule forces: force curves against gap, inserted length and penetration; or which force acted
+// when in a recording.
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 
+#include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
 #include "app/verb.hpp"
 #include "sim/scene/terms.hpp"
@@ -12,8 +15,9 @@ namespace {
 
 struct ForcesArguments {
   SceneArguments scene;
-  std::string form, gap, length, depth, plot;
+  std::string episode, form, gap, length, depth, plot;
   double tilt_mrad = 0, speed_um_s = 10;
+  std::string of_curves;  // an option that was given and is not for recordings
   Output output;
 };
 
@@ -102,7 +106,36 @@ Sweep swept(const Grid& grid) {
   return gap ? Sweep::gap : length ? Sweep::length : Sweep::depth;
 }
 
+// Which force acted when.
+int forces_of_recording(const ForcesArguments& a) {
+  if (!a.of_curves.empty())
+    throw BadInput(a.of_curves + ": of force curves; a recording has its own scene and gaps");
+  std::error_code error;
+  if (std::filesystem::is_directory(a.episode, error))
+    throw BadInput(a.episode + ": is a folder; name one recording of it");
+  const Episode episode = read_episode(a.episode);
+  const Scene scene = recorded_scene(episode, a.episode);
+  if (episode.rows.rows() == 0) throw BadInput(a.episode + ": has no rows");
+  const ForceHistory history = force_history(episode, scene);
+  if (!a.plot.empty()) write_plot(a.plot, history_plot(episode, scene));
+  Provenance provenance;
+  provenance.in({scene, "", ", as recorded"}).read(a.episode);
+  if (a.output.text()) fmt::print("{}{}{}", provenance.head(), to_text(history), provenance.foot());
+  print_result(
+      a.output,
+      {{"file", a.episode},
+       {"scene", scene.name},
+       {"rows", episode.rows.rows()},
+       {"share_touching", history.touching},
+       {"felt_median_uN", 1e6 * history.felt_median},
+       {"felt_largest_uN", 1e6 * history.felt_largest},
+       {"terms", json_list(history.terms, [](const TermActivity& t) { return to_json(t); })}},
+      "terms", provenance);
+  return kDone;
+}
+
 int forces_verb(const ForcesArguments& a) {
+  if (!a.episode.empty()) return forces_of_recording(a);
   const Scene scene = scene_in_form(a);
   const Grid asked = grid(a);
   const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
@@ -126,8 +159,13 @@ int forces_verb(const ForcesArguments& a) {
 }  // namespace
 
 void add_forces(CLI::App& app, Run& run) {
-  auto* verb = app.add_subcommand("forces", "Force curves against gap, length and penetration");
+  auto* verb = app.add_subcommand(
+      "forces", "Force curves of a scene, or which force acted when in a recording");
   auto a = std::make_shared<ForcesArguments>();
+  verb->add_option("episode", a->episode,
+                   "Recording: which force acted when, and how much of it "
+                   "reached the hand")
+      ->type_name("FILE.h5");
   a->scene.add_to(*verb);
   a->length = "100";
   verb->add_option("--form", a->form, "Form of all laws, instead of the scene's")
@@ -149,8 +187,14 @@ void add_forces(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
   add_examples(*verb, {"forces --scene paper --gap-nm 1:500:50:log --plot gap.svg",
-                       "forces --scene demo --depth-nm 0:12:13 --csv"});
-  verb->callback([a, &run] { run = [a] { return forces_verb(*a); }; });
+                       "forces --scene demo --depth-nm 0:12:13 --csv",
+                       "forces episodes/episode_0001.h5 --plot forces.svg"});
+  verb->callback([a, verb, &run] {
+    for (const char* of_curves : {"--scene", "--set", "--form", "--gap-nm", "--length-um",
+                                  "--depth-nm", "--tilt-mrad", "--speed-um-s"})
+      if (verb->count(of_curves) > 0) a->of_curves = of_curves;
+    run = [a] { return forces_verb(*a); };
+  });
 }
 
 }  // namespace ferrule

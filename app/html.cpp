@@ -39,6 +39,26 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+std::string html_head(const std::string& title) {
+  return R"(<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8"><title>)" +
+         escaped(title) + R"(</title>
+<meta name="viewport" content="width=device-width, initial-scale=1"><style>
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
+       color: #222; background: #fff }
+h1, h2 { line-height: 1.2; font-weight: 600 } h2 { margin-top: 2.5rem }
+table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem }
+th, td { padding: 0.3rem 0.8rem; border-bottom: 1px solid #ddd; text-align: left }
+th { vertical-align: bottom } td.n { text-align: right; font-variant-numeric: tabular-nums }
+figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
+figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
+pre { padding: 0.8rem; overflow-x: auto } .big { font-size: 1.25rem }
+iframe.replay { border: 1px solid #bbb; width: min(96vw, 1400px); aspect-ratio: 16 / 9; margin-left: 50%;
+  transform: translateX(-50%) }
+</style></head><body>
+)";
+}
+
 std::string figure(const Plot& plot, const std::string& caption) {
   return "<figure>\n" + image(draw_svg(plot), plot.title) + "<figcaption>" + caption +
          "</figcaption></figure>\n";

@@ -18,7 +18,10 @@ void add_verbs(CLI::App& app, Run& run) {
   add_scene(app, run);
   add_forces(app, run);
   add_contact(app, run);
+  add_release(app, run);
+  add_limits(app, run);
   add_plan(app, run);
+  add_view(app, run);
   add_record(app, run);
   add_recover(app, run);
   add_replay(app, run);

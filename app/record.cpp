@@ -5,15 +5,14 @@
 #include <cstring>
 #include <exception>
 
-#include "controller/campaign_table.hpp"
+#include "app/device_arguments.hpp"
 #include "app/recording.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
+#include "controller/campaign_table.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
-#include "insertion/hand_device.hpp"
-#include "insertion/rendering.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
@@ -23,49 +22,15 @@ namespace {
 
 struct RecordArguments {
   SceneArguments scene;
-  std::string operator_ = "simulated", device, profile, person, out;
-  double skill = 0.8, gain = 1;
+  DeviceArguments device;
+  std::string operator_ = "simulated", out;
+  double skill = 0.8;
   int episodes = 20;
   std::uint64_t seed = 1;
-  bool append = false, supervise = false, coupled = false, with_device = false;
+  bool append = false, supervise = false, with_device = false;
   bool other_scaling = false;
   Output output;
 };
-
-// How a device with force renders the scene. Throws BadInput where it cannot.
-HandSettings hand_settings(const RecordArguments& a, const OpenDevice& device, const Scene& scene) {
-  HandSettings settings;
-  settings.gain = a.gain;
-  const ForceDriver* const force = device.driver->force;
-  if (!force) {
-    if (a.coupled) throw BadInput("--coupled: needs a device with force");
-    if (!a.profile.empty()) throw BadInput("--profile: needs a device with force");
-    return settings;
-  }
-  settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
-  const double step = force->step(device.transport->info(), device_range(scene, a.gain).reach);
-  settings.profile.resolution = std::max(settings.profile.resolution, step);
-  const std::string gain = a.gain == 1 ? "" : fmt::format(" with --gain {:g}", a.gain);
-  const Coupling coupling = stable_coupling(settings.profile);
-  const bool couples = coupling.stiffness > 0;
-  if (a.coupled) {
-    if (!couples)
-      throw BadInput("--coupled: no coupling is stable on " + settings.profile.name +
-                     ": it needs damping and friction");
-    settings.coupling = coupling;
-    return settings;
-  }
-  const Rendering r = rendering(scene, settings.profile);
-  if (r.stable()) return settings;
-  const std::string set = r.set();
-  std::string ways;
-  if (!set.empty()) ways += ". Stable when magnified less, up to " + set;
-  if (couples)
-    ways += fmt::format(". Or contacts of at most {:.4g} N/m: --coupled", coupling.stiffness);
-  throw BadInput(
-      fmt::format("{} on {}{}: refused for force feedback: felt stiffness {:.4g} N/m: {}{}",
-                  scene.name, settings.profile.name, gain, r.stiffness, r.reasons.front(), ways));
-}
 
 Json episode_json(const Recorded& r) {
   Json json = {{"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
@@ -119,6 +84,7 @@ struct Holding {
   HandSettings settings;  // of the device
   Scaling scaling;
   MakeController make;  // empty without a controller
+  std::string began = date_now();
 };
 
 Holding holding(const RecordArguments& a, const Scene& scene,
@@ -127,12 +93,9 @@ Holding holding(const RecordArguments& a, const Scene& scene,
   h.scaling = scene_scaling(scene);
   const bool simulated = !a.with_device && a.operator_ == "simulated";
   if (a.with_device) {
-    h.device = open_device("--device", a.device);
-    h.settings = hand_settings(a, *h.device, scene);
-    if (!h.device->fake && h.device->driver->force && a.profile.empty())
-      fmt::print(stderr, "note: no --profile: the device is taken to be a {}\n",
-                 h.settings.profile.name);
-    h.name = (a.person.empty() ? "" : a.person + ", ") + operator_name(*h.device);
+    h.device = open_device("--device", a.device.device);
+    h.settings = hand_settings(a.device, *h.device, scene);
+    h.name = person_at(a.device.trainee, operator_name(*h.device));
   }
   if ((h.device || simulated) && a.supervise)
     throw BadInput("--supervise: needs a controller as --operator");
@@ -161,6 +124,7 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   const Scene& scene = *drawn.scene;
   const State start = draw_start(scene, a.seed, drawn.trial);
   EpisodePlace place{holding.name, std::move(claim), a.seed, drawn.trial};
+  if (holding.device) place.sitting = {a.device.trainee, holding.began};
   if (holding.device)
     return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
   if (!holding.make) {
@@ -316,28 +280,10 @@ void add_record(CLI::App& app, Run& run) {
                                   "Who holds the fibre: \"simulated\", or a controller file")
                      ->capture_default_str()
                      ->type_name("simulated|FILE");
-  auto* device =
-      verb->add_option(
-              "--device", a->device,
-              "Hold the fibre yourself, with the first usable device or that of a path; or "
-              "try it with a simulated hand on a fake one")
-          ->excludes(person)
-          ->type_name("auto|PATH|" + fake_names("|"));
-  verb->add_option("--profile", a->profile,
-                   "What a device with force can do: a profile, or the name of one that ships "
-                   "(haptic/README.md); a pen where it is not said")
-      ->needs(device)
-      ->type_name("NAME|FILE");
-  verb->add_flag(
-          "--coupled", a->coupled,
-          "Hold the fibre through a virtual coupling: softer contacts, and stable with every "
-          "scene")
-      ->needs(device);
-  verb->add_option("--gain", a->gain,
-                   "How far or fast the device moves the hand, of the usual (haptic/README.md)")
-      ->capture_default_str()
-      ->needs(device)
-      ->check(number_between(0.01, 100));
+  auto* device = add_device(*verb, a->device,
+                            "Hold the fibre yourself, with the first usable device or that of a "
+                            "path; or try it with a simulated hand on a fake one");
+  device->excludes(person);
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
       ->excludes(device)
@@ -349,13 +295,11 @@ void add_record(CLI::App& app, Run& run) {
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around the controller: limits, retreat and retry");
-  verb->add_option("--person", a->person,
-                   "Name of who holds the device; score sets nobody's episodes against another's")
-      ->needs(device);
+  add_trainee(*verb, a->device.trainee)->needs(device);
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   add_output(*verb, a->output);
   add_examples(*verb, {"record --episodes 20 --seed 1 --out episodes",
-                       "record --scene bench --device auto --person Ada --out ada"});
+                       "record --scene bench --device auto --trainee Ada --out ada"});
   verb->callback([a, device, &run] {
     a->with_device = device->count() > 0;
     run = [a] { return record_verb(*a); };

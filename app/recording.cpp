@@ -4,6 +4,7 @@
 
 #include <array>
 
+#include "app/status_line.hpp"
 #include "app/verb.hpp"
 #include "insertion/hand_device.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -12,15 +13,13 @@
 namespace ferrule {
 namespace {
 
-EpisodeInfo episode_info(const Scene& scene, const Device& device, const EpisodePlace& place) {
-  EpisodeInfo info;
-  info.scene = scene.document.dump();
+EpisodeInfo info_of(const Scene& scene, const Device& device, const EpisodePlace& place) {
+  EpisodeInfo info = episode_info(scene, device, place.seed, place.trial);
   info.operator_ = place.operator_;
-  info.seed = place.seed;
-  info.trial = place.trial;
-  info.version = program_version();
-  info.build = program_build();
-  if (const Mapping* mapping = device.mapping()) info.mapping = mapping_text(*mapping);
+  if (!place.sitting) return info;
+  info.trainee = place.sitting->trainee;
+  info.session = place.sitting->began;
+  info.date = date_now();
   return info;
 }
 
@@ -46,15 +45,7 @@ std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettin
     if (keys.ask(question, " q", [&] { put_aside(device); }) != ' ') return nullptr;
     fmt::print(stderr, "it runs: space ends it, d discards it\n");
   }
-  const double full_force = settings.profile.max_force;
-  const Driver& driver = *device.driver;
-  if (device.fake) return fake_hand(driver, driver.fake(), scene, start, settings.gain, full_force);
-  try {
-    return driver.make(*device.transport, driver_settings(scene, start, settings.gain, full_force));
-  } catch (const DeviceTrouble&) {
-    put_aside(device);  // says so where it is gone
-    throw;
-  }
+  return hand_on(device, settings, scene, start);
 }
 
 // Asks the operator for a rating, or whether to discard it.
@@ -78,7 +69,7 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 }  // namespace
 
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
-  const EpisodeInfo info = episode_info(scene, device, place);
+  const EpisodeInfo info = info_of(scene, device, place);
   Recorder recorder(std::move(place.claim), info);
   const InsertionEnd end =
       run_insertion(scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial),
@@ -97,12 +88,25 @@ std::string operator_name(const OpenDevice& device) {
   return fmt::format("{} {:04x}:{:04x}", device.driver->name, info.vendor, info.product);
 }
 
+std::unique_ptr<Device> hand_on(const OpenDevice& device, const HandSettings& settings,
+                                const Scene& scene, const State& start) {
+  const double full_force = settings.profile.max_force;
+  const Driver& driver = *device.driver;
+  if (device.fake) return fake_hand(driver, driver.fake(), scene, start, settings.gain, full_force);
+  try {
+    return driver.make(*device.transport, driver_settings(scene, start, settings.gain, full_force));
+  } catch (const DeviceTrouble&) {
+    put_aside(device);  // says so where it is gone
+    throw;
+  }
+}
+
 std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
                                        const Scene& scene, const State& start, EpisodePlace place,
                                        Keys& keys) {
   std::unique_ptr<Device> hand = begin_by_hand(device, settings, scene, start, place, keys);
   if (!hand) return std::nullopt;
-  EpisodeInfo info = episode_info(scene, *hand, place);
+  EpisodeInfo info = info_of(scene, *hand, place);
   std::optional<ForceFeedback> feedback;
   if (const ForceDriver* const force = device.driver->force) {
     info.period = settings.profile.period;
@@ -113,13 +117,17 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
   }
   Recorder recorder(std::move(place.claim), info);
   bool discard = false, last = false;
+  std::optional<StatusLine> status(std::in_place, scene);
   const auto [end, timing] = run_in_time(
       scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial),
       {.scaling = scene_scaling(scene),
        .period = info.period,
        .past_success = true,
        .feedback = feedback ? &*feedback : nullptr},
-      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); },
+      [&](const RowVector& row, const RawCounts& counts) {
+        recorder.add(row, counts);
+        (*status)(row);
+      },
       [&] {
         const char key = keys.pressed();
         discard = discard || key == 'd';
@@ -128,6 +136,7 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
       },
       interrupted);
   hand.reset();  // disables the motors before anything is asked
+  status.reset();
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
     fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");
   Recorded recorded{{}, end, info.period, timing};

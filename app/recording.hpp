@@ -25,6 +25,11 @@ struct EpisodePlace {
   std::string operator_;
   EpisodeClaim claim;  // is handed on to the recorder
   std::uint64_t seed, trial;
+  // Of a person: who, and when the sitting began.
+  struct Sitting {
+    std::string trainee, began;
+  };
+  std::optional<Sitting> sitting{};
 };
 
 // With a simulated hand or a controller, as fast as it goes. Throws FileTrouble.
@@ -38,6 +43,10 @@ struct HandSettings {
   DeviceProfile profile;             // of a device with force
   std::optional<Coupling> coupling;  // of a device with force
 };
+
+// The hand of a person on the device, or a simulated one on a model of it. Throws DeviceTrouble.
+std::unique_ptr<Device> hand_on(const OpenDevice& device, const HandSettings& settings,
+                                const Scene& scene, const State& start);
 
 // With a person's hand, in time. At a terminal keys start, end, discard and rate the episode.
 // Empty: the operator ended the recording instead of beginning. Throws DeviceTrouble, FileTrouble.

@@ -4,11 +4,14 @@
 
 #include <cmath>
 
-#include "controller/campaign_table.hpp"
 #include "app/demonstration_plot.hpp"
+#include "app/failures.hpp"
+#include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
 #include "app/html.hpp"
 #include "app/verb.hpp"
+#include "controller/campaign_table.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -117,21 +120,6 @@ std::string recorded_table(const Report& r) {
   return html + "</table>\n";
 }
 
-constexpr const char* kHead = R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>ferrule: demo report</title>
-<meta name="viewport" content="width=device-width, initial-scale=1"><style>
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;
-       color: #222; background: #fff }
-h1, h2 { line-height: 1.2; font-weight: 600 } h2 { margin-top: 2.5rem }
-table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem }
-th, td { padding: 0.3rem 0.8rem; border-bottom: 1px solid #ddd; text-align: left }
-th { vertical-align: bottom } td.n { text-align: right; font-variant-numeric: tabular-nums }
-figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
-figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
-pre { padding: 0.8rem; overflow-x: auto } .big { font-size: 1.25rem }
-</style></head><body>
-)";
-
 std::string summary_section(const Report& r, const CampaignSummary& learned,
                             const CampaignSummary& baseline) {
   const Scene& scene = *r.scene;
@@ -154,6 +142,31 @@ std::string summary_section(const Report& r, const CampaignSummary& learned,
              escaped(scene.name), r.seed, 1e6 * scene.start.distance, 1e6 * scene.start.lateral_sd,
              1e3 * scene.start.tilt_sd, 1e6 * scene.limits.force, r.record_seconds, r.fit_seconds,
              r.evaluate_seconds);
+}
+
+// What the demonstration that is shown and the trials looked like.
+std::string replays_section(const Report& r) {
+  const Scene& scene = *r.scene;
+  std::vector<ReplayRun> runs;
+  std::vector<TrialMap> maps;
+  if (!r.shown.empty()) {
+    runs.push_back(replay_of(read_episode(r.shown), scene, "demonstration " + r.shown));
+    thin(runs.back(), 100);
+  }
+  const std::string command = fmt::format("./ferrule view --trial TRIAL {{}} {} --seed {}",
+                                          r.scene_arguments, r.trial_seed());
+  const auto add = [&](const char* who, const char* what, MakeController make,
+                       const std::vector<TrialResult>& results) {
+    add_failures(scene, r.trial_seed(),
+                 {who, fmt::format(fmt::runtime(command), what), std::move(make), &results}, 16,
+                 runs, maps);
+  };
+  add("constant velocity", "--against constant-velocity",
+      controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed)),
+      r.baseline);
+  add("learned controller", "controller.json", controller_maker(r.fit.controller.law()), r.learned);
+  return "<h2>Watch it</h2>\n" +
+         replay_section("a demonstration, and trials that failed", runs, maps);
 }
 
 // Every input that is not as in the shipped scene that is nearest.
@@ -186,11 +199,13 @@ std::string forces_section(const Scene& scene) {
 std::string demonstrations_section(const Report& r) {
   std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
   if (r.shown.empty()) return html;
+  const Episode shown = read_episode(r.shown);
   return html +
-         figure(demonstration_plot(read_episode(r.shown), *r.scene),
+         figure(demonstration_plot(shown, *r.scene),
                 "In the manner of Fig. 10 of the paper: the speed along &minus;x rises and falls "
                 "back to 0; dots are the contact force. File <code>" +
-                    escaped(r.shown) + "</code>.");
+                    escaped(r.shown) + "</code>.") +
+         to_html(force_history(shown, *r.scene));
 }
 
 std::string law_section(const LawFit& fit) {
@@ -242,8 +257,9 @@ std::string commands_section(const Report& r) {
 
 void write_report(const std::string& file, const Report& r) {
   const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
-  write_text(file, kHead + summary_section(r, learned, baseline) + inputs_section(r) +
-                       forces_section(*r.scene) + demonstrations_section(r) + law_section(r.fit) +
+  write_text(file, html_head("ferrule: demo report") + summary_section(r, learned, baseline) +
+                       replays_section(r) + inputs_section(r) + forces_section(*r.scene) +
+                       demonstrations_section(r) + law_section(r.fit) +
                        trials_section(r, learned, baseline) + commands_section(r) +
                        "</body></html>\n");
 }

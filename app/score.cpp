@@ -2,12 +2,14 @@
 #include "capture/score.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <filesystem>
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
+#include "controller/statistics.hpp"
 #include "sim/content_hash.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -15,7 +17,8 @@ namespace ferrule {
 namespace {
 
 struct ScoreArguments {
-  std::string folder, plot;
+  std::vector<std::string> places;
+  std::string plot;
   bool one_operator = false;
   Output output;
 };
@@ -35,25 +38,30 @@ constexpr std::array<Unit, kParts> kUnits = {{{"time_s", "time_s", 1},
                                               {"contact_time_s", "contact_s", 1}}};
 
 struct Scored {
-  std::string file, operator_, scene;
+  std::string file, operator_, scene, date, session;
+  int rating;
   Measures measures;
   std::size_t group = 0;
-  Score score{};
+  std::optional<Score> score{};  // empty: the scene has no yardstick
+
+  double total() const { return score ? score->total : NAN; }
+  double part(std::size_t i) const { return score ? score->parts[i] : NAN; }
 };
 
 // Episodes that can be set side by side: of one operator in one scene.
 struct Group {
   std::string operator_, scene;
   Json document;
+  std::optional<Yardstick> yardstick;
   std::vector<std::size_t> episodes;  // places in the list of all
 
   std::string title() const { return printable(operator_, 100) + ", scene " + scene; }
 };
 
-struct Session {
+struct Scores {
   std::vector<Scored> all;
   std::vector<Group> groups;
-  bool scored = false;  // did any episode succeed?
+  bool scored = false;  // is there any score?
 };
 
 // The group of an episode; a new one where there is none yet.
@@ -62,46 +70,66 @@ std::size_t group_of(const Scored& episode, const Json& document, std::vector<Gr
     return g.operator_ == episode.operator_ && g.document == document;
   });
   const auto place = static_cast<std::size_t>(same - groups.begin());
-  if (same == groups.end()) groups.push_back({episode.operator_, episode.scene, document, {}});
+  if (same != groups.end()) return place;
+  const auto measured = std::find_if(groups.begin(), groups.end(),
+                                     [&](const Group& g) { return g.document == document; });
+  const std::optional<Yardstick> fixed = measured != groups.end()
+                                             ? measured->yardstick
+                                             : yardstick(parse_scene(document, episode.file));
+  groups.push_back({episode.operator_, episode.scene, document, fixed, {}});
   return place;
 }
 
-// Scores every episode against the best of its group.
-Session scored(const ScoreArguments& a, Provenance& provenance) {
-  Session session;
-  const std::string& folder = a.folder;
-  const std::vector<std::string> files = episode_files(folder);
+// Persons and folders can be set side by side in one scene alone.
+void refuse_mixed_scenes(const Scores& session) {
+  for (const Group& group : session.groups)
+    if (group.document != session.groups.front().document)
+      throw BadInput(
+          fmt::format("{} is of another scene ({}) than {} ({}): scores compare within one scene",
+                      session.all[group.episodes.front()].file, group.scene,
+                      session.all.front().file, session.groups.front().scene));
+}
+
+// Who inserted: the trainee's name where the episode has it, under whatever device.
+std::string person(const EpisodeInfo& info) {
+  return info.trainee.empty() ? info.operator_ : info.trainee;
+}
+
+// Scores every episode against the yardstick of its scene.
+Scores scored(const ScoreArguments& a, Provenance& provenance) {
+  Scores session;
+  const std::vector<std::string> files = episode_files(a.places);
   Progress progress("reading", files.size());
   for (const std::string& file : files) {
     if (interrupted()) break;
     const Episode episode = read_episode(file);
     provenance.read(file);
     const Scene scene = recorded_scene(episode, file);
-    Scored& now = session.all.emplace_back(
-        Scored{file, episode.info.operator_, scene.name, measure(episode, scene)});
+    const EpisodeInfo& info = episode.info;
+    Scored& now =
+        session.all.emplace_back(Scored{file, person(info), scene.name, info.date, info.session,
+                                        info.rating, measure(episode, scene)});
     if (a.one_operator) now.operator_ = session.all.front().operator_;
     now.group = group_of(now, undrawn(scene.document), session.groups);
-    session.groups[now.group].episodes.push_back(session.all.size() - 1);
+    Group& group = session.groups[now.group];
+    group.episodes.push_back(session.all.size() - 1);
+    if (group.yardstick) now.score = score(now.measures, *group.yardstick);
+    session.scored |= now.score.has_value();
     progress(session.all.size());
   }
   if (interrupted()) {
     if (session.all.empty()) throw Stopped();
     provenance.partial(fmt::format("{} of {} episodes", session.all.size(), files.size()));
   }
-  if (session.all.empty()) throw BadInput(folder + ": no episodes in it");
-  for (const Group& group : session.groups) {
-    std::vector<Measures> measures;
-    for (const std::size_t i : group.episodes) measures.push_back(session.all[i].measures);
-    const std::vector<Score> scores = score(measures);
-    for (std::size_t i = 0; i < scores.size(); ++i)
-      session.all[group.episodes[i]].score = scores[i];
-    session.scored |= std::isfinite(scores[0].total);
-  }
+  if (session.all.empty())
+    throw BadInput(fmt::format("{}: no episodes in it", fmt::join(a.places, " ")));
+  if (a.places.size() > 1) refuse_mixed_scenes(session);
   return session;
 }
 
-Plot learning_curve(const Session& session) {
-  Axes total{"", "score", false, false, {}}, parts{"episode", "100 best / own", false, false, {}};
+Plot learning_curve(const Scores& session) {
+  Axes total{"", "score", false, false, {}},
+      parts{"episode", "100 yardstick / own", false, false, {}};
   const bool several = session.groups.size() > 1;
   for (const Group& group : session.groups) {
     const std::string of = several ? ", " + group.title() : "";
@@ -113,23 +141,20 @@ Plot learning_curve(const Session& session) {
       const Scored& episode = session.all[i];
       Series& series = episode.measures.outcome == Outcome::inserted ? inserted : others;
       series.x.push_back(number.back());
-      series.y.push_back(episode.score.total);
+      series.y.push_back(episode.total());
     }
     for (const Series& series : {inserted, others})
       if (!series.x.empty() || !several) total.series.push_back(series);
     for (std::size_t part = 0; part < kParts && !several; ++part) {
       Series series{kPartNames[part], number, {}, Series::points_on_line};
       for (const std::size_t i : group.episodes)
-        series.y.push_back(100 * session.all[i].score.parts[part]);
+        series.y.push_back(100 * session.all[i].part(part));
       parts.series.push_back(series);
     }
   }
   if (!several) return {"Score over the episodes", {total, parts}, 860, 320};
   total.x_label = "episode";
-  return {"Score over the episodes, each against the best of its operator in its scene",
-          {total},
-          860,
-          420};
+  return {"Score over the episodes, each against the yardstick of its scene", {total}, 860, 420};
 }
 
 Json to_json(const Scored& episode) {
@@ -140,15 +165,26 @@ Json to_json(const Scored& episode) {
                {"group", episode.group + 1},
                {"outcome", name(m.outcome)},
                {"completion", m.completion},
-               {"score", number_or_null(episode.score.total)}};
+               {"score", number_or_null(episode.total())},
+               {"hint", episode.score ? hint(m, *episode.score) : ""}};
+  if (!episode.date.empty()) json["date"] = episode.date;
+  if (!episode.session.empty()) json["session"] = episode.session;
+  if (episode.rating) json["rating"] = episode.rating;
   for (std::size_t part = 0; part < kParts; ++part) {
     json[kUnits[part].key] = kUnits[part].factor * m.parts[part];
-    json["parts"][kPartNames[part]] = number_or_null(episode.score.parts[part]);
+    json["parts"][kPartNames[part]] = number_or_null(episode.part(part));
   }
   return json;
 }
 
-void print_group(const Session& session, const Group& group) {
+Json yardstick_json(const Yardstick& yardstick) {
+  Json json;
+  for (std::size_t part = 0; part < kParts; ++part)
+    json[kUnits[part].key] = kUnits[part].factor * yardstick.parts[part];
+  return json;
+}
+
+void print_group(const Scores& session, const Group& group) {
   fmt::print("{}: {} episodes\n{:<20} {:<14} {:>6}", group.title(), group.episodes.size(),
              "episode", "outcome", "score");
   for (const Unit& unit : kUnits) fmt::print(" {:>9}", unit.heading);
@@ -156,28 +192,71 @@ void print_group(const Session& session, const Group& group) {
   for (const std::size_t i : group.episodes) {
     const Scored& episode = session.all[i];
     fmt::print("{:<20} {:<14} {:>6}", std::filesystem::path(episode.file).filename().string(),
-               name(episode.measures.outcome), number_or("-", "{:.1f}", episode.score.total));
+               name(episode.measures.outcome), number_or("-", "{:.1f}", episode.total()));
     for (std::size_t part = 0; part < kParts; ++part)
       fmt::print(" {:>9.4g}", kUnits[part].factor * episode.measures.parts[part]);
     fmt::print("\n");
   }
-  if (!std::isfinite(session.all[group.episodes[0]].score.total))
-    fmt::print("no episode succeeded: there is no best to score against\n");
+  if (!group.yardstick)
+    fmt::print("no score: a simulated operator of skill 1 does not succeed in this scene either\n");
 }
 
-void print(const Session& session) {
-  if (session.groups.size() > 1)
-    fmt::print("{} operators and scenes: each episode is scored against the best of its own\n",
-               session.groups.size());
+// One sitting of one person, in the order of their dates.
+struct Sitting {
+  std::size_t group = 0;
+  std::string session, began;
+  std::vector<double> totals;
+  std::size_t inserted = 0;
+};
+
+std::vector<Sitting> sittings(const Scores& session) {
+  std::vector<Sitting> all;
+  for (const Scored& e : session.all) {
+    auto found = std::find_if(all.begin(), all.end(), [&](const Sitting& s) {
+      return s.group == e.group && s.session == e.session;
+    });
+    if (found == all.end()) found = all.insert(all.end(), {e.group, e.session, e.date, {}, 0});
+    found->totals.push_back(e.total());
+    found->inserted += e.measures.outcome == Outcome::inserted;
+  }
+  std::stable_sort(all.begin(), all.end(), [](const Sitting& a, const Sitting& b) {
+    return std::pair(a.group, a.began) < std::pair(b.group, b.began);
+  });
+  return all;
+}
+
+double median_score(const Sitting& sitting) {
+  return std::isfinite(sitting.totals[0]) ? quantile(sitting.totals, 0.5) : NAN;
+}
+
+void print_sittings(const Scores& session) {
+  const std::vector<Sitting> all = sittings(session);
+  if (all.size() < 2) return;
+  fmt::print("{:<40} {:<20} {:>8} {:>8} {:>7} {:>6}\n", "who", "sitting", "episodes", "inserted",
+             "median", "best");
+  for (const Sitting& s : all) {
+    const double best = *std::max_element(s.totals.begin(), s.totals.end());
+    fmt::print("{:<40} {:<20} {:>8} {:>8} {:>7} {:>6}\n",
+               printable(session.groups[s.group].operator_, 40),
+               s.session.empty() ? "-" : printable(s.session, 20), s.totals.size(), s.inserted,
+               number_or("-", "{:.1f}", median_score(s)), number_or("-", "{:.1f}", best));
+  }
+}
+
+void print(const Scores& session) {
   for (const Group& group : session.groups) print_group(session, group);
+  print_sittings(session);
 }
 
 int score_verb(const ScoreArguments& a) {
   Provenance provenance;
-  const Session session = scored(a, provenance);
+  const Scores session = scored(a, provenance);
   if (!a.plot.empty()) {
     if (!session.scored)
-      throw BadInput(a.folder + ": no episode succeeded: there is no score to draw");
+      throw BadInput(
+          fmt::format("{}: there is no score to draw: a simulated operator does not "
+                      "succeed in this scene",
+                      fmt::join(a.places, " ")));
     write_plot(a.plot, learning_curve(session));
   }
   if (a.output.text()) {
@@ -188,11 +267,23 @@ int score_verb(const ScoreArguments& a) {
     return Json{{"operator", g.operator_},
                 {"scene", g.scene},
                 {"scene_sha1", sha1(g.document.dump())},
+                {"yardstick", g.yardstick ? yardstick_json(*g.yardstick) : Json(nullptr)},
                 {"episodes", g.episodes.size()}};
   });
   print_result(a.output,
-               {{"folder", a.folder},
+               {{"folders", a.places},
                 {"groups", groups},
+                {"sittings", json_list(sittings(session),
+                                       [&](const Sitting& s) {
+                                         return Json{
+                                             {"operator", session.groups[s.group].operator_},
+                                             {"group", s.group + 1},
+                                             {"session", s.session},
+                                             {"began", s.began},
+                                             {"episodes", s.totals.size()},
+                                             {"inserted", s.inserted},
+                                             {"median_score", number_or_null(median_score(s))}};
+                                       })},
                 {"episodes", json_list(session.all, [](const Scored& e) { return to_json(e); })}},
                "episodes", provenance);
   return interrupted() ? kInterrupted : kDone;
@@ -203,13 +294,18 @@ int score_verb(const ScoreArguments& a) {
 void add_score(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("score", "How good each recorded insertion was");
   auto a = std::make_shared<ScoreArguments>();
-  verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
+  verb->add_option("folders", a->places,
+                   "Folder with the episodes; several, of one scene, to compare persons over their "
+                   "sittings")
+      ->required()
+      ->type_name("DIR...");
   verb->add_option("--plot", a->plot, "Draw score and parts over the episodes")
       ->type_name("FILE.svg");
   verb->add_flag("--one-operator", a->one_operator,
                  "All episodes are by one person, whatever they call him: one learning curve");
   add_output(*verb, a->output);
-  add_examples(*verb, {"score episodes", "score episodes --plot learning.svg --csv"});
+  add_examples(*verb,
+               {"score episodes", "score episodes --plot learning.svg --csv", "score ada ben"});
   verb->callback([a, &run] { run = [a] { return score_verb(*a); }; });
 }
 

@@ -15,6 +15,7 @@
 #include "app/csv.hpp"
 #include "app/keys.hpp"
 #include "app/scene_keys.hpp"
+#include "sim/elementary.hpp"
 #include "sim/plan/plan.hpp"
 
 namespace ferrule {
@@ -57,6 +58,12 @@ void SceneArguments::add_to(CLI::App& verb, const std::string& unless_given) {
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();
+}
+
+std::string SceneArguments::given() const {
+  std::string text = scene.empty() ? "" : " --scene " + scene;
+  for (const std::string& setting : settings) text += " --set '" + setting + "'";
+  return text;
 }
 
 Scene SceneArguments::load() const {
@@ -288,11 +295,22 @@ void stop_watching_for_interrupt() {
   }
 }
 
+namespace {
+
+// For programs that read stderr: FERRULE_PROGRESS=lines.
+bool lines_wanted() {
+  const char* const wanted = std::getenv("FERRULE_PROGRESS");
+  return wanted && std::string_view(wanted) == "lines";
+}
+
+}  // namespace
+
 struct Progress::State {
   using Clock = std::chrono::steady_clock;
   std::string what;
   std::size_t total;
   bool shown = ::isatty(STDERR_FILENO);
+  bool lines = !shown && lines_wanted();
   Clock::time_point begin = Clock::now(), last = begin;
   std::mutex mutex;
 };
@@ -308,12 +326,13 @@ Progress::~Progress() {
 
 void Progress::operator()(std::size_t done, const std::string& note, std::size_t total) {
   State& s = *state_;
-  if (!s.shown) return;
+  if (!s.shown && !s.lines) return;
   const std::lock_guard lock(s.mutex);
   if (total > 0) s.total = total;
   const auto now = State::Clock::now();
   if (done < s.total && now - s.last < std::chrono::milliseconds(100)) return;
   s.last = now;
+  if (s.lines) return fmt::print(stderr, "progress {} {}\n", done, s.total);
   const double seconds = std::chrono::duration<double>(now - s.begin).count();
   const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
   const auto filled = std::min<std::size_t>(30, 30 * done / std::max<std::size_t>(1, s.total));
@@ -346,7 +365,8 @@ std::vector<double> parse_range(const std::string& text, const std::string& opti
   std::vector<double> values(n, from);
   for (std::size_t i = 1; i < n; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(n - 1);
-    values[i] = logarithmic ? from * std::pow(to / from, part) : from + part * (to - from);
+    values[i] = logarithmic ? from * elementary::exp(part * elementary::log(to / from))
+                            : from + part * (to - from);
   }
   if (n > 1) values.back() = to;
   return values;

@@ -27,6 +27,8 @@ using Run = std::function<int()>;
 void add_scene(CLI::App& app, Run& run);
 void add_forces(CLI::App& app, Run& run);
 void add_contact(CLI::App& app, Run& run);
+void add_release(CLI::App& app, Run& run);
+void add_limits(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);
@@ -40,6 +42,7 @@ void add_score(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
 void add_export_episodes(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
+void add_view(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
 
@@ -52,6 +55,8 @@ struct SceneArguments {
   // `unless_given`: which one it is then, for the help.
   void add_to(CLI::App& verb, const std::string& unless_given = "demo");
   std::string name() const { return scene.empty() ? "demo" : scene; }
+  // As they were given, for a command that is shown: each after a space.
+  std::string given() const;
   // What --scene and --set say alone, not planned. Throws BadInput, FileTrouble.
   Scene load() const;
   // Throws BadInput, FileTrouble.
@@ -126,7 +131,8 @@ struct Stopped {
 };
 void end_if_interrupted();  // throws Stopped
 
-// Progress of long work on a terminal: a bar with rate and time left; nothing elsewhere.
+// Progress of long work on a terminal: a bar with rate and time left; elsewhere nothing, or where the
+// environment says FERRULE_PROGRESS=lines, lines "progress DONE OF" on stderr.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);

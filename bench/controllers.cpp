@@ -10,7 +10,7 @@
 namespace ferrule {
 namespace {
 
-constexpr std::size_t kStates = 1000;
+constexpr std::size_t kObservations = 1000;
 
 Policy drawn(std::size_t members, int units) {
   RandomStream random(1, static_cast<std::uint64_t>(units), Draw::plan);
@@ -60,7 +60,7 @@ ControllerRow measured(const std::string& name, const std::string& shape, Contro
 
 std::vector<Observation> drawn_states() {
   RandomStream random(2, 0, Draw::plan);
-  std::vector<Observation> states(kStates, Observation{HandWrench::Zero(), 0, 0});
+  std::vector<Observation> states(kObservations, Observation{HandWrench::Zero(), 0, 0});
   for (Observation& o : states) {
     for (int i = 0; i < kWrenchChannels; ++i) o.wrench[i] = random.normal();
     o.depth = random.uniform();

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <ctime>
 #include <filesystem>
 
 #include "capture/child.hpp"
@@ -60,7 +61,9 @@ std::string rows_path(const Block& b) {
 template <class Info>
 auto optional_texts(Info& info) {
   return std::array{std::pair{"mapping", &info.mapping}, std::pair{"coupling", &info.coupling},
-                    std::pair{"loop", &info.loop}, std::pair{"why", &info.why}};
+                    std::pair{"loop", &info.loop},       std::pair{"why", &info.why},
+                    std::pair{"trainee", &info.trainee}, std::pair{"date", &info.date},
+                    std::pair{"session", &info.session}};
 }
 
 std::map<std::string, Json> root_attributes(const EpisodeInfo& info, const Scene& scene) {
@@ -290,13 +293,13 @@ Episode read_in_child(const std::string& file) {
 
 // To and from a child.
 Json to_json(const EpisodeInfo& info, Eigen::Index rows) {
-  return {info.scene,    info.operator_, info.seed,    info.trial,       info.period,
-          info.outcome,  info.why,       info.version, info.build,       info.mapping,
-          info.coupling, info.loop,      info.rating,  info.inputs_sha1, rows};
+  return {info.scene,  info.operator_,   info.seed,    info.trial,   info.period,   info.outcome,
+          info.why,    info.version,     info.build,   info.mapping, info.coupling, info.loop,
+          info.rating, info.inputs_sha1, info.trainee, info.date,    info.session,  rows};
 }
 EpisodeInfo info_of(const Json& j) {
-  EpisodeInfo info{j[0], j[1], j[2], j[3],  j[4],  j[5],  j[6],
-                   j[7], j[8], j[9], j[10], j[11], j[12], j[13]};
+  EpisodeInfo info{j[0], j[1],  j[2],  j[3],  j[4],  j[5],  j[6],  j[7], j[8],
+                   j[9], j[10], j[11], j[12], j[13], j[14], j[15], j[16]};
   return info;
 }
 
@@ -403,6 +406,18 @@ std::string program_build() {
   return FERRULE_BUILD;
 }
 
+EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t seed,
+                         std::uint64_t trial) {
+  EpisodeInfo info;
+  info.scene = scene.document.dump();
+  info.seed = seed;
+  info.trial = trial;
+  info.version = program_version();
+  info.build = program_build();
+  if (const Mapping* mapping = device.mapping()) info.mapping = mapping_text(*mapping);
+  return info;
+}
+
 Scene recorded_scene(const Episode& episode, const std::string& file) {
   return parse_scene(parse_json(episode.info.scene, file), file);
 }
@@ -410,6 +425,20 @@ Scene recorded_scene(const Episode& episode, const std::string& file) {
 void write_episode(const std::string& file, const Episode& episode, const WriteProgress& progress) {
   const Scene scene = recorded_scene(episode, file);
   write_text(file, hdf5::image(file, content_of(episode, scene), progress), false);
+}
+
+void write_episode_again(const std::string& file, const Episode& episode) {
+  const Scene scene = recorded_scene(episode, file);
+  write_text(file, hdf5::image(file, content_of(episode, scene), {}));
+}
+
+std::string date_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  std::array<char, 32> text{};
+  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text.data();
 }
 
 Episode read_episode(const std::string& file) {
@@ -438,13 +467,14 @@ Episode read_episode(const std::string& file) {
 SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {
   const EpisodeInfo& info = episode.info;
   SensedWrench sensed(scene_scaling(scene), ForceSensor(scene.sensor, info.seed, info.trial),
-                      info.period);
+                      info.period, scene_tare(scene));
   const Eigen::Index count = episode.rows.rows();
   SensedRows all;
   all.absolute.resize(count, Eigen::NoChange);
   all.relative.resize(count, Eigen::NoChange);
   for (Eigen::Index n = 0; n < count; ++n) {
-    sensed.read(episode.rows.row(n).segment<5>(kHolder.begin).transpose());
+    sensed.read(episode.rows.row(n).segment<5>(kHolder.begin).transpose(),
+                episode.rows(n, kStates.begin + 5));  // of the holder at the tip's scale
     all.absolute.row(n) = sensed.absolute().transpose();
     all.relative.row(n) = sensed.relative().transpose();
   }
@@ -500,6 +530,20 @@ std::vector<std::string> episode_files(const std::string& folder) {
     if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
   if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
   std::sort(files.begin(), files.end());
+  return files;
+}
+
+std::vector<std::string> episode_files(const std::vector<std::string>& places) {
+  std::error_code error;
+  std::vector<std::string> files;
+  for (const std::string& place : places) {
+    if (fs::is_regular_file(place, error)) {
+      files.push_back(place);
+      continue;
+    }
+    const std::vector<std::string> more = episode_files(place);
+    files.insert(files.end(), more.begin(), more.end());
+  }
   return files;
 }
 

@@ -5,7 +5,8 @@
 //                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome, inputs_sha1
 //                        (of all other attributes in CBOR, rows/command and raw/counts); for a
 //                        device with raw axes: mapping (JSON); where they are known: why (what
-//                        ended it), rating (1 to 5, by the operator), loop (JSON: how well a loop
+//                        ended it), rating (1 to 5, by the operator), trainee, date and session
+//                        (when it, and the sitting, began, in UTC), loop (JSON: how well a loop
 //                        with a device kept its period), coupling (JSON, where the device was
 //                        coupled to the holder)
 //   /data                attributes: total, env_args (JSON)
@@ -19,8 +20,8 @@
 //                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
 //     next_obs/<key>     the same one row later
 //     raw/counts         (N, 6) int64, of a device with raw axes: as it counted them at t_n
-//     time               (N) as rows/time: the scale of the rows' dimension, by which netCDF and xarray
-//                        know it; pose, wrench, force, state, axis, value: those of the columns
+//     time               (N) as rows/time: the scale of the rows' dimension, by which netCDF and
+//                        xarray know it; pose, wrench, force, state, axis, value: of the columns
 // Every data set has the attributes `unit`, `columns` (a list of names), `about`, and where all
 // columns have one unit `units`, as CF has it. Files of format 1 have `columns` as one text and no
 // scales; they are read.
@@ -55,6 +56,9 @@ struct EpisodeInfo {
   std::string loop;            // loop_json of a loop in time (capture/haptic_loop.hpp)
   int rating = 0;              // by the operator, 1 to 5; 0: none
   std::string inputs_sha1;     // of the file it was read from; empty where that has none
+  // Of a person's: who, and when the episode and the sitting that it belongs to began, as
+  // "2026-11-21T12:50:07Z"; each may be empty.
+  std::string trainee, date, session;
 };
 
 // Row n: the counts that the pose at t_n, or its rate from then on, follows from.
@@ -73,6 +77,10 @@ std::string coupling_text(const Coupling& coupling);
 
 // What period_s of an episode must be.
 Rule period_rule();
+
+// Of an episode that begins in `scene` with `device`: all that is known of any.
+EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t seed,
+                         std::uint64_t trial);
 
 // Version and build of this program.
 std::string program_version();
@@ -93,6 +101,12 @@ using WriteProgress = std::function<void(std::size_t done, std::size_t all)>;
 void write_episode(const std::string& file, const Episode& episode,
                    const WriteProgress& progress = {});
 
+// The same in the place of the file that is there.
+void write_episode_again(const std::string& file, const Episode& episode);
+
+// Now, as an episode says it.
+std::string date_now();
+
 // Throws FileTrouble (cannot be read, not an episode, damaged: names the data set and, where it
 // can, the first damaged row). The file may be anybody's: it is read in a child process with limits
 // (capture/child.hpp), and a row is believed only where its time is that of its number.
@@ -110,5 +124,7 @@ std::optional<Difference> file_difference(const std::string& file, const Episode
 
 // The episode files of a folder, sorted. Throws FileTrouble if there is no such folder.
 std::vector<std::string> episode_files(const std::string& folder);
+// Of several, each a folder or one such file.
+std::vector<std::string> episode_files(const std::vector<std::string>& places);
 
 }  // namespace ferrule

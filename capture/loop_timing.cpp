@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "haptic/real_time.hpp"
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
@@ -15,7 +16,8 @@ LoopTiming time_loop(const Scene& scene, const State& start, double period, doub
   for (std::int64_t n = 0; n < periods && !stop(); ++n) {
     clock.wait();
     Pose hand = start.command;
-    hand[1] += scene.world.annulus.clearance() * std::sin(10 * static_cast<double>(n) * period);
+    hand[1] +=
+        scene.world.annulus.clearance() * elementary::sin(10 * static_cast<double>(n) * period);
     state = step(scene.world, state, hand, period).state;
   }
   return {clock.statistics(), real_time.scheduling_error(), real_time.locking_error()};

@@ -37,6 +37,9 @@ std::string header(const EpisodeInfo& info) {
                {"version", info.version},    {"build", info.build}};
   if (!info.mapping.empty()) json["mapping"] = info.mapping;
   if (!info.coupling.empty()) json["coupling"] = info.coupling;
+  if (!info.trainee.empty()) json["trainee"] = info.trainee;
+  if (!info.date.empty()) json["date"] = info.date;
+  if (!info.session.empty()) json["session"] = info.session;
   return json.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -48,6 +51,9 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   EpisodeInfo info;
   if (f.present("mapping")) info.mapping = f.text("mapping");
   if (f.present("coupling")) info.coupling = f.text("coupling");
+  if (f.present("trainee")) info.trainee = f.text("trainee");
+  if (f.present("date")) info.date = f.text("date");
+  if (f.present("session")) info.session = f.text("session");
   f.integer("row_size", row_size(info), row_size(info));
   info.scene = f.text("scene");
   info.operator_ = f.text("operator");
@@ -307,6 +313,11 @@ std::string Recorder::finish(Outcome outcome, const WriteProgress& progress) {
     episode_.counts.row(static_cast<Eigen::Index>(n)) = counts_[n].transpose();
   claim_.write(episode_, progress);
   return claim_.file();
+}
+
+void Recorder::rate(int stars) {
+  episode_.info.rating = stars;
+  write_episode_again(claim_.file(), episode_);
 }
 
 void Recorder::discard() noexcept {

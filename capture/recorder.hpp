@@ -77,6 +77,11 @@ class Recorder {
 
   // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
   std::string finish(Outcome outcome, const WriteProgress& progress = {});
+  // The episode, and its file written again with another rating (1 to 5); once it is finished.
+  // Throws FileTrouble.
+  const Episode& episode() const noexcept { return episode_; }
+  std::string file() const { return claim_.file(); }
+  void rate(int stars);
   // Removes the journal: the episode never was.
   void discard() noexcept;
 

@@ -65,4 +65,13 @@ RowVector make_row(const Tick& tick) noexcept {
   return row;
 }
 
+StepResult step_of(const RowVector& row) noexcept {
+  StepResult result(state_of(block(row, kStates).transpose()));
+  result.forces.holder = block(row, kHolder).transpose();
+  for (const Term term : kAllTerms)
+    result.forces[term][0].force = row.segment<3>(force_column(term)).transpose();
+  result.status = static_cast<StepStatus>(static_cast<int>(row[kStatus.begin]));
+  return result;
+}
+
 }  // namespace ferrule

@@ -57,7 +57,7 @@ constexpr int force_column(Term term) noexcept {
   return kForces.begin + 3 * static_cast<int>(term);
 }
 inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
-                               "0 ok, 1 not converged, 2 bad command"};
+                               "0 ok, 1 not converged, 2 bad command, 3 capped"};
 inline constexpr Block kStates{
     "states", kStatus.begin + 1, kStateSize, "m, rad, s",
     "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "
@@ -75,6 +75,10 @@ using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
 std::vector<std::string> column_names(const Block& block);
 
 RowVector make_row(const Tick& tick) noexcept;
+
+// The step that a row was made of, as far as a row tells: forces without their points of action,
+// those of both points as the first's.
+StepResult step_of(const RowVector& row) noexcept;
 
 inline auto block(const RowVector& row, const Block& b) {
   return row.segment(b.begin, b.width);

@@ -1,12 +1,16 @@
 #include "capture/score.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
+#include <limits>
 #include <unsupported/Eigen/FFT>
 
 #include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -17,25 +21,48 @@ constexpr double kThreshold = 0.05;
 constexpr double kAverage = 0.2;              // of the axial velocity: two periods of tremor [s]
 constexpr double kBegins = 0.2, kEnds = 0.1;  // a movement, over the speed limit
 
-// A row as the step that made it, as far as InsertionWatch looks; the friction of both contacts is
-// one force in a row.
-StepResult step_of(const RowVector& row) {
-  const auto states = block(row, kStates);
-  StepResult result;
-  result.state.tip = states.segment<kPose>(0).transpose();
-  result.state.command = states.segment<kPose>(5).transpose();
-  result.state.time = states[10];
-  for (int place = 0; place < kContactPlaces; ++place)
-    result.state.contact[static_cast<std::size_t>(place)].closed = states[13 + 6 * place] != 0;
-  result.forces.holder = block(row, kHolder).transpose();
-  result.forces[Term::friction][kEnd].force =
-      row.segment<3>(force_column(Term::friction)).transpose();
-  return result;
+// Phase as a place, and how it is said.
+std::size_t place(Phase phase) noexcept {
+  return static_cast<std::size_t>(phase);
+}
+constexpr std::array kWhere = {"in front of the ferrule",
+                               "on the face",
+                               "on the cone",
+                               "in the bore",
+                               "at one point",
+                               "at two points",
+                               "past the success depth",
+                               "wedged in the bore"};
+static_assert(kWhere.size() == kPhases.size());
+
+// What the yardstick is divided by, and what is divided.
+double amount(const std::array<double, kParts>& parts, std::size_t part) {
+  return parts[part] + (part == static_cast<std::size_t>(Part::corrections) ? 1 : 0);
 }
 
-// What `best` is divided by, and what divides it.
-double amount(const Measures& m, std::size_t part) {
-  return m.parts[part] + (part == static_cast<std::size_t>(Part::corrections) ? 1 : 0);
+bool about_contact(std::size_t part) {
+  return part == static_cast<std::size_t>(Part::mean_force) ||
+         part == static_cast<std::size_t>(Part::friction_work) ||
+         part == static_cast<std::size_t>(Part::contact_time);
+}
+
+// Where movements begin: rows.
+std::vector<Eigen::Index> movement_begins(const Eigen::VectorXd& velocity, double limit,
+                                          double period) {
+  const auto width = std::max<Eigen::Index>(1, std::lround(kAverage / period));
+  std::vector<Eigen::Index> begins;
+  int direction = 0;
+  double sum = 0;
+  for (Eigen::Index n = 0; n < velocity.size(); ++n) {
+    sum += velocity[n] - (n >= width ? velocity[n - width] : 0.0);
+    const double v = sum / static_cast<double>(width);
+    if (direction != 0 && v * direction < kEnds * limit) direction = 0;
+    if (direction == 0 && std::abs(v) > kBegins * limit) {
+      direction = v > 0 ? 1 : -1;
+      begins.push_back(n);
+    }
+  }
+  return begins;
 }
 
 }  // namespace
@@ -64,62 +91,143 @@ double spectral_arc_length(const Eigen::VectorXd& speed, double period) {
 }
 
 int movements(const Eigen::VectorXd& velocity, double limit, double period) {
-  const auto width = std::max<Eigen::Index>(1, std::lround(kAverage / period));
-  int count = 0, direction = 0;
-  double sum = 0;
-  for (Eigen::Index n = 0; n < velocity.size(); ++n) {
-    sum += velocity[n] - (n >= width ? velocity[n - width] : 0.0);
-    const double v = sum / static_cast<double>(width);
-    if (direction != 0 && v * direction < kEnds * limit) direction = 0;
-    if (direction == 0 && std::abs(v) > kBegins * limit) {
-      direction = v > 0 ? 1 : -1;
-      ++count;
-    }
-  }
-  return count;
+  return static_cast<int>(movement_begins(velocity, limit, period).size());
 }
 
 Measures measure(const Episode& episode, const Scene& scene) {
   const Rows& rows = episode.rows;
   const double period = episode.info.period;
   InsertionWatch watch(scene, step_of(rows.row(0)).state);
-  double depth = 0, contact = 0, force = 0;
+  PhaseWatch phases;
+  Measures m{};
+  const auto at = [&m](Part part, Phase phase) -> double& {
+    return m.by_phase[static_cast<std::size_t>(part)][place(phase)];
+  };
+  double depth = 0, contact = 0, force = 0, deepest = rows(0, kStates.begin), work = 0;
+  std::vector<Phase> phase_of;
   for (Eigen::Index n = 0; n < rows.rows(); ++n) {
     const StepResult result = step_of(rows.row(n));
-    watch.after(result);
+    const Phase phase = phase_of.emplace_back(phases.after(result.state, watch.after(result)));
     depth = std::max(depth, watch.summary().depth);
+    deepest = std::min(deepest, result.state.tip[0]);
+    const double now = holder_force(scene.world, result.forces).norm();
+    at(Part::peak_force, phase) = std::max(at(Part::peak_force, phase), now);
+    at(Part::friction_work, phase) += watch.summary().friction_work - work;
+    work = watch.summary().friction_work;
+    if (watch.summary().reached < 0) at(Part::time, phase) += period;
     const bool touches = result.state.contact[kEnd].closed || result.state.contact[kSide].closed;
     if (!touches) continue;
+    at(Part::contact_time, phase) += period;
+    at(Part::mean_force, phase) += period * now;
     contact += period;
-    force += period * holder_force(scene.world, result.forces).norm();
+    force += period * now;
   }
   const double motion = scene_scaling(scene).motion;
   const Eigen::VectorXd speed = rows.middleCols<3>(kCommand.begin).rowwise().norm();
-  const int moves = movements(rows.col(kCommand.begin), motion * scene.limits.speed, period);
+  const auto begins =
+      movement_begins(rows.col(kCommand.begin), motion * scene.limits.speed, period);
+  for (std::size_t i = 1; i < begins.size(); ++i)
+    ++at(Part::corrections, phase_of[static_cast<std::size_t>(begins[i])]);
   const InsertionSummary& summary = watch.summary();
-  return {{summary.task_time(), summary.peak_force, contact > 0 ? force / contact : 0,
-           summary.friction_work, -spectral_arc_length(speed, period),
-           static_cast<double>(std::max(0, moves - 1)), contact},
-          episode.info.outcome,
-          std::min(1.0, depth / scene.success.depth)};
+  m.parts = {summary.task_time(),
+             summary.peak_force,
+             contact > 0 ? force / contact : 0,
+             summary.friction_work,
+             -spectral_arc_length(speed, period),
+             begins.empty() ? 0.0 : static_cast<double>(begins.size() - 1),
+             contact};
+  m.outcome = episode.info.outcome;
+  m.completion = std::min(1.0, depth / scene.success.depth);
+  const double from = rows(0, kStates.begin);
+  m.progress = std::clamp((from - deepest) / (from + scene.success.depth), 0.0, 1.0);
+  return m;
 }
 
-std::vector<Score> score(const std::vector<Measures>& episodes) {
-  std::array<double, kParts> best;
-  best.fill(std::numeric_limits<double>::quiet_NaN());
-  for (const Measures& m : episodes)
-    for (std::size_t i = 0; i < kParts; ++i)
-      if (m.outcome == Outcome::inserted && !(amount(m, i) >= best[i])) best[i] = amount(m, i);
-  std::vector<Score> scores;
-  for (const Measures& m : episodes) {
-    Score s;
-    for (std::size_t i = 0; i < kParts; ++i)
-      s.parts[i] = amount(m, i) <= best[i] ? 1 : best[i] / amount(m, i);
-    s.total = 100 * std::accumulate(s.parts.begin(), s.parts.end(), 0.0) / kParts;
-    if (m.outcome != Outcome::inserted) s.total *= 0.5 * m.completion;
-    scores.push_back(s);
+std::optional<Yardstick> yardstick(const Scene& scene) {
+  constexpr std::uint64_t kSeed = 0x79617264;  // nobody else's
+  std::array<std::vector<double>, kParts> all;
+  for (int trial = 1; trial <= kReferences; ++trial) {
+    const FeasibleTrial drawn = feasible_trial(scene, kSeed, static_cast<std::uint64_t>(trial));
+    const State start = draw_start(*drawn.scene, kSeed, drawn.trial);
+    Episode episode;
+    const auto hand =
+        simulated_operator(*drawn.scene, start, 1, episode.info.period, kSeed, drawn.trial);
+    std::vector<RowVector> rows;
+    const InsertionEnd end = run_insertion(
+        *drawn.scene, start, *hand, ForceSensor(drawn.scene->sensor, kSeed, drawn.trial),
+        {.scaling = scene_scaling(scene), .period = episode.info.period, .past_success = true},
+        [&](const Tick& tick) {
+          rows.push_back(make_row(tick));
+          return true;
+        });
+    if (end.outcome != Outcome::inserted) continue;
+    episode.info.outcome = end.outcome;
+    episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
+    for (std::size_t n = 0; n < rows.size(); ++n)
+      episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
+    const Measures m = measure(episode, *drawn.scene);
+    for (std::size_t part = 0; part < kParts; ++part) all[part].push_back(m.parts[part]);
   }
-  return scores;
+  if (all[0].empty()) return std::nullopt;
+  Yardstick median{};
+  for (std::size_t part = 0; part < kParts; ++part) {
+    const auto middle = all[part].begin() + static_cast<std::ptrdiff_t>(all[part].size() / 2);
+    std::nth_element(all[part].begin(), middle, all[part].end());
+    median.parts[part] = *middle;
+  }
+  return median;
+}
+
+Score score(const Measures& m, const Yardstick& yardstick) {
+  const bool inserted = m.outcome == Outcome::inserted;
+  const bool touched = m[Part::contact_time] > 0;
+  Score s{};
+  double sum = 0, shown = 0;
+  for (std::size_t i = 0; i < kParts; ++i) {
+    const double own = amount(m.parts, i), best = amount(yardstick.parts, i);
+    s.parts[i] = own <= best ? 1 : best / own;
+    if (!touched && about_contact(i)) s.parts[i] = std::numeric_limits<double>::quiet_NaN();
+    if (!inserted && i == static_cast<std::size_t>(Part::time)) s.parts[i] = 0;
+    if (std::isnan(s.parts[i])) continue;
+    sum += s.parts[i];
+    ++shown;
+  }
+  s.total = inserted ? 100 * sum / shown : 50 * m.progress * sum / kParts;
+  return s;
+}
+
+std::string hint(const Measures& m, const Score& s) {
+  constexpr double kWorthSaying = 0.9;
+  std::size_t worst = kParts;
+  for (std::size_t i = 0; i < kParts; ++i)
+    if (s.parts[i] < (worst < kParts ? s.parts[worst] : kWorthSaying)) worst = i;
+  if (worst == kParts) return "";
+  const auto& where = m.by_phase[worst];
+  const auto most =
+      static_cast<std::size_t>(std::max_element(where.begin(), where.end()) - where.begin());
+  const double there = where[most], all = m.parts[worst];
+  const std::string place_there = std::string(" ") + kWhere[most];
+  switch (static_cast<Part>(worst)) {
+    case Part::time:
+      return fmt::format("longest loss: {:.1f} s, {:.1f} of them{}", all, there, place_there);
+    case Part::peak_force:
+      return fmt::format("longest loss: a force of {:.3g} uN{}", 1e6 * all, place_there);
+    case Part::mean_force:
+      return fmt::format("longest loss: {:.3g} uN of force on average, most of it{}", 1e6 * all,
+                         place_there);
+    case Part::friction_work:
+      return fmt::format("longest loss: {:.3g} pJ of friction, most of it{}", 1e12 * all,
+                         place_there);
+    case Part::smoothness:
+      return "longest loss: an unsteady hand (tremor, or stopping and starting)";
+    case Part::corrections:
+      return fmt::format("longest loss: {:.0f} correction{}{}", there, there == 1 ? "" : "s",
+                         place_there);
+    case Part::contact_time:
+      return fmt::format("longest loss: {:.1f} s in contact, {:.1f} of them{}", all, there,
+                         place_there);
+  }
+  return "";
 }
 
 }  // namespace ferrule

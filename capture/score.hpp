@@ -1,11 +1,13 @@
 // How good an insertion was: what an episode's rows say about the operator's skill, each measure
-// against the best of a set, and a total.
+// against a yardstick that is fixed by the scene, a total, and where most of it was lost.
 #pragma once
 
 #include <array>
-#include <vector>
+#include <optional>
+#include <string>
 
 #include "capture/episode.hpp"
+#include "insertion/phase.hpp"
 
 namespace ferrule {
 
@@ -29,6 +31,11 @@ struct Measures {
   std::array<double, kParts> parts;
   Outcome outcome;
   double completion;  // inserted length over the success depth, largest [-], 0 to 1
+  // Of the way from where it started to the success depth, the largest part that was done [-].
+  double progress = 0;
+  // What of each part came about in which phase: time, work and contact [s, J], beginnings of
+  // movements after the first, and the largest force [N].
+  std::array<std::array<double, kPhases.size()>, kParts> by_phase{};
 
   double operator[](Part part) const noexcept { return parts[static_cast<std::size_t>(part)]; }
 };
@@ -52,16 +59,29 @@ double spectral_arc_length(const Eigen::VectorXd& speed, double period);
 // below a tenth of it or changes sign.
 int movements(const Eigen::VectorXd& velocity, double limit, double period);
 
-struct Score {
-  // best / own of each part, 1 at best (movements instead of corrections, so that none divides by
-  // 0); NaN where no episode of the set succeeded.
+// What a skilled operator takes in a scene: the median of each part over kReferences insertions by a
+// simulated one of skill 1 from starts of the scene's own, which are always the same.
+struct Yardstick {
   std::array<double, kParts> parts;
-  // 100 mean(parts), times half the completion unless inserted; NaN as above.
+};
+inline constexpr int kReferences = 3;
+// `scene` as it is written, before parts are drawn. Takes about a second. Empty where the simulated
+// operator does not succeed either: there is nothing to measure by.
+std::optional<Yardstick> yardstick(const Scene& scene);
+
+struct Score {
+  // yardstick / own of each part, at most 1 (movements instead of corrections, so that none divides
+  // by 0). NaN for what was not shown: of a fibre that never touched, all about contact.
+  std::array<double, kParts> parts;
+  // Inserted: 100 times the mean of the parts that were shown. Otherwise 50 times the progress and
+  // the mean of all, with 0 for time and for what was not shown.
   double total;
 };
 
-// Best is the least of the episodes that succeeded. The others are scored on what they have, where
-// that is better than the best as 1.
-std::vector<Score> score(const std::vector<Measures>& episodes);
+Score score(const Measures& episode, const Yardstick& yardstick);
+
+// What cost it most, in words: "longest loss: 3 corrections on the cone". Empty where nothing cost
+// anything worth saying (a tenth of a part).
+std::string hint(const Measures& episode, const Score& score);
 
 }  // namespace ferrule

@@ -18,8 +18,8 @@ function(ferrule_library name)
   target_precompile_headers(${target} REUSE_FROM ferrule_precompiled)
 endfunction()
 
-# ferrule_loaded_library(NAME SOURCE): a part of the program that it loads when first needed
-# (learn/loaded_library.hpp), because of what it links.
+# ferrule_loaded_library(NAME SOURCE [NOT_INSTALLED]): a part of the program that it loads when first
+# needed (learn/loaded_library.hpp), because of what it links.
 set(FERRULE_LOADED ${PROJECT_BINARY_DIR}/loaded)
 function(ferrule_loaded_library name source)
   set(target ferrule_${name})
@@ -28,7 +28,9 @@ function(ferrule_loaded_library name source)
   ferrule_warnings(${target})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
   add_dependencies(ferrule_learn ${target})
-  install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule COMPONENT ${name})
+  if(NOT "NOT_INSTALLED" IN_LIST ARGN)
+    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule COMPONENT ${name})
+  endif()
 endfunction()
 
 # The same for all libraries, or they could not share precompiled headers.

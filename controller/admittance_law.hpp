@@ -20,6 +20,7 @@
 
 #include "controller/gain.hpp"
 #include "controller/observation.hpp"
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
@@ -56,14 +57,13 @@ T saturated_force(double force, const T& dead_band, const T& saturation) {
 template <class T>
 Eigen::Matrix<T, 3, 1> admittance_velocity(const T* gain, int gains,
                                            const Observation& observation) {
-  using std::exp;
   Eigen::Matrix<T, 3, 1> velocity;
   for (int i = 0; i < 3; ++i) {
     const double force = observation.wrench[i];
     const T f = gains < kSaturatedGains ? T(force) : saturated_force(force, gain[13], gain[14]);
     velocity[i] = gain[i] + gain[3 + i] * f;
     if (gains < kPhasedGains) continue;
-    const T outside = exp(-observation.depth / gain[6]);
+    const T outside = elementary::exp(-observation.depth / gain[6]);
     velocity[i] = outside * velocity[i] + (1.0 - outside) * (gain[7 + i] + gain[10 + i] * f);
   }
   return velocity;

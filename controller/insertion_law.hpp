@@ -15,10 +15,10 @@
 
 #include <Eigen/Core>
 #include <array>
-#include <cmath>
 
 #include "controller/controller.hpp"
 #include "controller/gain.hpp"
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
@@ -41,13 +41,12 @@ inline constexpr std::array<Gain, kGains> kGainTable = {{
 // Velocity [m/s] from gains in the order of the table. T is double, or a dual number when fitting.
 template <class T>
 Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Observation& observation) {
-  using std::exp;
   const Eigen::Vector3d force = observation.wrench.head<3>();
   const double depth = observation.depth;
   T since = observation.time / gain[1];
   if (since > 1.0) since = T(1.0);
   const T ramp = since * since * (2.0 - since) * (2.0 - since);
-  const T approach = 1.0 - exp((depth - gain[2]) / gain[3]);
+  const T approach = 1.0 - elementary::exp((depth - gain[2]) / gain[3]);
   const T slowed = 1.0 + gain[4] * force.squaredNorm();
   return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(),
           gain[6] * force.y() + gain[8] + gain[10] * depth,

@@ -1,7 +1,8 @@
 #include "controller/policy.hpp"
 
 #include <algorithm>
-#include <cmath>
+
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
@@ -62,7 +63,9 @@ PolicyAnswer PolicyController::answer() const noexcept {
   for (const Output& output : outputs_) {
     mean += output.head<kVelocity>().cast<double>().array() / n;
     const Eigen::Array3d log_sd = output.tail<kVelocity>().cast<double>().array();
-    variance += (2 * log_sd.max(kLowestLogSd).min(kHighestLogSd)).exp() / n;
+    variance += (2 * log_sd.max(kLowestLogSd).min(kHighestLogSd)).unaryExpr([](double x) {
+      return elementary::exp(x);
+    }) / n;
   }
   for (const Output& output : outputs_)
     among += (output.head<kVelocity>().cast<double>().array() - mean).square() / n;

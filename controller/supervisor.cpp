@@ -7,6 +7,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -50,9 +52,11 @@ SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
   limits.stiffness = Eigen::SelfAdjointEigenSolver<Matrix5>(stiffness).eigenvalues().maxCoeff() *
                      scaling.force / scaling.motion;
   const ForceSensorModel& sensor = scene.sensor;
-  limits.follows = -std::expm1(-2 * std::numbers::pi * sensor.bandwidth * limits.period);
-  limits.misread = scaling.force * (kDeviations * std::hypot(sensor.noise, sensor.bias) +
-                                    sensor.resolution);  // half of it now, half in the tare
+  limits.follows = -elementary::expm1(-2 * std::numbers::pi * sensor.bandwidth * limits.period);
+  limits.misread =
+      scaling.force * (kDeviations * sensor.deviation(scene.limits.force,
+                                                      scene.limits.time) +
+                       sensor.dead_band + sensor.resolution);  // half of it now, half in the tare
   limits.lever = scaling.motion * holder.tilt_length;
   limits.disagreement = 0.2 * limits.speed;
   limits.jam_force = 0.25 * limits.force;
@@ -69,7 +73,7 @@ std::string cannot_hold(const SupervisorLimits& limits) {
   if (limits.force - limits.misread >= kLeastForce * limits.force) return {};
   return fmt::format(
       "the force limit cannot be held: the sensor may err by {:.3g} of it (four standard "
-      "deviations of noise and bias); the supervisor brakes for {:.3g} of it",
+      "deviations of its errors); the supervisor brakes for {:.3g} of it",
       limits.misread / limits.force, limits.brakes_for() / limits.force);
 }
 
@@ -174,7 +178,7 @@ void Supervisor::give_way(Intervention why, const Observation& observation) noex
       const double n = ++searches_;
       const Eigen::Vector2d there =
           limits_.offset * std::sqrt(n) *
-          Eigen::Vector2d(std::cos(n * kGoldenAngle), std::sin(n * kGoldenAngle));
+          Eigen::Vector2d(elementary::cos(n * kGoldenAngle), elementary::sin(n * kGoldenAngle));
       move = there - searched_;
       searched_ = there;
     }

@@ -30,7 +30,8 @@ TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexc
 }
 
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period) {
+                      std::uint64_t seed, std::uint64_t trial, double period,
+                      const OnTick& on_tick) {
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
   if (!drawn) return trial_result(Outcome::infeasible, {});
   const Scene& scene = *drawn;
@@ -39,7 +40,7 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
   const InsertionEnd end =
       run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-                    {.scaling = scaling, .period = period, .past_success = false});
+                    {.scaling = scaling, .period = period, .past_success = false}, on_tick);
   TrialResult result = trial_result(end.outcome, end.summary);
   if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
   return result;

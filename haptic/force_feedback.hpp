@@ -86,6 +86,8 @@ class ForceFeedback {
   // What could not be trusted; the wrench is zero from then on. Null: nothing yet.
   const char* fault() const noexcept { return fault_; }
   ForceGuard::Stage stage() const noexcept { return guard_.stage(); }
+  // As PassivityController::energy [J].
+  double energy() const noexcept { return passivity_.energy(); }
 
  private:
   HandPose hand_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
 #include "sim/minimum_jerk.hpp"
 
 namespace ferrule {
@@ -97,7 +98,7 @@ Eigen::Vector3d Trainee::tremor_velocity(double t) const noexcept {
     velocity[axis] = 0;
     for (const auto& [frequency, phase] : tremor_[static_cast<std::size_t>(axis)])
       velocity[axis] += traits_.tremor / std::numbers::sqrt2 * kTau * frequency *
-                        std::cos(kTau * frequency * t + phase);
+                        elementary::cos(kTau * frequency * t + phase);
   }
   return velocity;
 }

@@ -38,7 +38,7 @@ class Insertion::Grip {
   // The device renders the wrench `holder` of the fibre, of which the sensor reads `relative`.
   void render(double t, double age, const Wrench& holder, const HandWrench& relative) {
     if (!feedback_) return device_.render(relative);
-    fibre_.read(holder);
+    fibre_.read(holder, 0);
     device_.render(feedback_->feel(t, age, fibre_.relative(), relative));
   }
 
@@ -69,7 +69,7 @@ struct Insertion::Parts {
       : scene(of),
         settings(with),
         watch(of, start),
-        sensed(with.scaling, sensor, with.period),
+        sensed(with.scaling, sensor, with.period, scene_tare(of)),
         grip(of, hand, settings),
         state(start),
         result(start),
@@ -138,7 +138,7 @@ const std::optional<InsertionEnd>& Insertion::feel() {
                   p.ticks == 0 ? 0.0 : p.settings.period);
   if (p.result.status == StepStatus::bad_command)
     return p.ends(Outcome::invalid_output, kNotFinite);
-  p.sensed.read(p.result.forces.holder);
+  p.sensed.read(p.result.forces.holder, p.result.state.command[0]);
   p.grip.render(p.time(), p.now.sample.age, p.result.forces.holder, p.sensed.relative());
   if (p.grip.fault()) return p.ends(Outcome::interrupted, p.grip.fault());
   p.state = p.result.state;

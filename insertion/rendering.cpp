@@ -12,7 +12,9 @@ namespace {
 
 // Somewhat less than x > 0, in three digits.
 double rounded_down(double x) {
-  const double unit = std::pow(10, std::floor(std::log10(x)) - 2);
+  double unit = 1;
+  while (1000 * unit <= x) unit *= 10;
+  while (100 * unit > x) unit /= 10;
   return std::floor(0.999 * x / unit) * unit;
 }
 

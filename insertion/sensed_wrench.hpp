@@ -1,26 +1,63 @@
 // What a hand gets to know of the wrench at the holder: read by a force sensor, scaled to the
-// hand's world, and relative to the first reading, at rest before anything moves, so that the
-// fibre's weight does not matter.
+// hand's world, and relative to a tare: the first reading, at rest before anything moves, so that
+// the fibre's weight does not matter.
+//
+// Where the scene's sensor states tare_s, the tare follows what is read in free air, before the
+// end reaches the ferrule, as a mean with that time constant; there nothing can touch, and the
+// relative wrench is none, whatever the sensor's bias. Past it the tare holds. Where it states a
+// dead band, a force relative to the tare counts by what it is more than that, in its direction;
+// a moment likewise, at the sensor's arm. Without either nothing changes.
 #pragma once
 
+#include <algorithm>
+#include <limits>
 #include <optional>
 
 #include "haptic/scaling.hpp"
-#include "sim/scene/force_sensor.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
+
+// How a scene's readings are tared.
+struct Tare {
+  double time = 0;                                               // tare_s [s]; 0: the first reading
+  double dead_band = 0;                                          // at the tip's scale [N]
+  double arm = 1;                                                // of a moment [m]
+  double free_beyond = std::numeric_limits<double>::infinity();  // x of the holder's pose [m]
+};
+inline Tare scene_tare(const Scene& scene) noexcept {
+  constexpr double margin = 2e-6;  // for a tilted end [m]
+  return {scene.sensor.tare_time, scene.sensor.dead_band, scene.sensor.arm,
+          scene.world.profile.lead_in_length - scene.world.holder.sag[0] + margin};
+}
 
 class SensedWrench {
  public:
   // A reading every `period` [s].
-  SensedWrench(const Scaling& scaling, const ForceSensor& sensor, double period) noexcept
-      : scaling_(scaling), sensor_(sensor), period_(period) {}
+  SensedWrench(const Scaling& scaling, const ForceSensor& sensor, double period,
+               const Tare& tare = {}) noexcept
+      : scaling_(scaling), sensor_(sensor), period_(period), tare_(tare) {}
 
-  // Reads `holder`, of the fibre on the holder at the tip's scale [N, N m].
-  void read(const Wrench& holder) noexcept {
+  // Reads `holder`, of the fibre on the holder at the tip's scale [N, N m], with the holder at
+  // `x` [m].
+  void read(const Wrench& holder, double x) noexcept {
+    const bool first = !at_rest_;
     absolute_ = scaling_.wrench_to_hand(sensor_.read(holder, period_));
-    if (!at_rest_) at_rest_ = absolute_;
+    if (first) at_rest_ = absolute_;
+    if (tare_.time > 0 && x > tare_.free_beyond) {
+      // A mean of all until there are enough for the time constant.
+      if (!first)
+        *at_rest_ +=
+            std::max(std::min(1.0, period_ / tare_.time), 1.0 / ++free_) * (absolute_ - *at_rest_);
+      relative_.setZero();
+      return;
+    }
     relative_ = absolute_ - *at_rest_;
+    if (tare_.dead_band > 0) {
+      const double band = scaling_.force * tare_.dead_band;
+      leave_out(band, relative_.head<3>());
+      leave_out(band * tare_.arm * scaling_.motion, relative_.tail<2>());
+    }
   }
 
   // The last reading, in the hand's world [N, N m].
@@ -28,10 +65,18 @@ class SensedWrench {
   const HandWrench& relative() const noexcept { return relative_; }
 
  private:
+  template <class Vector>
+  static void leave_out(double band, Vector&& v) noexcept {
+    const double size = v.norm();
+    v *= size > band ? (size - band) / size : 0;
+  }
+
   Scaling scaling_;
   ForceSensor sensor_;
   double period_;
+  Tare tare_;
   std::optional<HandWrench> at_rest_;
+  int free_ = 0;  // readings in free air after the first
   HandWrench absolute_ = HandWrench::Zero(), relative_ = HandWrench::Zero();
 };
 

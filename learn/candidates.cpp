@@ -31,19 +31,6 @@ class RecordedMotion : public Controller {
   Eigen::Index next_ = 0;
 };
 
-// What an engineer sets without demonstrations: straight in at the speed limit, at half of it where
-// 2 N are felt, and sideways as compliant as a hand, 1 mm/s per newton.
-InsertionLaw tuned_by_hand(double speed) {
-  std::array<double, kGains> gains{};
-  gains[0] = speed;
-  gains[1] = 0.1;  // ramp [s]
-  gains[2] = 1e3;  // no end depth
-  gains[3] = 1;
-  gains[4] = 0.25;  // slowing [1/N^2]
-  gains[6] = gains[7] = 1e-3;
-  return InsertionLaw(gains);
-}
-
 std::shared_ptr<const Demonstration> fastest(const DemonstrationSet& set) {
   const auto duration = [](const Demonstration& d) {
     return d.period * static_cast<double>(d.rows());
@@ -54,6 +41,17 @@ std::shared_ptr<const Demonstration> fastest(const DemonstrationSet& set) {
 }
 
 }  // namespace
+
+InsertionLaw tuned_by_hand(double speed) {
+  std::array<double, kGains> gains{};
+  gains[0] = speed;
+  gains[1] = 0.1;  // ramp [s]
+  gains[2] = 1e3;  // no end depth
+  gains[3] = 1;
+  gains[4] = 0.25;  // slowing [1/N^2]
+  gains[6] = gains[7] = 1e-3;
+  return InsertionLaw(gains);
+}
 
 const std::vector<Learner>& learners() {
   static const std::vector<Learner> all = {law_learner(), policy_learner()};

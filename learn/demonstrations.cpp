@@ -68,9 +68,14 @@ void DemonstrationSet::add(const Episode& episode, const std::string& file,
 
 DemonstrationSet load_demonstrations(
     const std::string& folder, const std::function<void(std::size_t, std::size_t)>& progress) {
+  return load_demonstrations(episode_files(folder), progress);
+}
+
+DemonstrationSet load_demonstrations(
+    const std::vector<std::string>& files,
+    const std::function<void(std::size_t, std::size_t)>& progress) {
   DemonstrationSet set;
   std::size_t read = 0;
-  const std::vector<std::string> files = episode_files(folder);
   for (const std::string& file : files) {
     if (progress) progress(read++, files.size());
     set.add(read_episode(file), file, sha1(read_text(file)));

@@ -54,6 +54,10 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
 // the loading.
 DemonstrationSet load_demonstrations(
     const std::string& folder, const std::function<void(std::size_t, std::size_t)>& progress = {});
+// The same of episode files.
+DemonstrationSet load_demonstrations(
+    const std::vector<std::string>& files,
+    const std::function<void(std::size_t, std::size_t)>& progress = {});
 
 // Throws BadInput if there are fewer successful demonstrations than a fit needs, three.
 void refuse_too_few(const DemonstrationSet& set);

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 SceneNumber::SceneNumber(const Scene& scene, const std::string& key) : key_(key) {
   VariableScene varied(scene);
@@ -27,11 +29,11 @@ SceneNumber::SceneNumber(const Scene& scene, const std::string& key) : key_(key)
 double SceneNumber::value(double x) const {
   const bool low = std::isfinite(below_), high = std::isfinite(above_);
   if (low && high) {
-    const double ratio = (start_ - below_) / (above_ - start_) * std::exp(x);
+    const double ratio = (start_ - below_) / (above_ - start_) * elementary::exp(x);
     return (below_ + above_ * ratio) / (1 + ratio);
   }
-  if (low) return below_ + (start_ - below_) * std::exp(x);
-  if (high) return above_ - (above_ - start_) * std::exp(-x);
+  if (low) return below_ + (start_ - below_) * elementary::exp(x);
+  if (high) return above_ - (above_ - start_) * elementary::exp(-x);
   return start_ + (start_ != 0 ? std::abs(start_) : 1) * x;
 }
 

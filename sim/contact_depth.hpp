@@ -2,7 +2,8 @@
 //
 // The end's rim meets the bore wall, the lead-in cone or the front face (sim/ferrule_profile.hpp);
 // its side meets the rim of the bore's mouth. First order in the tilts: the rim of the end lies r
-// (outward.tilt) ahead of the end's centre.
+// (outward.tilt) ahead of the end's centre. On bore and cone it touches where it is deepest, on the
+// face where it is farthest from the bore.
 #pragma once
 
 #include <array>
@@ -36,6 +37,10 @@ struct Radial {
   }
 };
 
+// The edge between bore and cone is rounded where both depths differ by less than this [m]: to
+// where an adhering rim rests on it the energy falls from both sides.
+inline constexpr double kEdgeRounding = 50e-9;
+
 // A vector across the bore in three dimensions.
 inline Vector3d across(const Vector2d& n) noexcept {
   return {0, n.x(), n.y()};
@@ -50,6 +55,13 @@ struct ContactDepth {
   Vector2d lean;             // [m]
   Vector3d slope;            // [-]
   Matrix2d curve;            // by the eccentricity [1/m]
+  // On the cone the deepest point of the rim turns with the tilts: d bends by the eccentricity at
+  // this arm, too, with the same slope.
+  double cone_arm = 0;                     // [m]
+  Matrix2d cone_curve = Matrix2d::Zero();  // [1/m]
+  // On the edge between bore and cone it bends also by -edge u u^T, u = `over_edge` [1/m].
+  double edge = 0;
+  Vector3d over_edge;
   // Where it acts, to first order in the tilts: so that the wrench of its normal there is minus the
   // gradient of its depth [m].
   Vector3d point;
@@ -60,6 +72,12 @@ struct ContactDepth {
     return arm.per_x == 0 ? Vector3d(-slope) : Vector3d(n.dot(tilt), -n.x(), -n.y());
   }
 
+  // Its derivative by the pose, whose tilt is given.
+  PoseVector by_pose(const Vector2d& tilt) const noexcept {
+    const Vector2d n = slope.tail<2>();
+    return {slope[0] + arm.per_x * n.dot(tilt), n, slope[0] * lean + arm.length * n};
+  }
+
   // Adds an energy of the depth, given its derivatives by that.
   void add_to(Energy& total, const Vector2d& tilt, double force, double stiffness) const noexcept {
     if (slope[0] == 0) {
@@ -68,7 +86,12 @@ struct ContactDepth {
     } else {
       Matrix3d k = stiffness * slope * slope.transpose();
       k.bottomRightCorner<2, 2>() += force * curve;
+      if (edge > 0) k -= force * edge * over_edge * over_edge.transpose();
       total.add_point(arm.length, lean, force * slope, k);
+      const Matrix2d turn = force * cone_curve;
+      total.hessian.ee += turn;
+      total.hessian.et += cone_arm * turn;
+      total.hessian.tt += cone_arm * cone_arm * turn;
     }
   }
 };
@@ -76,7 +99,8 @@ struct ContactDepth {
 // What a step holds fixed about the contacts (sim/potential.hpp).
 struct ContactSide {
   EdgeSide side = EdgeSide::throat;
-  // Unit directions from the bore's axis to the fibre's: at its end, and at the mouth.
+  // Unit directions to where the fibre is nearest to the ferrule: from the centre of its end, and
+  // from the bore's axis at the mouth.
   Vector2d outward = Vector2d::UnitX(), mouth_outward = Vector2d::UnitX();
 
   // Length of the side [m] that is past the mouth where it is nearest to the mouth's rim: there the

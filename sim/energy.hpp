@@ -23,6 +23,17 @@ struct Arm {
   double per_x = 0;
 };
 
+// Adds the Hessian of stiffness l^2/2, the length l having the derivative `slope` by the pose.
+inline void add_square(PoseMatrix& hessian, double stiffness, const PoseVector& slope) noexcept {
+  const PoseVector pull = stiffness * slope;
+  hessian.xx += pull.x * slope.x;
+  hessian.xe += pull.x * slope.e;
+  hessian.xt += pull.x * slope.t;
+  hessian.ee += pull.e * slope.e.transpose();
+  hessian.et += pull.e * slope.t.transpose();
+  hessian.tt += pull.t * slope.t.transpose();
+}
+
 struct Energy {
   double value = 0;     // [J]
   PoseVector gradient;  // [N, N m]

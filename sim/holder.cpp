@@ -15,7 +15,7 @@ double euler(double bending_stiffness, double length) noexcept {
 }
 
 double second_moment(double radius) noexcept {
-  return 0.25 * pi * std::pow(radius, 4);
+  return 0.25 * pi * radius * radius * radius * radius;
 }
 
 void finish(Holder& holder) {

@@ -1,29 +1,95 @@
 #include "sim/newton.hpp"
 
-#include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 
 namespace ferrule {
+namespace {
 
-PoseVector newton_direction(const World& world, const Energy& here) noexcept {
-  Eliminated hessian;
-  if (hessian.of(here.hessian)) {
-    PoseVector newton = hessian.solve(here.gradient);
-    const double slope = newton.dot(here.gradient);
-    if (slope < 0 && std::isfinite(slope)) return newton;
+constexpr double kLeastPivot = 1e-3;  // of the holder's stiffness
+
+// The inverse of a symmetric matrix as it is, and with the magnitudes of its eigenvalues, each of
+// at least `least`.
+struct Magnitude {
+  Matrix2d inverse, positive;
+
+  Magnitude(const Matrix2d& m, double least) noexcept {
+    const double mean = 0.5 * (m(0, 0) + m(1, 1)), half = 0.5 * (m(0, 0) - m(1, 1));
+    const double spread = std::sqrt(half * half + m(1, 0) * m(1, 0));
+    const auto over = [&](double value) {
+      return 1 / std::copysign(std::max(std::abs(value), least), value);
+    };
+    const double high = over(mean + spread), low = over(mean - spread);
+    Matrix2d first = 0.5 * kIdentity;  // projector onto the first eigenvector
+    if (spread > 0) first = 0.5 / spread * (m - (mean - spread) * kIdentity);
+    const Matrix2d second = kIdentity - first;
+    inverse = high * first + low * second;
+    positive = std::abs(high) * first + std::abs(low) * second;
   }
-  const Pose gradient = here.gradient.full();
-  const Pose unit = world.holder.stiffness.diagonal().cwiseSqrt().cwiseInverse();
-  const Matrix5 scaled = unit.asDiagonal() * here.hessian.full() * unit.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Matrix5> modes(scaled);
-  if (modes.info() == Eigen::Success) {
-    const Pose stiffness = modes.eigenvalues().cwiseAbs().cwiseMax(1e-3);
-    const Pose along = modes.eigenvectors().transpose() * unit.cwiseProduct(gradient);
-    const Pose direction =
-        -unit.cwiseProduct(modes.eigenvectors() * along.cwiseQuotient(stiffness));
-    if (direction.allFinite() && direction.dot(gradient) < 0) return PoseVector(direction);
+};
+
+}  // namespace
+
+void Eliminated::of_magnitudes(const PoseMatrix& h, const PoseMatrix& least) noexcept {
+  const Magnitude tt(h.tt, kLeastPivot * least.tt(0, 0));
+  over_tt_ = tt.positive;
+  et_over_tt_ = h.et * tt.inverse;
+  xt_over_tt_ = tt.inverse * h.xt;
+  const Magnitude ee(h.ee - et_over_tt_ * h.et.transpose(), kLeastPivot * least.ee(0, 0));
+  over_ee_ = ee.positive;
+  const Vector2d xe = h.xe - et_over_tt_ * h.xt;
+  xe_over_ee_ = ee.inverse * xe;
+  const double xx = h.xx - xt_over_tt_.dot(h.xt) - xe_over_ee_.dot(xe);
+  over_xx_ = 1 / std::max(std::abs(xx), kLeastPivot * least.xx);
+}
+
+NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
+                       const PoseVector& tip, int rounds, Pivots pivots, bool slips_on) noexcept {
+  std::array<Vector3d, kContactPlaces> now, about;
+  bool rubs = false;
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = frozen.friction[at];
+    if (!friction.acts) continue;
+    rubs = true;
+    about[at] = now[at] = stretch(world, frozen, static_cast<int>(at), tip);
+    const double part = friction.stiffness * now[at].norm() / friction.limit;
+    if ((rounds > 1 || slips_on) && part > kSlipsOn && part <= 1) about[at] *= (1 + 1e-12) / part;
   }
-  return PoseVector(-gradient.cwiseQuotient(world.holder.stiffness.diagonal()));
+  for (int round = 0; round < rounds; ++round) {
+    model.gradient = smooth.gradient;
+    model.hessian = smooth.hessian;
+    for (int place = 0; rubs && place < kContactPlaces; ++place) {
+      const auto at = static_cast<std::size_t>(place);
+      if (frozen.friction[at].acts) add_friction_about(model, world, frozen, place, tip, about[at]);
+    }
+    falling = hessian.of(model.hessian);
+    convex = falling == 0;
+    if (!convex && pivots == Pivots::magnitudes)
+      hessian.of_magnitudes(model.hessian, frozen.stiffness);
+    move = hessian.solve(model.gradient);
+    fall = -move.dot(model.gradient);
+    bool agrees = true;
+    for (int place = 0; rubs && place < kContactPlaces; ++place) {
+      const auto at = static_cast<std::size_t>(place);
+      const FrozenFriction& friction = frozen.friction[at];
+      if (!friction.acts) continue;
+      Vector3d next = now[at] + stretch_by(world, frozen, place, move);
+      const bool slipped = friction.slips(about[at]), slips = friction.slips(next);
+      if (slipped && slips) {
+        const double along = next.dot(about[at]);
+        if (along <= 0)  // it comes to rest on the way
+          next.setZero();
+        else if (along >= (1 - 0.5 * kTurned * kTurned) * next.norm() * about[at].norm())
+          continue;
+      } else if (!slipped && !slips) {
+        continue;
+      }
+      agrees = false;
+      about[at] = next;
+    }
+    if (agrees) break;
+    if (round + 2 == rounds) about = now;  // they do not: friction as it is here
+  }
 }
 
 }  // namespace ferrule

@@ -12,8 +12,8 @@ enum class Integrator { backward_euler, bdf2 };
 struct Numerics {
   Integrator integrator = Integrator::backward_euler;
   double longest_step = std::numeric_limits<double>::infinity();  // longer ones are divided [s]
-  // A step in which a contact or bridge opens or closes, or the fibre snaps, is halved until the
-  // command travels no more than this in it [m].
+  // A step in which a contact or bridge opens or closes, a contact turns over an edge, or the fibre
+  // snaps, is divided until the command travels no more than this in it [m].
   double event_travel = std::numeric_limits<double>::infinity();
   Quadrature quadrature;  // of surface forces along the inserted length
   // Corrected van der Waals and electrostatic forces in closed form instead

@@ -6,13 +6,13 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSlipsOn = 0.95;  // of the friction limit
-
 // From the surface that touches to the fibre's axis [m]. At two points the end and the side touch
 // on opposite sides of the fibre.
+Vector2d lean(const World& world, const ContactSide& side, int place) noexcept {
+  return -world.annulus.fibre_radius * (place == kEnd ? side.outward : side.mouth_outward);
+}
 Vector2d lean(const World& world, const FrozenCoefficients& frozen, int place) noexcept {
-  return -world.annulus.fibre_radius *
-         (place == kEnd ? frozen.contact.outward : frozen.contact.mouth_outward);
+  return lean(world, frozen.contact, place);
 }
 
 // Material point of a contact: on the fibre's surface along x, on its axis across.
@@ -29,16 +29,15 @@ Vector3d friction_force(const FrozenFriction& friction, const Vector3d& material
                                    : Vector3d(-friction.limit * stretch.normalized());
 }
 
-// It slips where the stuck spring would hold more than `slips` times its limit.
 void add_friction(Energy& total, const FrozenFriction& friction, const Vector2d& lean,
-                  const PoseVector& tip, double slips) noexcept {
+                  const PoseVector& tip) noexcept {
   const Vector3d stretch =
       friction.tangential * (material_point(tip, friction.arm, lean) - friction.stuck);
   const double length = stretch.norm();
   Vector3d slope = friction.stiffness * stretch;
   Matrix3d curve = friction.stiffness * friction.tangential;
   double value = 0.5 * friction.stiffness * length * length;
-  if (friction.stiffness * length > slips * friction.limit) {
+  if (friction.stiffness * length > friction.limit) {
     const Vector3d direction = stretch / length;
     value = friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
     slope = friction.limit * direction;
@@ -116,10 +115,10 @@ struct AxialDrag {
 };
 
 void add_frictions(Energy& total, const World& world, const FrozenCoefficients& frozen,
-                   const PoseVector& tip, double slips = 1) noexcept {
+                   const PoseVector& tip) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
     const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
-    if (friction.acts) add_friction(total, friction, lean(world, frozen, place), tip, slips);
+    if (friction.acts) add_friction(total, friction, lean(world, frozen, place), tip);
   }
 }
 
@@ -189,6 +188,14 @@ void freeze_inertia(const World& world, const State& state, double dt,
 
 }  // namespace
 
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction, double depth,
+                             int branch) noexcept {
+  const double a = friction_radius(world, depth, branch);
+  if (!(a > 0)) return {};
+  const Friction& law = *friction_law(world.laws);
+  return {friction.share * ferrule::friction(law, a), friction.patch * stuck_stiffness(law, a)};
+}
+
 FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
                           double dt) noexcept {
   FrozenCoefficients frozen;
@@ -209,41 +216,127 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
   const bool both = state.contact[kEnd].closed && state.contact[kSide].closed;
   if (both && std::holds_alternative<printed::Adhesion>(world.laws.adhesion))
     frozen.adhesion_share = 0.5;
-  const Friction* law = friction_law(world.laws);
-  if (!law || (!state.contact[kEnd].closed && !state.contact[kSide].closed)) return frozen;
+  if (!friction_law(world.laws) || (!state.contact[kEnd].closed && !state.contact[kSide].closed))
+    return frozen;
 
   const bool shared = both && std::holds_alternative<printed::Friction>(world.laws.friction);
   const auto depths = contact_depths(world, frozen.contact, state.tip);
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const ContactState& contact = state.contact[place];
     if (!contact.closed || depths[place].value == -INFINITY) continue;
-    const double a = friction_radius(world, depths[place].value, contact.branch);
-    if (!(a > 0)) continue;
     FrozenFriction& friction = frozen.friction[place];
-    const Vector3d n = depths[place].normal(state.tip.tail<2>());
-    friction.acts = true;
+    const Vector3d n = depths[place].normal(state.tip.tail<2>()).normalized();
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
     const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
-    const double patch = place == kSide ? PatchShare(past).value : 1.0;
-    friction.limit = patch * (shared ? 0.5 : 1.0) * ferrule::friction(*law, a);
-    friction.stiffness = patch * stuck_stiffness(*law, a);
+    friction.patch = place == kSide ? PatchShare(past).value : 1.0;
+    friction.share = friction.patch * (shared ? 0.5 : 1.0);
+    const FrictionLimit is = friction_limit(world, friction, depths[place].value, contact.branch);
+    friction.limit = is.limit;
+    friction.stiffness = is.stiffness;
+    friction.acts = is.limit > 0;
   }
   return frozen;
 }
 
-Energy potential_at_start(const World& world, const FrozenCoefficients& frozen,
-                          const Linearization& bore) noexcept {
+Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
+                        const PoseVector& bore_gradient, const PoseMatrix& bore_hessian) noexcept {
   Energy total;
-  total.gradient = bore.gradient;
+  total.gradient = bore_gradient;
+  total.gradient += frozen.stiffness.times(tip - frozen.from);
   total.gradient -= frozen.load;
-  total.hessian = bore.hessian;
+  total.hessian = bore_hessian;
   total.hessian += frozen.stiffness;
-  if (frozen.axial_drag > 0) total.hessian.xx += AxialDrag(frozen, bore.at).stiffness;
-  // What has just slipped slips on, under a limit that may have grown.
-  add_frictions(total, world, frozen, bore.at, kSlipsOn);
+  if (frozen.axial_drag > 0) {
+    const AxialDrag axial(frozen, tip);
+    total.gradient.x -= axial.force;
+    total.hessian.xx += axial.stiffness;
+  }
   return total;
+}
+
+double side_share(const World& world, const FrozenCoefficients& frozen,
+                  const PoseVector& tip) noexcept {
+  const double past = frozen.contact.past_mouth(tip, world.annulus.fibre_radius);
+  return past < kPatch ? PatchShare(past).value : 1.0;
+}
+
+std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoefficients& frozen,
+                                            const PoseVector& tip, double side_share) noexcept {
+  std::array<StiffLaw, kStiffLaws> laws;
+  const auto depths = contact_depths(world, frozen.contact, tip);
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    const ContactDepth& depth = depths[place];
+    if (depth.value == -INFINITY) continue;
+    const ContactForce push = push_at(world, depth.value);
+    const AdhesionForce pull = pull_at(world, depth.value, frozen.branch[place]);
+    const double share = place == kSide ? side_share : 1.0;
+    const double adhesion = share * frozen.adhesion_share;
+    laws[place] = {share,
+                   true,
+                   depth.value,
+                   depth.by_pose(tip.t),
+                   share * push.potential + adhesion * pull.potential,
+                   share * push.force + adhesion * pull.force,
+                   share * push.slope + adhesion * pull.slope};
+  }
+  if (frozen.contact.side == EdgeSide::face || frozen.length == 0 || !has_printed_forces(world))
+    return laws;
+  const double clearance = world.annulus.clearance(), arm = 0.5 * frozen.length;
+  const Radial middle(eccentricity(tip, arm), clearance);
+  const double gap = clearance - middle.eccentricity;
+  const LineForce force = printed_forces(world, gap);
+  laws[kContactPlaces] = {1,
+                          true,
+                          -gap,
+                          {0, middle.normal, arm * middle.normal},
+                          frozen.length * force.potential,
+                          frozen.length * force.force,
+                          -frozen.length * force.slope};
+  return laws;
+}
+
+Vector3d material_point(const World& world, const ContactSide& side, int place,
+                        const PoseVector& tip) noexcept {
+  return material_point(tip, place == kSide ? -tip.x : 0.0, lean(world, side, place));
+}
+
+Vector3d stretch_by(const World& world, const FrozenCoefficients& frozen, int place,
+                    const PoseVector& move) noexcept {
+  const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
+  return friction.tangential * material_point(move, friction.arm, lean(world, frozen, place));
+}
+
+Vector3d stretch(const World& world, const FrozenCoefficients& frozen, int place,
+                 const PoseVector& tip) noexcept {
+  const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
+  return friction.tangential *
+         (material_point(tip, friction.arm, lean(world, frozen, place)) - friction.stuck);
+}
+
+PoseVector pull_of_friction(const World& world, const FrozenCoefficients& frozen, int place,
+                            const Vector3d& stretched) noexcept {
+  const Vector3d direction = stretched.normalized();
+  const Vector2d across = direction.tail<2>();
+  return {direction.x(), across,
+          direction.x() * lean(world, frozen, place) +
+              frozen.friction[static_cast<std::size_t>(place)].arm * across};
+}
+
+void add_friction_about(Energy& total, const World& world, const FrozenCoefficients& frozen,
+                        int place, const PoseVector& tip, const Vector3d& about) noexcept {
+  const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
+  Vector3d slope = friction.stiffness * about;
+  Matrix3d curve = friction.stiffness * friction.tangential;
+  if (friction.slips(about)) {
+    const double over = 1 / about.norm();
+    const Vector3d direction = over * about;
+    slope = friction.limit * direction;
+    curve = friction.limit * over * (friction.tangential - direction * direction.transpose());
+  }
+  slope += curve * (stretch(world, frozen, place, tip) - about);
+  total.add_point(friction.arm, lean(world, frozen, place), slope, curve);
 }
 
 Potential::Potential(const World& world, const FrozenCoefficients& frozen,
@@ -347,8 +440,6 @@ Contacts contacts(const World& world, const FrozenCoefficients& frozen, const Po
     contact.closed = depth > 0 || there.pull[at].radius > 0;
     contact.depth = contact.closed ? depth : 0.0;
     contact.branch = there.pull[at].branch;
-    const double arm = place == kSide ? -tip.x : 0.0;
-    now.material[at] = material_point(tip, arm, lean(world, frozen, place));
   }
   return now;
 }

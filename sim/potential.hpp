@@ -32,8 +32,12 @@ struct FrozenFriction {
   Vector3d stuck;       // [m]
   Matrix3d tangential;  // projector onto the contact plane
   double arm;           // s of the material point [m]
+  double patch;         // share of the contact's patch that is there
+  double share;         // of the law's limit
   double limit;         // largest force [N]
   double stiffness;     // k_t [N/m]
+
+  bool slips(const Vector3d& stretch) const noexcept { return stiffness * stretch.norm() > limit; }
 };
 
 struct FrozenCoefficients {
@@ -71,8 +75,6 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
 // The contacts at a pose (stuck points not moved) and the bridge there.
 struct Contacts {
   std::array<ContactState, kContactPlaces> contact;
-  // Material point that friction acts on [m].
-  std::array<Vector3d, kContactPlaces> material = {Vector3d::Zero(), Vector3d::Zero()};
   bool bridge = false;
 };
 
@@ -90,9 +92,56 @@ struct Potential : Energy {
   double push_out = 0, pull_out = 0;
 };
 
-// Its gradient and Hessian where the step starts, from those of the bore's part there.
-Energy potential_at_start(const World& world, const FrozenCoefficients& frozen,
-                          const Linearization& bore) noexcept;
+// What a contact's friction has at a depth, with the patch and share of `friction`; nothing where it
+// does not touch.
+struct FrictionLimit {
+  double limit = 0;      // [N]
+  double stiffness = 0;  // [N/m]
+};
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction, double depth,
+                             int branch) noexcept;
+
+// Gradient and Hessian of all but friction at `tip`, from those of the bore's part there.
+Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
+                        const PoseVector& bore_gradient, const PoseMatrix& bore_hessian) noexcept;
+
+// What is stiff: energies of one length each, the depths of both contacts (walls and adhesion) and
+// the printed laws' gap, less the clearance.
+struct StiffLaw {
+  double share = 1;   // of the patch that acts
+  bool acts = false;  // the rest is only set where it does
+  double length;      // [m]
+  PoseVector slope;   // of it, by the pose
+  double energy;      // [J]
+  double force;       // derivative of the energy by it [N]
+  double stiffness;   // second derivative [N/m]
+};
+inline constexpr std::size_t kStiffLaws = 3;
+// The share of the side's patch that the end leaves is held.
+std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoefficients& frozen,
+                                            const PoseVector& tip, double side_share) noexcept;
+double side_share(const World& world, const FrozenCoefficients& frozen,
+                  const PoseVector& tip) noexcept;
+
+// The fibre's material point that the friction of a place acts on, where it touches now [m].
+Vector3d material_point(const World& world, const ContactSide& side, int place,
+                        const PoseVector& tip) noexcept;
+
+// How far the stuck spring of a place is stretched along its contact plane at `tip` [m], and by how
+// much a move of the tip stretches it.
+Vector3d stretch(const World& world, const FrozenCoefficients& frozen, int place,
+                 const PoseVector& tip) noexcept;
+Vector3d stretch_by(const World& world, const FrozenCoefficients& frozen, int place,
+                    const PoseVector& move) noexcept;
+
+// Gradient of the friction of a place that slips, stretched so, for a limit of 1 N.
+PoseVector pull_of_friction(const World& world, const FrozenCoefficients& frozen, int place,
+                            const Vector3d& stretched) noexcept;
+
+// Adds gradient and Hessian of the friction of a place at `tip`, as its potential is to second
+// order where the spring is stretched by `about`.
+void add_friction_about(Energy& total, const World& world, const FrozenCoefficients& frozen,
+                        int place, const PoseVector& tip, const Vector3d& about) noexcept;
 
 // The same forces term by term, into a breakdown of nothing; `there` is the potential at `tip`.
 void forces(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,

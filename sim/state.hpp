@@ -64,4 +64,23 @@ inline StateRow to_row(const State& s) noexcept {
   return row;
 }
 
+// The state of such a row; without linearization.
+inline State state_of(const StateRow& row) noexcept {
+  State s;
+  s.tip = row.head<5>();
+  s.command = row.segment<5>(5);
+  s.time = row[10];
+  s.side = row[11] != 0 ? EdgeSide::face : EdgeSide::throat;
+  s.bridge = row[12] != 0;
+  for (int place = 0; place < kContactPlaces; ++place) {
+    const Eigen::Matrix<double, 6, 1> c = row.segment<6>(13 + 6 * place);
+    s.contact[place] = {c[0] != 0, c[1], c.segment<3>(2), static_cast<int>(c[5])};
+  }
+  s.velocity = row.segment<5>(25);
+  s.tip_before = row.segment<5>(30);
+  s.velocity_before = row.segment<5>(35);
+  s.dt_before = row[40];
+  return s;
+}
+
 }  // namespace ferrule

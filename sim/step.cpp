@@ -3,137 +3,108 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/newton.hpp"
-#include "sim/potential.hpp"
+#include "sim/friction_limits.hpp"
+#include "sim/minimum.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr int kMaxIterations = 100;
-constexpr int kMaxHalvings = 50;
-constexpr int kMaxSubsteps = 8192;
-constexpr int kMostHalvings = 2;          // of a sub-step in which the minimum is not found
-constexpr int kMostEventHalvings = 10;    // where the world asks for events to be located
-constexpr int kMostTurns = 4;             // at edges, in one sub-step
-constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
-constexpr double kForceFloor = 1e-14;     // [N]
-constexpr double kResolution = 1e-15;     // a Newton step shorter than this is none [m]
-constexpr int kPatience = 5;              // iterations after which being near is enough
-constexpr double kNearForce = 3e-7;       // relative to the same sum, and within so much of the
-constexpr double kNearMove = 2e-5;        // clearance: the last Newton step needs no evaluation
-constexpr double kShortMove = 0.1;        // of the clearance: as far as a prediction reaches
-constexpr double kLargestMiss = 0.3;      // of the gradient, that a prediction may leave there
+constexpr int kMostParts = 8192;     // of the longest steps that the world allows
+constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
+constexpr int kFewEvaluations = 6;   // of a sub-step that may still be shortened
+constexpr int kReserve = 10;         // evaluations that are kept for the way to the command
+constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
+constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
+constexpr int kMostTurns = 4;        // at edges, in one sub-step
+constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
+constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
+constexpr double kStaysNear = 5e-3;       // of the sum of all forces
+constexpr int kMostSettling = 12;
+constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
+constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
+constexpr double kLargestMiss = 0.3;   // of the gradient, that a prediction may leave there
+constexpr double kTurnedBy = 0.02;     // squared sine of the angle that a contact may turn by
+constexpr double kSnap = 10;           // a snap moves the end by so many times the command's way
 
-// A search for the minimum: where it has got to.
-struct Minimum {
-  Minimum(const World& world, const FrozenCoefficients& frozen, const PoseVector& start) noexcept
-      : tip(start), there(world, frozen, start) {}
-
-  PoseVector tip;
-  Potential there;
-  PoseVector curvature = {};  // Linearization::curvature
-  int iterations = 0;
-  bool converged = false;
-};
-
-// Residual of a gradient [N], tilts weighed by the length that makes both stiffnesses equal.
-double residual(const World& world, const PoseVector& gradient) noexcept {
-  return std::max({std::abs(gradient.x), gradient.e.cwiseAbs().maxCoeff(),
-                   gradient.t.cwiseAbs().maxCoeff() / world.holder.tilt_length});
+bool rubs(const FrozenCoefficients& frozen) noexcept {
+  return frozen.friction[kEnd].acts || frozen.friction[kSide].acts;
 }
 
-// How far a move takes the end or the other end of the inserted length [m].
-double travel_of(const World& world, const FrozenCoefficients& frozen,
-                 const PoseVector& move) noexcept {
-  return move.length() + move.t.norm() * (frozen.length + world.annulus.fibre_radius);
-}
-
-// The last Newton step, where it is so short that the forces change along it as the Hessian says
-// and need no evaluation; false where it is not.
-bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& rest,
-                       Minimum& found) noexcept {
-  Potential& there = found.there;
-  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale &&
-        travel_of(world, frozen, rest) <= kNearMove * world.annulus.clearance()))
-    return false;
-  found.tip += rest;
-  there.bore.gradient += there.bore.hessian.times(rest);
-  found.converged = true;
-  return true;
-}
-
-// Newton's method with a line search, from where `found` is.
-void minimise(const World& world, const FrozenCoefficients& frozen, Minimum& found) noexcept {
-  const double clearance = world.annulus.clearance();
-  const double radius = world.annulus.fibre_radius, lever = frozen.length + radius;
-  for (; found.iterations < kMaxIterations; ++found.iterations) {
-    const Potential& here = found.there;
-    const double left = residual(world, here.gradient);
-    if (left <= kForceFloor + kForceTolerance * here.force_scale) {
-      found.converged = true;
-      break;
-    }
-    const PoseVector newton = newton_direction(world, here);
-    const double turn = newton.t.norm() * lever;
-    if (newton.length() + turn < kResolution) {
-      found.converged = true;
-      break;
-    }
-    if (found.iterations >= kPatience && final_newton_step(world, frozen, newton, found)) break;
-    // Far from everything the potential is a quadratic and any length is right; among surface
-    // forces a step longer than the clearance tells nothing.
-    const double reach = std::max(newton.e.norm(), turn);
-    double fraction = frozen.length > 0 && reach > clearance ? clearance / reach : 1;
-    const double slope = here.gradient.dot(newton);
-    bool moved = false;
-    for (int halving = 0; halving < kMaxHalvings; ++halving, fraction *= 0.5) {
-      PoseVector trial = found.tip;
-      trial += fraction * newton;
-      const Potential there(world, frozen, trial);
-      // Where the drop drowns in rounding, a smaller residual decides.
-      const double rounding =
-          1e-15 * (here.value_scale + here.force_scale * (found.tip.length() + radius));
-      const bool lower = there.value <= here.value + 1e-4 * fraction * slope;
-      const bool level =
-          there.value <= here.value + rounding && residual(world, there.gradient) < left;
-      if (lower || level) {
-        moved = trial.full() != found.tip.full();
-        found.tip = trial;
-        found.there = there;
-        break;
-      }
-    }
-    if (!moved) {  // rounding leaves nothing lower
-      found.converged = left <= kNearForce * here.force_scale;
-      break;
-    }
-  }
-}
-
-// Where the linearization of the last step says that this one ends.
+// Where the linearization of the last step says that this one ends: a Newton step from there,
+// without an evaluation of the potential.
 struct Prediction {
   bool valid = false;
   PoseVector tip;
   Eliminated hessian;
   PoseVector move = {};
-  double slope = 0;  // of the energy along the move, < 0
+  double slope = 0;  // of the energy along the move where it begins [J]
 };
 
-// The predictor: a Newton step from the linearization, without an evaluation of the potential.
-Prediction predict(const World& world, const FrozenCoefficients& frozen,
-                   const State& state) noexcept {
+// Is friction after a move what it was taken to be, slipping on or stuck?
+bool rubs_on(const World& world, const FrozenCoefficients& before, const FrozenCoefficients& after,
+             const PoseVector& tip, const PoseVector& move) noexcept {
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = before.friction[at];
+    if (!friction.acts) continue;
+    const Vector3d now = stretch(world, before, static_cast<int>(at), tip);
+    const Vector3d next = now + stretch_by(world, before, static_cast<int>(at), move);
+    const double length = now.norm(), length_then = next.norm();
+    const bool slipped = friction.stiffness * length > kSlipsOn * friction.limit;
+    if (slipped != after.friction[at].slips(next)) return false;
+    if (slipped && next.dot(now) < (1 - 0.5 * kTurned * kTurned) * length * length_then)
+      return false;
+  }
+  return true;
+}
+
+// A Newton step and what the friction limits change along it. Limit and depth may hold each other in
+// check within far less than either alone would change: to first order they change together from
+// where the step begins.
+bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
+                     Prediction& end, NewtonStep& newton) noexcept {
+  const FrozenCoefficients first = frozen;
+  const auto depths = contact_depths(world, frozen.contact, end.tip);
+  newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
+  auto move =
+      FrictionLimits(world, frozen, end.tip, depths, kSlipsOn).settle(newton, false, frozen);
+  if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
+    frozen = first;
+    newton = NewtonStep(world, frozen, here, end.tip);
+    if (!newton.convex) return false;
+    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), depths)
+               .settle(newton, false, frozen);
+  }
+  if (move) end.move = *move;
+  return move.has_value();
+}
+
+Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
   Prediction end;
   end.tip = state.tip;
   if (!state.linearization || state.linearization->at != state.tip) return end;
-  Energy here = potential_at_start(world, frozen, *state.linearization);
-  here.gradient += state.linearization->curvature;
-  if (!end.hessian.of(here.hessian)) return end;
-  end.move = end.hessian.solve(here.gradient);
-  end.slope = end.move.dot(here.gradient);
+  const Linearization& bore = *state.linearization;
+  Energy here = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
+  here.gradient += bore.curvature;
+  const bool rubbing = rubs(frozen);
+  NewtonStep newton(world, frozen, here, end.tip, rubbing ? 0 : 1);
+  if (rubbing) {
+    if (!predict_rubbing(world, here, frozen, end, newton)) return end;
+  } else {
+    if (!newton.convex) return end;
+    end.move = newton.move;
+  }
   const double way = travel_of(world, frozen, end.move);
-  if (!(end.slope < 0 && way >= kResolution && way <= kShortMove * world.annulus.clearance()))
-    return end;
-  end.tip += end.move;
+  if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
+  end.hessian = newton.hessian;
+  end.slope = std::abs(end.move.dot(newton.model.gradient));
+  end.tip = moved_along(world, state.tip, end.move);
+  if (rubbing) {
+    const FrictionLimits limits(world, frozen, end.tip,
+                                contact_depths(world, frozen.contact, end.tip));
+    if (limits.largest_miss() <= kPredictedLimit)
+      if (const auto move = limits.settle(newton, true, frozen))
+        end.tip = moved_along(world, end.tip, *move);
+  }
   end.valid = true;
   return end;
 }
@@ -143,7 +114,7 @@ Prediction predict(const World& world, const FrozenCoefficients& frozen,
 bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
              const PoseVector& curvature, Minimum& found) noexcept {
   const Potential& there = found.there;
-  if (!(std::abs(end.move.dot(there.gradient)) <= -kLargestMiss * end.slope)) return false;
+  if (!(std::abs(end.move.dot(there.gradient)) <= kLargestMiss * end.slope)) return false;
   found.iterations = 1;
   found.curvature = curvature;
   found.curvature += there.gradient;
@@ -152,24 +123,29 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
   return true;
 }
 
-// Contacts after a step: new ones stick where they are, slipping ones drag their stuck point along.
-void update_contacts(const FrozenCoefficients& frozen, const Contacts& now, State& state) noexcept {
+// Contacts after a step that has moved the end: new ones stick where they are, slipping ones drag
+// their stuck point along. Where a contact moves on over the fibre it is another material point's,
+// and the spring is as stretched as before. A spot that grows is not sheared where it is new: the
+// force stays and the stretch becomes less; one that shrinks gives up its part of the force (Mindlin
+// and Deresiewicz, 1953). So no energy is gained.
+void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                     const Contacts& now, State& state) noexcept {
+  const ContactSide side = contact_side(world, state);
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
     const bool was_closed = contact.closed;
-    const Vector3d stuck = contact.stuck;
     contact = now.contact[place];
     if (!contact.closed) continue;
+    contact.stuck = material_point(world, side, place, tip);
     const FrozenFriction& friction = frozen.friction[place];
-    if (!was_closed || !friction.acts) {
-      contact.stuck = now.material[place];
-      continue;
-    }
-    contact.stuck = stuck;
-    const Vector3d stretch = friction.tangential * (now.material[place] - stuck);
-    const double allowed = friction.limit / friction.stiffness;
-    if (stretch.norm() > allowed)
-      contact.stuck = now.material[place] - stretch * (allowed / stretch.norm());
+    if (!was_closed || !friction.acts) continue;
+    const Vector3d stretched = stretch(world, frozen, place, tip);
+    const double length = stretched.norm(), allowed = friction.limit / friction.stiffness;
+    const double stiffness =
+        friction_limit(world, friction, contact.depth, frozen.branch[place]).stiffness;
+    double part = length > allowed ? allowed / length : 1;
+    if (stiffness > friction.stiffness) part *= friction.stiffness / stiffness;
+    contact.stuck -= part * stretched;
   }
 }
 
@@ -214,91 +190,181 @@ bool flies_free(const World& world, const State& state, const Pose& command) noe
          reach;
 }
 
-int substeps_for(const World& world, const State& state, const Pose& command, double dt) noexcept {
-  int fewest = 1;
-  if (dt > world.numerics.longest_step)
-    fewest = static_cast<int>(std::clamp<double>(
-        std::ceil(dt / world.numerics.longest_step * (1 - 1e-9)), 1, kMaxSubsteps));
-  const PoseVector move = PoseVector(command) - state.command;
-  const double clearance = world.annulus.clearance();
-  const double lever = state.inserted_length() + world.annulus.fibre_radius;
-  const double travel = move.length() + lever * move.t.norm();
-  if (travel <= 0.5 * clearance) return fewest;
-  // Clear of the ferrule before and after: nothing on the way.
-  const double nearest = std::min({state.tip[0], state.command[0], command[0]}) -
-                         lever * (state.tip.tail<2>().norm() + command.tail<2>().norm());
-  if (nearest > world.profile.lead_in_length + clearance) return fewest;
-  return std::max(
-      fewest, static_cast<int>(std::min<double>(std::ceil(2 * travel / clearance), kMaxSubsteps)));
+// How many of the world's longest steps a step is.
+int parts_of(const World& world, double dt) noexcept {
+  if (!(dt > world.numerics.longest_step)) return 1;
+  return static_cast<int>(
+      std::clamp<double>(std::ceil(dt / world.numerics.longest_step * (1 - 1e-9)), 1, kMostParts));
 }
 
-// Did something begin or end, or did the end move by far more than the command?
-bool is_event(const State& before, const Contacts& now, EdgeSide side, const Pose& tip,
-              double travel) noexcept {
+// How far the command travels [m], at the end or at the other end of the inserted length.
+double travel_of(const World& world, const State& state, const Pose& command) noexcept {
+  const PoseVector move = PoseVector(command) - state.command;
+  return move.length() + (state.inserted_length() + world.annulus.fibre_radius) * move.t.norm();
+}
+
+// The part of the way to `command` to be tried first: half a clearance where something may be on
+// the way, but not too many of them.
+double first_part(const World& world, const State& state, const Pose& command) noexcept {
+  const double travel = travel_of(world, state, command), clearance = world.annulus.clearance();
+  if (travel <= 0.5 * clearance) return 1;
+  // Clear of the ferrule before and after: nothing on the way.
+  const double lever = state.inserted_length() + world.annulus.fibre_radius;
+  const double nearest = std::min({state.tip[0], state.command[0], command[0]}) -
+                         lever * (state.tip.tail<2>().norm() + command.tail<2>().norm());
+  if (nearest > world.profile.lead_in_length + clearance) return 1;
+  return std::max(0.5 * clearance / travel, 1.0 / kMostAtOnce);
+}
+
+// The part of a way along x to be taken at most where the end rubs near the edge between bore and
+// cone: up to the edge's rounding, and within it in short parts, as friction and adhesion turn there.
+double part_to_edge(const World& world, const State& state, double way) noexcept {
+  const double tangent = world.profile.lead_in_tangent;
+  if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0))
+    return INFINITY;
+  const PoseVector tip(state.tip);
+  const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t) / tip.e.norm() : 0.0;
+  const double reach = kEdgeRounding * std::sqrt(1 + 1 / (tangent * tangent)) + kEdgeStep;
+  const double rim = (way > 0 ? 1 : -1) * (tip.x - world.annulus.fibre_radius * out);
+  if (rim > reach) return INFINITY;
+  return std::max(kEdgeStep, -reach - rim) / std::abs(way);
+}
+
+// Does a contact or the bridge begin or end?
+bool hits(const State& before, const Contacts& now) noexcept {
   for (std::size_t place = 0; place < kContactPlaces; ++place)
     if (before.contact[place].closed != now.contact[place].closed ||
         before.contact[place].branch != now.contact[place].branch)
       return true;
-  return before.bridge != now.bridge || before.side != side ||
-         (tip - before.tip).head<3>().norm() > 10 * travel;
+  return before.bridge != now.bridge;
+}
+
+// Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
+// far more than the command?
+bool is_event(const State& before, const FrozenCoefficients& frozen, const Minimum& found,
+              const Contacts& now, double travel) noexcept {
+  if (hits(before, now)) return true;
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    const FrozenFriction& friction = frozen.friction[place];
+    if (!friction.acts || !now.contact[place].closed) continue;
+    const Vector3d normal = found.there.depth[place].normal(found.tip.t);
+    if (normal.dot(friction.tangential * normal) > kTurnedBy * normal.squaredNorm()) return true;
+  }
+  return before.side != frozen.contact.side ||
+         (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
+}
+
+// Ends the friction of contacts that have come apart; whether there were any.
+bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen) noexcept {
+  bool any = false;
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    FrozenFriction& friction = frozen.friction[place];
+    if (!friction.acts) continue;
+    const double depth = found.there.depth[place].value;
+    friction.acts = depth != -INFINITY &&
+                    friction_limit(world, friction, depth, frozen.branch[place]).limit > 0;
+    any = any || !friction.acts;
+  }
+  return any;
+}
+
+// Goes on from a minimum to where the friction limits are those of the contacts there. Contacts that
+// less friction lets go later are held by no minimum of given limits; they are followed by Newton's
+// method in both together, as long as that stays near.
+void settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
+                   Minimum& found) noexcept {
+  for (int round = 0; round < kMostSettling; ++round) {
+    if (found.converged && found.evaluations < most_evaluations && let_go(world, found, frozen)) {
+      found.there = Potential(world, frozen, found.tip);
+      ++found.evaluations;
+      found.converged = false;
+      minimise(world, frozen, most_evaluations, true, found);
+      if (!found.converged) return;
+    }
+    const FrictionLimits limits(world, frozen, found.tip, found.there.depth);
+    const bool settled = limits.largest_miss() <= kSameLimit;
+    if ((settled && found.converged) || found.evaluations >= most_evaluations) return;
+    const Energy& bore = found.there.bore;
+    const NewtonStep newton(world, frozen,
+                            without_friction(frozen, found.tip, bore.gradient, bore.hessian),
+                            found.tip, 1, Pivots::as_they_are);
+    FrozenCoefficients moved = frozen;
+    const auto move = limits.settle(newton, false, moved);
+    found.converged = false;
+    if (move) {
+      frozen = moved;
+      if (settled && final_newton_step(world, frozen, *move, found)) return;
+      found.tip = moved_along(world, found.tip, *move);
+      found.there = Potential(world, frozen, found.tip);
+      ++found.evaluations;
+      if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
+    }
+    minimise(world, frozen, most_evaluations, true, found);
+    if (!found.converged) return;
+  }
 }
 
 // Finds the minimum of a sub-step: predictor, corrector, and Newton's method where they do not
-// suffice. Freezes the coefficients again where the end slides off an edge.
-Minimum solve(const World& world, const State& state, double dt, FrozenCoefficients& frozen,
-              StepResult& result) noexcept {
+// suffice, at `few` evaluations at most to the first minimum. Freezes the coefficients again where
+// the end slides off an edge.
+Minimum solve(const World& world, const State& state, double dt, int few, int most_evaluations,
+              FrozenCoefficients& frozen) noexcept {
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
+  const FrozenCoefficients first = frozen;
   const Prediction end =
-      holds_still ? Prediction{false, state.tip, {}} : predict(world, frozen, state);
+      holds_still ? Prediction{false, state.tip, {}, {}, 0} : predict(world, state, frozen);
+  if (!end.valid) frozen = first;
   Minimum found(world, frozen, end.tip);
+  found.converged = holds_still;
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
+    frozen = first;
     found.tip = state.tip;
     found.there = Potential(world, frozen, state.tip);
+    ++found.evaluations;
+  } else if (end.valid && rubs(frozen) &&
+             residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) {
+    settle_limits(world, few, frozen, found);
   }
-  if (holds_still)
-    found.converged = true;
-  else if (!found.converged)
-    minimise(world, frozen, found);
-  result.iterations += found.iterations;
+  if (!found.converged) minimise(world, frozen, few, false, found);
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
+    if (found.evaluations >= few) break;
+    const EdgeSide side = frozen.contact.side;
     frozen = freeze_again(world, state, frozen, found.tip.full());
-    const int before = found.iterations;
-    found.iterations = 0;
+    const int before = found.evaluations;
     found.there = Potential(world, frozen, found.tip);
-    minimise(world, frozen, found);
-    result.iterations += found.iterations;
-    if (found.iterations == 0 && before == 0) break;
+    ++found.evaluations;
+    minimise(world, frozen, few, side == frozen.contact.side, found);
+    if (found.evaluations == before + 1) break;
+  }
+  if (found.converged && rubs(frozen)) {
+    const FrozenCoefficients held = frozen;
+    const Minimum minimum = found;
+    settle_limits(world, std::min(most_evaluations, found.evaluations + kLimitEvaluations), frozen,
+                  found);
+    if (!found.converged) {  // limits that lag behind, then
+      const int iterations = found.iterations, evaluations = found.evaluations;
+      frozen = held;
+      found = minimum;
+      found.iterations = iterations;
+      found.evaluations = evaluations;
+    }
   }
   return found;
-}
-
-// Is the sub-step to be halved: because the minimum was not found, or to locate an event?
-bool must_halve(const World& world, const State& state, const Pose& command,
-                const FrozenCoefficients& frozen, const Minimum& found, const Contacts& now,
-                int depth) noexcept {
-  const double event_travel = world.numerics.event_travel;
-  if (found.converged && !std::isfinite(event_travel)) return false;
-  const Pose move = command - state.command;
-  const double travel =
-      move.head<3>().norm() + move.tail<2>().norm() * (frozen.length + world.annulus.fibre_radius);
-  const bool search = !found.converged && depth < kMostHalvings && travel > 0;
-  const bool locate = depth < kMostEventHalvings && travel > event_travel &&
-                      is_event(state, now, frozen.contact.side, found.tip.full(), travel);
-  return search || locate;
 }
 
 // Takes the minimum as the state after the sub-step.
 void accept(const World& world, const Pose& command, double dt, const FrozenCoefficients& frozen,
             const Minimum& found, const Contacts& now, StepResult& result) noexcept {
   State& state = result.state;
-  if (!found.converged) result.status = StepStatus::not_converged;
   const Pose tip = found.tip.full();
   update_velocity(frozen, tip, dt, state);
+  // A velocity that jumps is not extrapolated.
+  if (frozen.inertial && hits(state, now)) state.dt_before = 0;
   state.tip = tip;
   state.command = command;
   state.side = frozen.contact.side;
-  update_contacts(frozen, now, state);
+  update_contacts(world, frozen, found.tip, now, state);
   state.bridge = now.bridge;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
@@ -307,21 +373,25 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   ++result.substeps;
 }
 
-// One sub-step from result.state to `command`: freeze, solve, accept; halved where it must be.
-void advance(const World& world, const Pose& command, double dt, int depth,
-             StepResult& result) noexcept {
+// One sub-step from result.state to `command`, of at most so many evaluations; or none and false
+// where it is `divisible` and too long: the minimum is far, or something happens in it.
+bool advance(const World& world, const Pose& command, double dt, int most_evaluations,
+             bool divisible, StepResult& result) noexcept {
   const State& state = result.state;
   FrozenCoefficients frozen = freeze(world, state, command, dt);
-  const Minimum found = solve(world, state, dt, frozen, result);
+  const int few = divisible ? std::min(kFewEvaluations, most_evaluations) : most_evaluations;
+  const Minimum found = solve(world, state, dt, few, most_evaluations, frozen);
+  result.evaluations += found.evaluations;
+  result.iterations += found.iterations;
+  if (divisible && !found.converged) return false;
   const Contacts now = contacts(world, frozen, found.tip, found.there);
-  if (must_halve(world, state, command, frozen, found, now, depth)) {
-    ++result.halvings;
-    const Pose half = state.command + 0.5 * (command - state.command);
-    advance(world, half, 0.5 * dt, depth + 1, result);
-    advance(world, command, 0.5 * dt, depth + 1, result);
-    return;
-  }
+  if (divisible && is_event(state, frozen, found, now, travel_of(world, state, command)))
+    return false;
+  result.status = found.converged                         ? StepStatus::ok
+                  : found.evaluations >= most_evaluations ? StepStatus::capped
+                                                          : StepStatus::not_converged;
   accept(world, command, dt, frozen, found, now, result);
+  return true;
 }
 
 // Free flight: the end hangs on the holder.
@@ -343,17 +413,49 @@ StepResult hang(const World& world, const State& state, const Pose& command, dou
   return result;
 }
 
-// Near the ferrule, or with inertia: in sub-steps to the command.
+// To `command` over dt in sub-steps, as long as nothing happens and short where it does, of at most
+// kMostEvaluations together.
+void follow_part(const World& world, const Pose& command, double dt, StepResult& result) noexcept {
+  const int end = result.evaluations + kMostEvaluations;
+  const Pose from = result.state.command;
+  const double travel = travel_of(world, result.state, command);
+  const double shortest = std::max(world.numerics.event_travel, travel / kMostDivided);
+  const double first = first_part(world, result.state, command);
+  double done = 0, beyond = INFINITY;  // something happens between these parts of the way
+  while (done < 1) {
+    const int left = end - result.evaluations;
+    double to = done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
+    bool divisible = (to - done) * travel > std::max(shortest, 1.01 * kEdgeStep);
+    if (beyond <= 1) {
+      divisible = (beyond - done) * travel > shortest;
+      to = divisible ? 0.5 * (done + beyond) : beyond;
+    }
+    const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
+    if (last) to = 1;
+    divisible = divisible && left > kReserve + kFewEvaluations;
+    const Pose goal = last ? command : Pose(from + to * (command - from));
+    if (!advance(world, goal, (to - done) * dt, last ? left : left - kReserve, divisible, result)) {
+      beyond = to;
+      ++result.halvings;
+      continue;
+    }
+    done = to;
+    if (to >= beyond) beyond = INFINITY;
+  }
+}
+
+// Near the ferrule, or with inertia: in no longer steps than the world allows.
 StepResult follow_command(const World& world, const State& state, const Pose& command,
                           double dt) noexcept {
   StepResult result(state);
   result.state.time = state.time + dt;
-  const Pose& from = state.command;
-  const int parts = substeps_for(world, state, command, dt);
-  const double part = dt / parts;
-  for (int k = 1; k < parts; ++k)
-    advance(world, from + static_cast<double>(k) / parts * (command - from), part, 0, result);
-  advance(world, command, part, 0, result);
+  const int parts = parts_of(world, dt);
+  for (int k = 1; k <= parts; ++k)
+    follow_part(world,
+                k == parts ? command
+                           : Pose(state.command +
+                                  static_cast<double>(k) / parts * (command - state.command)),
+                dt / parts, result);
   return result;
 }
 

@@ -2,14 +2,12 @@
 //
 // The fibre has no inertia to speak of at these time scales; at every instant it rests where the
 // potential of sim/potential.hpp is stationary. A step minimises that potential from where the
-// fibre was, by Newton's method with a line search: the energy never rises, so no step size blows
-// up, and the fibre follows the branch it is on until that branch ends (snap-in, pull-off, slip).
+// fibre was (sim/minimum.hpp): the energy never rises, so no step size blows up, and the fibre
+// follows the branch it is on until that branch ends (snap-in, pull-off, slip).
 //
 // A predictor, the linearization of the forces where the last step ended, says where it ends, and
-// one evaluation there corrects it: a smooth step takes one evaluation of the potential.
-//
-// A command that moves by more than half a clearance near the ferrule is followed in sub-steps of
-// that size, so that the fibre meets what lies on its way and does not jump over it.
+// one evaluation there corrects it: a smooth step takes one evaluation of the potential. Where
+// something happens on the way, or the minimum is not found soon, the step is halved.
 #pragma once
 
 #include "sim/breakdown.hpp"
@@ -19,9 +17,14 @@ namespace ferrule {
 
 enum class StepStatus {
   ok,
-  not_converged,  // finite and lower in energy than before, but not stationary even when halved
+  not_converged,  // finite and lower in energy than before, but not stationary
   bad_command,    // the command or dt is not finite, or dt < 0: the state is unchanged
+  capped,  // not stationary yet: kMostEvaluations were spent, the next step goes on from there
 };
+
+// The most evaluations of the potential that a step takes, for each of the world's longest steps
+// that it is divided into.
+inline constexpr int kMostEvaluations = 56;
 
 struct StepResult {
   StepResult() = default;
@@ -30,9 +33,10 @@ struct StepResult {
   State state;
   Breakdown forces;
   StepStatus status = StepStatus::ok;
-  int iterations = 0;  // Newton iterations, all sub-steps together
+  int evaluations = 0;  // of the potential
+  int iterations = 0;   // Newton iterations, all sub-steps together
   int substeps = 0;
-  int halvings = 0;  // of sub-steps: the minimum was not found at once, or an event was located
+  int halvings = 0;  // of sub-steps: the minimum was not found soon, or an event was located
 };
 
 // From `state` over `dt` [s] to `command` [m, rad]. Never throws, never allocates, never

@@ -14,6 +14,8 @@ const Quadrature kMiddle;  // the one gap that printed forces know
 
 // The closed form replaces the exact cylinders where it is as good as these.
 constexpr double kClosedFormError = 1e-3;
+constexpr double kStraight = 20;  // a part sags by no more than a twentieth of the gap
+constexpr int kStretches = 6;
 constexpr double kGaussTwo = 0.57735026918962576451;  // 1/sqrt(3)
 
 // Inserted length of the pose itself, and its derivative by x.
@@ -145,7 +147,31 @@ class Touching {
   Touching(double closest, double thinnest, double force, double value) noexcept
       : closest_(closest), per_thinnest_(1 / thinnest), at_closest_(force), value_at_(value) {}
 
+  // In parts where it is not straight beside what is left of the gap.
   void add(const PoseVector& tip, double from, double to) noexcept {
+    const double across = tip.t.norm() * (to - from);
+    const double sag = across * across / (8 * closest_);
+    const int parts = kStraight * sag * per_thinnest_ > 1 ? kStretches : 1;
+    const double part = (to - from) / parts;
+    for (int n = 0; n < parts; ++n) add_straight(tip, from + n * part, from + (n + 1) * part);
+  }
+
+  Vector2d pull() const noexcept { return {pull_y_.sum(), pull_z_.sum()}; }
+  Vector2d turn() const noexcept { return {turn_y_.sum(), turn_z_.sum()}; }
+
+  void add_to(Energy& total) const noexcept {
+    total.value += value_.sum();
+    total.value_scale += value_scale_.sum();
+    total.force_scale += force_scale_.sum();
+    total.gradient.e += pull();
+    total.gradient.t += turn();
+    total.hessian.ee += symmetric(yy_.zeroth, yz_.zeroth, zz_.zeroth);
+    total.hessian.et += symmetric(yy_.first, yz_.first, zz_.first);
+    total.hessian.tt += symmetric(yy_.second, yz_.second, zz_.second);
+  }
+
+ private:
+  void add_straight(const PoseVector& tip, double from, double to) noexcept {
     const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
     const double spread = kGaussTwo * half, steepest = half * at_closest_;
     const Pair arm(middle - spread, middle + spread);
@@ -168,21 +194,6 @@ class Touching {
     zz_.add(arm, per_e - along * z * z);
   }
 
-  Vector2d pull() const noexcept { return {pull_y_.sum(), pull_z_.sum()}; }
-  Vector2d turn() const noexcept { return {turn_y_.sum(), turn_z_.sum()}; }
-
-  void add_to(Energy& total) const noexcept {
-    total.value += value_.sum();
-    total.value_scale += value_scale_.sum();
-    total.force_scale += force_scale_.sum();
-    total.gradient.e += pull();
-    total.gradient.t += turn();
-    total.hessian.ee += symmetric(yy_.zeroth, yz_.zeroth, zz_.zeroth);
-    total.hessian.et += symmetric(yy_.first, yz_.first, zz_.first);
-    total.hessian.tt += symmetric(yy_.second, yz_.second, zz_.second);
-  }
-
- private:
   // Sums over the nodes of a quantity times powers of the arm.
   struct Moments {
     Pair zeroth = Pair::Zero(), first = Pair::Zero(), second = Pair::Zero();
@@ -297,6 +308,20 @@ void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law
 }
 
 }  // namespace
+
+bool has_printed_forces(const World& world) noexcept {
+  return PrintedLaws(world).any();
+}
+
+LineForce printed_forces(const World& world, double h) noexcept {
+  LineForce sum;
+  PrintedLaws(world).at(h, [&](SurfaceTerm, const LineForce& law) {
+    sum.potential += law.potential;
+    sum.force += law.force;
+    sum.slope += law.slope;
+  });
+  return sum;
+}
 
 bool electrostatic_in_closed_form(const World& world) noexcept {
   return world.numerics.closed_form &&

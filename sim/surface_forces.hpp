@@ -27,6 +27,10 @@ using SurfaceGradients = std::array<PoseVector, kSurfaceTerms>;
 void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& world,
                         double printed_length, bool bridge, const PoseVector& tip) noexcept;
 
+// The printed ones per length at a gap h [m].
+bool has_printed_forces(const World& world) noexcept;
+LineForce printed_forces(const World& world, double h) noexcept;
+
 // Whether the corrected electrostatic force is taken in closed form in this world.
 bool electrostatic_in_closed_form(const World& world) noexcept;
 

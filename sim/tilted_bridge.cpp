@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "sim/contact_depth.hpp"
+#include "sim/elementary.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 
 namespace ferrule {
@@ -58,8 +59,9 @@ class Cuts {
     // Between them by equal factors of the distance from where the law is singular.
     const double scale = bridge_scale(bridge.law, bridge.annulus);
     const double most = 1 + std::min(reach, c) / scale;
-    const double parts = std::ceil(std::log(most) / std::log(kSteepest));
-    const double factor = std::pow(most, 1 / parts);
+    const double log_most = elementary::log(most);
+    const double factor =
+        elementary::exp(log_most / std::ceil(log_most / elementary::log(kSteepest)));
     for (double rise = factor; rise < 0.99 * most; rise *= factor)
       add(bridge, c - scale * (rise - 1), total);
     // Near the bore's axis, where the direction turns.

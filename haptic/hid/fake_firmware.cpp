@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -289,8 +291,8 @@ std::array<double, 2> FakeFirmware::force() const noexcept {
   std::array<double, 2> sum{};
   for (const Effect& e : effects_) {
     if (!enabled_ || !e.constant || time_ >= e.until) continue;
-    sum[0] += e.gain * e.force * std::sin(2 * std::numbers::pi * e.angle);
-    sum[1] -= e.gain * e.force * std::cos(2 * std::numbers::pi * e.angle);
+    sum[0] += e.gain * e.force * elementary::sin(2 * std::numbers::pi * e.angle);
+    sum[1] -= e.gain * e.force * elementary::cos(2 * std::numbers::pi * e.angle);
   }
   return sum;
 }

@@ -66,7 +66,10 @@ bool in_collection(const HidField& field, std::uint32_t usage) noexcept {
 double per_second(const HidField& field) noexcept {
   const bool seconds =
       std::find(std::begin(kSeconds), std::end(kSeconds), field.unit) != std::end(kSeconds);
-  const double scale = std::pow(10.0, seconds ? -field.unit_exponent : 3);
+  const int exponent = seconds ? -field.unit_exponent : 3;
+  double power = 1;
+  for (int i = 0; i < std::abs(exponent); ++i) power *= 10;
+  const double scale = exponent < 0 ? 1 / power : power;
   const double physical = static_cast<double>(field.physical_max - field.physical_min);
   const double logical = static_cast<double>(field.logical_max - field.logical_min);
   return seconds && physical > 0 ? scale * logical / physical : scale;

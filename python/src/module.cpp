@@ -55,10 +55,13 @@ Eigen::VectorXd numbers(nb::handle from, Eigen::Index count, const char* what) {
 Array array(const double* values, std::vector<std::size_t> shape) {
   std::size_t size = 1;
   for (const std::size_t n : shape) size *= n;
-  auto* const copy = new double[size];
-  std::copy(values, values + size, copy);
-  nb::capsule owner(copy, [](void* p) noexcept { delete[] static_cast<double*>(p); });
-  return {copy, shape.size(), shape.data(), owner};
+  using Values = std::vector<double>;
+  auto copy = std::make_unique<Values>(values, values + size);
+  double* const first = copy->data();
+  const nb::capsule owner(
+      copy.get(), [](void* p) noexcept { std::default_delete<Values>()(static_cast<Values*>(p)); });
+  copy.release();  // it is the capsule's from here on
+  return {first, shape.size(), shape.data(), owner};
 }
 
 }  // namespace python

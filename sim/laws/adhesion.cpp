@@ -1,7 +1,8 @@
 #include "sim/laws/adhesion.hpp"
 
-#include <cmath>
 #include <numbers>
+
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
@@ -16,8 +17,8 @@ MaugisContact::MaugisContact(double lambda, double work_of_adhesion, double redu
                              double sphere_radius)
     : curve(lambda),
       force(std::numbers::pi * work_of_adhesion * sphere_radius),
-      depth(std::cbrt(force * force / (reduced_modulus * reduced_modulus * sphere_radius))),
-      radius(std::cbrt(force * sphere_radius / reduced_modulus)) {}
+      depth(elementary::cbrt(force * force / (reduced_modulus * reduced_modulus * sphere_radius))),
+      radius(elementary::cbrt(force * sphere_radius / reduced_modulus)) {}
 
 Adhesion prepare(Adhesion law) {
   law.contact = std::make_shared<const MaugisContact>(law.maugis_lambda, law.work_of_adhesion,

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/elementary.hpp"
 #include "sim/laws/corrected_range.hpp"
 
 namespace ferrule {
@@ -9,8 +10,8 @@ namespace {
 
 // Half width of a bridge: the real root of x^3 + 6 R_e h x - 3 R_e A_l = 0, h >= 0.
 double half_width(double volume, double radius, double h) noexcept {
-  const double p = 2 * radius * h, q = 1.5 * radius * volume;    // x^3 + 3 p x - 2 q = 0
-  const double u = std::cbrt(q + std::sqrt(q * q + p * p * p));  // Cardano
+  const double p = 2 * radius * h, q = 1.5 * radius * volume;           // x^3 + 3 p x - 2 q = 0
+  const double u = elementary::cbrt(q + std::sqrt(q * q + p * p * p));  // Cardano
   double x = u - p / u;
   // Newton, for the digits that cancel where the bridge is much narrower than high.
   for (int i = 0; i < 2; ++i) x -= ((x * x + 3 * p) * x - 2 * q) / (3 * (x * x + p));
@@ -19,7 +20,7 @@ double half_width(double volume, double radius, double h) noexcept {
 
 LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noexcept {
   const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
-  const double tension = 4 * law.surface_tension * std::cos(law.contact_angle);
+  const double tension = 4 * law.surface_tension * elementary::cos(law.contact_angle);
   const double x = half_width(law.volume, radius, h);
   const double height = h + x * x / (2 * radius);
   const double force = -tension * x / height;
@@ -45,7 +46,7 @@ double capillary_reach(const Capillary& law, bool bridge) noexcept {
 
 double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept {
   const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
-  return 0.5 * std::cbrt(2.25 * law.volume * law.volume / radius);
+  return 0.5 * elementary::cbrt(2.25 * law.volume * law.volume / radius);
 }
 
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept {
@@ -55,7 +56,7 @@ LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool
       0, [&](double gap) noexcept { return bridge_law(law, annulus, gap); }, annulus, h);
   // The potential is zero where the force ends.
   const double prepared = bridge ? law.rupture_half_width : law.film_half_width;
-  force.potential += 4 * law.surface_tension * std::cos(law.contact_angle) *
+  force.potential += 4 * law.surface_tension * elementary::cos(law.contact_angle) *
                      (prepared > 0 ? prepared : half_width_at(law, annulus, reach));
   return force;
 }

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
 #include "sim/laws/corrected_range.hpp"
 
 namespace ferrule {
@@ -15,7 +16,7 @@ LineForce cylinders_law(double voltage, const Annulus& annulus, double h) noexce
   // acosh(1 + t) with t >= 0 tiny, and its derivatives by e.
   const double t = near * (c + e) / (2 * product);
   const double root = std::sqrt(t * (2 + t));
-  const double angle = std::log1p(t + root);
+  const double angle = elementary::log1p(t + root);
   const double strength = std::numbers::pi * kPermittivity * voltage * voltage;
   const double pull = e / (product * angle * angle * root);
   const double slope = (1 + e * e / (product * root) * (2 / angle + (1 + t) / root)) /

@@ -1,6 +1,8 @@
 #include "sim/laws/friction.hpp"
 
-#include <cmath>
+#include <numbers>
+
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -11,22 +13,24 @@ constexpr double kStressSmall = 0.02, kStressLarge = 8e-4;  // tau_f1, tau_f2 [-
 }  // namespace
 
 double hurtado_kim_m() noexcept {
-  return -std::log10(kStressSmall / kStressLarge) / std::log10(kLarge / kSmall);
+  return -elementary::log(kStressSmall / kStressLarge) / elementary::log(kLarge / kSmall);
 }
 
 double hurtado_kim_b() noexcept {
-  return (std::log10(kStressSmall) * std::log10(kLarge) -
-          std::log10(kStressLarge) * std::log10(kSmall)) /
-         std::log10(kLarge / kSmall);
+  return (elementary::log(kStressSmall) * elementary::log(kLarge) -
+          elementary::log(kStressLarge) * elementary::log(kSmall)) /
+         (elementary::log(kLarge / kSmall) * std::numbers::ln10);
 }
 
+// In terms of a'/a_1, as 10^B = tau_1 a_1^-M.
 double friction(const Friction& law, double contact_radius) noexcept {
-  static const double exponent = hurtado_kim_m() + 2, factor = std::pow(10.0, hurtado_kim_b());
-  const double a = contact_radius / law.burgers;
-  const double scale = law.effective_shear_modulus() * law.burgers * law.burgers;
-  if (a < kSmall) return scale * kStressSmall * a * a;
-  if (a > kLarge) return scale * kStressLarge * a * a;
-  return scale * factor * std::pow(a, exponent);
+  static const double m = hurtado_kim_m();
+  const double least = kSmall * law.burgers;
+  const double a = contact_radius / least;
+  const double square = law.effective_shear_modulus() * least * least * a * a;
+  if (a < 1) return kStressSmall * square;
+  if (a > kLarge / kSmall) return kStressLarge * square;
+  return kStressSmall * square * elementary::exp(m * elementary::log(a));
 }
 
 double stuck_stiffness(const Friction& law, double contact_radius) noexcept {

@@ -8,6 +8,7 @@
 #include <limits>
 #include <numbers>
 
+#include "sim/elementary.hpp"
 #include "sim/error.hpp"
 
 namespace ferrule {
@@ -17,10 +18,11 @@ using std::numbers::pi;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kTableEnds = 1e4;  // in D; beyond, the equations are solved at each call
 constexpr double kSmallestS = 1e-9, kLargestS = 1e9;
+constexpr int kMostNewton = 12;
 
 // s + (s^2 - 1) atan s. Its leading terms cancel for small s, where the series is used.
 double ring_bending(double s) noexcept {
-  if (s > 0.3) return s + (s * s - 1) * std::atan(s);
+  if (s > 0.3) return s + (s * s - 1) * elementary::atan(s);
   double sum = 0, power = s * s * s;
   for (int k = 0; k < 18; ++k, power *= -s * s)
     sum += power * (1.0 / (2 * k + 1) + 1.0 / (2 * k + 3));
@@ -29,7 +31,7 @@ double ring_bending(double s) noexcept {
 
 // s atan s - m + 1 with m - 1 = s^2/(1 + m).
 double ring_opening(double s, double m) noexcept {
-  return s * (std::atan(s) - s / (1 + m));
+  return s * (elementary::atan(s) - s / (1 + m));
 }
 
 double m_of(double s) noexcept {
@@ -91,21 +93,22 @@ MaugisPoint maugis_at_s(double lambda, double s) noexcept {
   const double a = 0.5 * lambda * ring_bending(s);
   const double b = 4.0 / 3 * lambda * lambda * ring_opening(s, m);
   const double A = 2 / (b + std::sqrt(b * b + 4 * a));
-  return {A, m, A * A * A - lambda * A * A * (s + m * m * std::atan(s)),
+  return {A, m, A * A * A - lambda * A * A * (s + m * m * elementary::atan(s)),
           A * A - 4.0 / 3 * lambda * A * s};
 }
 
 MaugisPoint maugis_at_radius(double lambda, double radius) noexcept {
   const auto closure = [&](double log_s) {
-    const double s = std::exp(log_s);
+    const double s = elementary::exp(log_s);
     return 0.5 * lambda * radius * radius * ring_bending(s) +
            4.0 / 3 * lambda * lambda * radius * ring_opening(s, m_of(s)) - 1;
   };
-  const double s = std::exp(root(closure, std::log(kSmallestS), std::log(kLargestS)));
+  const double s =
+      elementary::exp(root(closure, elementary::log(kSmallestS), elementary::log(kLargestS)));
   MaugisPoint p = maugis_at_s(lambda, s);
   // Of the given radius exactly; s is what the closure leaves to rounding.
   p.A = radius;
-  p.P = radius * radius * radius - lambda * radius * radius * (s + p.m * p.m * std::atan(s));
+  p.P = radius * radius * radius - lambda * radius * radius * (s + p.m * p.m * elementary::atan(s));
   p.D = radius * radius - 4.0 / 3 * lambda * radius * s;
   return p;
 }
@@ -120,8 +123,34 @@ double maugis_touching_disc(double lambda) noexcept {
   return 2 * c / (b + std::sqrt(b * b + 2 * c));
 }
 
+namespace {
+
+// A contact with its derivatives along the curve. The energy is that of the elastic bodies and the
+// stress, less the work of adhesion on the disc of radius m A: where closure holds its differential
+// is P dD.
+struct Contact {
+  MaugisPoint point;
+  double D_by_s, slope, energy;  // slope: dP/dD
+
+  Contact(double lambda, double s) noexcept : point(maugis_at_s(lambda, s)) {
+    const double A = point.A, m = point.m, m2 = m * m, angle = elementary::atan(s);
+    const double b = ring_bending(s), o = ring_opening(s, m), g = s + m2 * angle;
+    const double closure_A = lambda * (A * b + 4.0 / 3 * lambda * o);
+    const double closure_s =
+        lambda * A * (A * (s * angle + s * s / m2) + 4.0 / 3 * lambda * (angle + s / m2 - s / m));
+    const double A_by_s = -closure_s / closure_A;
+    D_by_s = (2 * A - 4.0 / 3 * lambda * s) * A_by_s - 4.0 / 3 * lambda * A;
+    slope = A * ((3 * A - 2 * lambda * g) * A_by_s - 2 * lambda * A * (1 + s * angle)) / D_by_s;
+    energy = A * A *
+             (A * A * (0.4 * A + lambda * (0.25 * m2 * b - 0.5 * g - s / 3)) +
+              4.0 / 9 * lambda * lambda * A * (g * s + 2 * m2 * o) - m2);
+  }
+};
+
+}  // namespace
+
 double MaugisCurve::D_at(bool touching, double parameter) const noexcept {
-  return touching ? maugis_at_s(lambda_, std::exp(parameter)).D
+  return touching ? maugis_at_s(lambda_, elementary::exp(parameter)).D
                   : maugis_apart(lambda_, parameter).D;
 }
 
@@ -132,6 +161,7 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   piece.begin = begin;
   const double end = D_at(touching, to);
   piece.end = end;
+  if (touching) piece.energy_there = Contact(lambda_, elementary::exp(to)).energy;
   const double width = std::sqrt(std::sqrt(end - begin)) / static_cast<double>(kCells);
   piece.cells_per_y = 1 / width;
 
@@ -139,9 +169,10 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   Eigen::Matrix<double, kDegree + 1, kDegree + 1> powers;
   std::array<double, kDegree + 1> nodes;
   for (int i = 0; i <= kDegree; ++i) {
-    nodes[static_cast<std::size_t>(i)] = 0.5 * (1 - std::cos(pi * i / kDegree));
-    for (int k = 0; k <= kDegree; ++k)
-      powers(i, k) = std::pow(nodes[static_cast<std::size_t>(i)], k);
+    nodes[static_cast<std::size_t>(i)] = 0.5 * (1 - elementary::cos(pi * i / kDegree));
+    powers(i, 0) = 1;
+    for (int k = 0; k < kDegree; ++k)
+      powers(i, k + 1) = powers(i, k) * nodes[static_cast<std::size_t>(i)];
   }
   const auto solver = powers.fullPivLu();
   for (std::size_t cell = 0; cell < kCells; ++cell) {
@@ -151,8 +182,8 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
       const double D = begin + y * y * y * y;
       double parameter = from;
       if (y > 0) parameter = root([&](double p) { return D_at(touching, p) - D; }, from, to);
-      const MaugisPoint p =
-          touching ? maugis_at_s(lambda_, std::exp(parameter)) : maugis_apart(lambda_, parameter);
+      const MaugisPoint p = touching ? maugis_at_s(lambda_, elementary::exp(parameter))
+                                     : maugis_apart(lambda_, parameter);
       force[i] = p.P;
       radius[i] = p.A;
     }
@@ -169,27 +200,22 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   return piece;
 }
 
-// Beyond the table the equations are solved: nearly Hertz, s is small.
+// Beyond the table the equations are solved, by Newton's method in log D by log s.
 MaugisCurve::Value MaugisCurve::beyond(const Piece& table, double D) const noexcept {
-  const auto s_at = [&](double d) {
-    return std::exp(root([&](double p) { return D_at(true, p) - d; }, std::log(1e-14), 7.0));
-  };
-  const auto P_at = [&](double d) { return maugis_at_s(lambda_, s_at(d)).P; };
-  const MaugisPoint p = maugis_at_s(lambda_, s_at(D));
-  const double step = 1e-4 * D;
-  Value value;
-  value.P = p.P;
-  value.A = p.A;
-  value.slope = (P_at(D + step) - P_at(D - step)) / (2 * step);
-  // Simpson's rule is exact to rounding on so smooth a curve when taken in D^(1/2).
-  const double x0 = std::sqrt(table.end), x1 = std::sqrt(D);
-  constexpr int n = 32;
-  double sum = 0;
-  for (int i = 0; i <= n; ++i) {
-    const double x = x0 + (x1 - x0) * i / n;
-    sum += (i == 0 || i == n ? 1 : i % 2 ? 4 : 2) * P_at(x * x) * 2 * x;
+  double s = std::min(elementary::cbrt(1.5 / (lambda_ * D)),
+                      std::sqrt(1.5 / (lambda_ * lambda_ * std::sqrt(D))));
+  for (int n = 0; n < kMostNewton; ++n) {
+    const Contact there(lambda_, s);
+    const double step = -elementary::log(there.point.D / D) * there.point.D / (there.D_by_s * s);
+    s *= elementary::exp(std::clamp(step, -1.0, 1.0));
+    if (std::abs(step) < 1e-8) break;  // it converges quadratically
   }
-  value.energy = table.energy + sum * (x1 - x0) / (3 * n);
+  const Contact there(lambda_, s);
+  Value value;
+  value.P = there.point.P;
+  value.A = there.point.A;
+  value.slope = there.slope;
+  value.energy = table.energy + there.energy - table.energy_there;
   return value;
 }
 
@@ -227,12 +253,12 @@ MaugisCurve::MaugisCurve(double lambda) : lambda_(lambda) {
   attaches_ = -2 / (pi * lambda);
 
   // In contact: the smallest D, over log s. Where it is at the largest s, D grows from touch on.
-  const double touch_s = std::log(kLargestS);
+  const double touch_s = elementary::log(kLargestS);
   const auto depth = [&](double log_s) { return D_at(true, log_s); };
   double lowest = touch_s;
-  for (double log_s = std::log(1e4); log_s > std::log(1e-3); log_s -= 0.02)
+  for (double log_s = elementary::log(1e4); log_s > elementary::log(1e-3); log_s -= 0.02)
     if (depth(log_s) < depth(lowest)) lowest = log_s;
-  const bool folds = lowest < std::log(9e3);
+  const bool folds = lowest < elementary::log(9e3);
   if (folds)
     lowest = boost::math::tools::brent_find_minima(depth, lowest - 0.03, lowest + 0.03, 52).first;
   else
@@ -318,14 +344,15 @@ std::vector<MaugisPoint> MaugisCurve::points(std::size_t count) const {
   for (std::size_t i = 0; i < apart; ++i)
     all.push_back(
         maugis_apart(lambda_, touch * static_cast<double>(i) / static_cast<double>(apart)));
-  const double first = std::log(1e4);
+  const double first = elementary::log(1e4);
   double last = 0;
   while (D_at(true, last) < 6) last -= 0.1;
   while (D_at(true, last) > 6) last += 0.02;
   const std::size_t rest = count - all.size();
   for (std::size_t i = 0; i < rest; ++i)
-    all.push_back(maugis_at_s(lambda_, std::exp(first + (last - first) * static_cast<double>(i) /
-                                                            static_cast<double>(rest - 1))));
+    all.push_back(
+        maugis_at_s(lambda_, elementary::exp(first + (last - first) * static_cast<double>(i) /
+                                                         static_cast<double>(rest - 1))));
   return all;
 }
 

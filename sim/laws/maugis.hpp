@@ -81,7 +81,8 @@ class MaugisCurve {
   struct Piece {
     double begin, end, cells_per_y;
     std::vector<Cell> cells;
-    double energy = 0;  // at the end
+    double energy = 0;        // at the end
+    double energy_there = 0;  // the same up to a constant, of the equations of contact
   };
   struct Branch {
     double begin, end;

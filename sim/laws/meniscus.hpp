@@ -3,8 +3,9 @@
 //   F_x = -2 pi r gamma_L cos(theta_c): wetting liquid pulls the fibre in, once its end is inside.
 #pragma once
 
-#include <cmath>
 #include <numbers>
+
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
@@ -15,7 +16,8 @@ struct Meniscus {
 
 // Magnitude of the pull [N] on a fibre of the given radius [m].
 inline double meniscus(const Meniscus& law, double fibre_radius) noexcept {
-  return 2 * std::numbers::pi * fibre_radius * law.surface_tension * std::cos(law.contact_angle);
+  return 2 * std::numbers::pi * fibre_radius * law.surface_tension *
+         elementary::cos(law.contact_angle);
 }
 
 }  // namespace ferrule

@@ -2,24 +2,27 @@
 
 #include <boost/math/special_functions/legendre.hpp>
 #include <cassert>
+#include <numbers>
+
+#include "sim/elementary.hpp"
 
 namespace ferrule {
 
+// The zeros by Newton's method, from where they nearly are (Tricomi 1950); Boost's own search
+// starts from the C library's cosine.
 Quadrature Quadrature::gauss_legendre(int order) {
   assert(order >= 1 && order <= kMostNodes);
   Quadrature q;
   q.order = order;
-  const auto zeros = boost::math::legendre_p_zeros<double>(order);  // the non-negative ones
-  std::size_t n = 0;
-  const auto add = [&](double x) {
+  for (int n = 0; n < order; ++n) {
+    double x = -elementary::cos(std::numbers::pi * (n + 0.75) / (order + 0.5));
+    if (2 * n + 1 == order) x = 0;
+    for (int i = 0; i < 5; ++i)
+      x -= boost::math::legendre_p(order, x) / boost::math::legendre_p_prime(order, x);
     const double slope = boost::math::legendre_p_prime(order, x);
-    q.node[n] = 0.5 * (1 + x);
-    q.weight[n] = 1 / ((1 - x * x) * slope * slope);
-    ++n;
-  };
-  for (auto zero = zeros.rbegin(); zero != zeros.rend(); ++zero)
-    if (*zero > 0) add(-*zero);
-  for (const double zero : zeros) add(zero);
+    q.node[static_cast<std::size_t>(n)] = 0.5 * (1 + x);
+    q.weight[static_cast<std::size_t>(n)] = 1 / ((1 - x * x) * slope * slope);
+  }
   return q;
 }
 

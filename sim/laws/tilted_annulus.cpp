@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -57,7 +59,7 @@ Arc arc(double z, double open) noexcept {
     return sum;
   }
   const double per_z = 1 / z, half = 0.5 * per_z * per_z;
-  const double value = std::atan(z) * per_z;
+  const double value = elementary::atan(z) * per_z;
   const double first = (open - value) * half;
   return {value, first, -(open * open + 3 * first) * half};
 }

@@ -172,6 +172,11 @@ Json reduced_document(const Scene& full, const Reduced& r) {
   d["dynamics"] = inertial ? "inertial" : "quasi_static";
   if (inertial) d["integrator"] = "bdf2";
   d["step_s"] = r.step;
+  // Which depends on the laws where it is not stated.
+  if (!d.contains("event_travel_nm")) {
+    const double travel = full.parameters.numerics.event_travel;
+    d["event_travel_nm"] = std::isfinite(travel) ? travel / 1e-9 : 1e9;
+  }
   return d;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
 #include "sim/minimum_jerk.hpp"
 #include "sim/plan/sampled_run.hpp"
 #include "sim/scene/draw.hpp"
@@ -48,7 +49,7 @@ Vector2d within_the_bore(RandomStream& random, const World& world) noexcept {
 
 Vector2d in_any_direction(RandomStream& random) noexcept {
   const double angle = std::numbers::pi * random.uniform();
-  return {std::cos(angle), std::sin(angle)};
+  return {elementary::cos(angle), elementary::sin(angle)};
 }
 
 Pose tip_at(double x, const Vector2d& e, const Vector2d& t = Vector2d::Zero()) noexcept {

@@ -2,13 +2,74 @@
 
 #include <cmath>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
+namespace {
+
+struct Turn {
+  double cosine, sine;
+};
+
+// By the angle 2 x, |x| <= pi/2, from Lambert's continued fraction of tan x = x/d: of additions,
+// products and divisions alone, so that it is the same everywhere.
+Turn turn_by_twice(double x) noexcept {
+  double d = 0;
+  for (int odd = 41; odd > 0; odd -= 2) d = odd - (odd == 41 ? 0 : x * x / d);
+  const double square = d * d + x * x;
+  return {(d * d - x * x) / square, 2 * x * d / square};
+}
+
+}  // namespace
+
+double ForceSensorModel::deviation(double force, double time) const noexcept {
+  double d = std::hypot(noise, bias);
+  for (const double more : {bias_walk * std::sqrt(time), drift * temperature_rate * time, vibration,
+                            gain_error * force, 2 * cross_talk * force})  // of four others
+    if (more > 0) d = std::hypot(d, more);
+  return d;
+}
 
 ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,
                          std::uint64_t trial) noexcept
     : model_(model), random_(seed, trial, Draw::sensor) {
   if (model_.bias > 0)
     for (double& b : bias_) b = model_.bias * random_.normal();
+  if (model_.gain_error > 0)
+    for (int i = 0; i < 5; ++i) gain_(i, i) += model_.gain_error * random_.normal();
+  if (model_.cross_talk > 0)
+    for (int i = 0; i < 5; ++i)
+      for (int j = 0; j < 5; ++j)
+        if (i != j) gain_(i, j) = model_.cross_talk * random_.normal();
+  if (model_.drift * model_.temperature_rate > 0) {
+    const double rate = model_.temperature_rate * random_.normal();
+    for (double& w : warming_) w = model_.drift * random_.normal() * rate;
+  }
+  if (model_.vibration > 0)
+    for (int i = 0; i < 5; ++i) {
+      const double a = random_.normal(), b = random_.normal();
+      const double amplitude = std::numbers::sqrt2 * model_.vibration / std::sqrt(a * a + b * b);
+      swing_[i] = amplitude * a;
+      swing_across_[i] = amplitude * b;
+    }
+}
+
+Wrench ForceSensor::bias_after(double period) noexcept {
+  time_ += period;
+  if (model_.bias_walk > 0)
+    for (double& b : bias_) b += model_.bias_walk * std::sqrt(period) * random_.normal();
+  Wrench all = bias_;
+  if (model_.drift * model_.temperature_rate > 0) all += time_ * warming_;
+  if (model_.vibration > 0) {
+    // Turned by 2 pi f T.
+    const double turns = model_.vibration_frequency * period;
+    const auto [c, s] = turn_by_twice(std::numbers::pi * (turns - std::round(turns)));
+    const Wrench swing = c * swing_ - s * swing_across_;
+    swing_across_ = s * swing_ + c * swing_across_;
+    swing_ = swing;
+    all += swing_;
+  }
+  return all;
 }
 
 Wrench ForceSensor::read(const Wrench& holder, double period) noexcept {
@@ -18,11 +79,13 @@ Wrench ForceSensor::read(const Wrench& holder, double period) noexcept {
   if (!tared_) {
     smooth_ = force;
   } else {
-    smooth_ -= std::expm1(-2 * std::numbers::pi * model_.bandwidth * period) * (force - smooth_);
+    smooth_ -=
+        elementary::expm1(-2 * std::numbers::pi * model_.bandwidth * period) * (force - smooth_);
   }
   Wrench reading = smooth_;
+  if (model_.gain_error > 0 || model_.cross_talk > 0) reading = gain_ * smooth_;
   if (tared_) {
-    reading += bias_;
+    reading += bias_after(period);
     if (model_.noise > 0)
       for (double& r : reading) r += model_.noise * random_.normal();
   }

@@ -2,12 +2,17 @@
 // the holder's wrench.
 //
 //   s' = s + (1 - exp(-2 pi f_b T)) (F - s)      low pass of first order with bandwidth f_b
-//   reading = R round((s' + b + n)/R)            bias b, noise n, resolution R
+//   reading = R round((C s' + b + n)/R)          gains and cross-talk C, bias b, noise n, resolution
 //
-// per component, T the time since the reading before. b is drawn once per trial from a normal
-// distribution, n for each reading, independently: `noise` is what a reader at 1 kHz sees. The
-// first reading, at rest, is that of a sensor just tared: without bias, and without noise since a
-// tare takes the mean of many. A moment is measured as a force at `arm`, with the same errors.
+// per component, T the time since the reading before, t that since the first. C is the unit matrix
+// with an error on its diagonal (gain) and beside it (cross-talk), drawn once per trial;
+//   b = b_0 + walk(t) + k theta t + v(t)
+// with b_0 drawn once per trial, a random walk whose deviation after t is bias_walk sqrt(t), a drift
+// with temperature (k of each component and the rate theta of warming drawn per trial), and a
+// vibration of one frequency with a phase per component. n is drawn for each reading,
+// independently: `noise` is what a reader at 1 kHz sees. All are normally distributed. The first
+// reading, at rest, is that of a sensor just tared: without b, and without noise since a tare takes
+// the mean of many. A moment is measured as a force at `arm`, with the same errors.
 #pragma once
 
 #include <limits>
@@ -23,11 +28,28 @@ struct ForceSensorModel {
   double bandwidth = std::numeric_limits<double>::infinity();  // f_b [Hz], > 0
   double resolution = 0;                                       // R [N], >= 0; 0: as fine as it is
   double arm = 0.01;                                           // [m], > 0
+  // Standard deviations, all >= 0.
+  double bias_walk = 0;             // [N/sqrt(s)]
+  double gain_error = 0;            // [-]
+  double cross_talk = 0;            // of every other component [-]
+  double drift = 0;                 // k [N/K]
+  double temperature_rate = 0;      // theta [K/s]
+  double vibration = 0;             // of v [N]
+  double vibration_frequency = 50;  // [Hz], > 0
+  // Of who reads it (insertion/sensed_wrench.hpp).
+  double tare_time = 0;  // of the mean that is the tare in free air [s], >= 0; 0: the first reading
+  double dead_band = 0;  // below which a force relative to the tare counts as none [N], >= 0
 
   bool ideal() const noexcept {
-    return noise == 0 && bias == 0 && resolution == 0 &&
+    return noise == 0 && resolution == 0 && gain_error == 0 && cross_talk == 0 && !biased() &&
            bandwidth == std::numeric_limits<double>::infinity();
   }
+  // Does b change from trial to trial, or in one?
+  bool biased() const noexcept {
+    return bias > 0 || bias_walk > 0 || drift * temperature_rate > 0 || vibration > 0;
+  }
+  // Standard deviation of a reading of a force of size `force` [N] after `time` [s].
+  double deviation(double force, double time) const noexcept;
 };
 
 class ForceSensor {
@@ -41,9 +63,16 @@ class ForceSensor {
   Wrench read(const Wrench& holder, double period) noexcept;
 
  private:
+  Wrench bias_after(double period) noexcept;
+
   ForceSensorModel model_;
   RandomStream random_;
-  Wrench smooth_ = Wrench::Zero(), bias_ = Wrench::Zero();
+  Matrix5 gain_ = Matrix5::Identity();  // C
+  Wrench smooth_ = Wrench::Zero();
+  Wrench bias_ = Wrench::Zero();                                   // b_0 + walk
+  Wrench warming_ = Wrench::Zero();                                // k theta [N/s]
+  Wrench swing_ = Wrench::Zero(), swing_across_ = Wrench::Zero();  // v, and a quarter period later
+  double time_ = 0;
   bool tared_ = false;
 };
 

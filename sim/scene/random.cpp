@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule {
 
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) noexcept
@@ -25,8 +27,8 @@ double RandomStream::uniform() noexcept {
 }
 
 double RandomStream::normal() noexcept {
-  const double radius = std::sqrt(-2 * std::log(uniform()));
-  return radius * std::cos(2 * std::numbers::pi * uniform());
+  const double radius = std::sqrt(-2 * elementary::log(uniform()));
+  return radius * elementary::cos(2 * std::numbers::pi * uniform());
 }
 
 }  // namespace ferrule

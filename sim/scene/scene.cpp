@@ -75,6 +75,16 @@ bool integrated(const Laws& laws) {
          std::holds_alternative<Capillary>(laws.capillary);
 }
 
+// The printed laws' wells are narrower than what a located event would tell: they do not ask for
+// it.
+constexpr double kUsualEventTravel = 1e-9;  // [m]
+bool prints(const Laws& laws) {
+  return std::holds_alternative<printed::VanDerWaals>(laws.van_der_waals) ||
+         std::holds_alternative<printed::Electrostatic>(laws.electrostatic) ||
+         std::holds_alternative<printed::Capillary>(laws.capillary) ||
+         std::holds_alternative<printed::Adhesion>(laws.adhesion);
+}
+
 void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
   if (scene.present("integrator") && scene.choice("integrator", {"backward_euler", "bdf2"}) == 1)
     numerics.integrator = Integrator::bdf2;
@@ -88,6 +98,8 @@ void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
     scene.number("step_s", rule::between(1e-7, 1, "must be from 1e-7 to 1"), numerics.longest_step);
   if (scene.present("event_travel_nm"))
     scene.number("event_travel_nm", positive(1e-6, 1e9), numerics.event_travel, nano);
+  else if (!prints(laws))
+    numerics.event_travel = kUsualEventTravel;
 }
 
 void read_world(JsonFields& scene, WorldParameters& world) {
@@ -141,6 +153,15 @@ void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   number("bandwidth_Hz", 1, positive(1e-3, 1e9), sensor.bandwidth);
   number("resolution_uN", micro, not_negative(1e9), sensor.resolution);
   number("moment_arm_mm", milli, positive(1e-6, 1e6), sensor.arm);
+  number("bias_walk_uN_sqrt_s", micro, not_negative(1e9), sensor.bias_walk);
+  number("gain_error", 1, not_negative(1), sensor.gain_error);
+  number("cross_talk", 1, not_negative(1), sensor.cross_talk);
+  number("temperature_drift_uN_K", micro, not_negative(1e9), sensor.drift);
+  number("temperature_rate_K_s", 1, not_negative(1e3), sensor.temperature_rate);
+  number("vibration_uN", micro, not_negative(1e9), sensor.vibration);
+  number("vibration_Hz", 1, positive(1e-3, 1e9), sensor.vibration_frequency);
+  number("tare_s", 1, not_negative(1e3), sensor.tare_time);
+  number("dead_band_uN", micro, not_negative(1e9), sensor.dead_band);
   f.finish();
 }
 

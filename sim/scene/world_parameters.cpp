@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "sim/elementary.hpp"
 #include "sim/scene/units.hpp"
 
 namespace ferrule {
@@ -12,7 +13,7 @@ FerruleProfile profile(const FerruleParameters& ferrule, const Annulus& annulus)
   FerruleProfile profile{annulus.bore_radius, 0, 0, milli * ferrule.length_mm};
   if (!ferrule.lead_in) return profile;
   const LeadIn& lead_in = *ferrule.lead_in;
-  profile.lead_in_tangent = std::tan(0.5 * degree * lead_in.angle_deg);
+  profile.lead_in_tangent = elementary::tan(0.5 * degree * lead_in.angle_deg);
   profile.lead_in_length =
       0.5 * micro * (lead_in.diameter_um - ferrule.bore_diameter_um) / profile.lead_in_tangent;
   return profile;

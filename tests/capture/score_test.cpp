@@ -1,5 +1,7 @@
 #include "capture/score.hpp"
 
+#include <numeric>
+
 #include "controller/statistics.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
@@ -123,25 +125,76 @@ TEST(Score, MeasuresOfHandMadeRows) {
   // A box's spectrum, |sin(pi f T)/(pi f T)|, falls below 0.05 in the sixth side lobe.
   EXPECT_GT(m[Part::smoothness], 2);
   EXPECT_EQ(m.completion, 1);
+  EXPECT_EQ(m.progress, 1);
+  // Each measure that adds up is the sum of its phases.
+  for (const Part part : {Part::time, Part::friction_work, Part::contact_time}) {
+    const auto& phases = m.by_phase[static_cast<std::size_t>(part)];
+    EXPECT_CLOSE(std::accumulate(phases.begin(), phases.end(), 0.0), m[part], 1e-3);
+  }
   const Scene deeper = testing::paper({"success.depth_um=40"});
   EXPECT_CLOSE(measure(hand_made(deeper), deeper).completion, 0.5, 1e-3);
   EXPECT_CLOSE(measure(hand_made(deeper), deeper)[Part::time], 3, 1e-3);
 }
 
-TEST(Score, IsAgainstTheBestThatSucceeded) {
-  Measures best{{2, 1, 1, 1, 1.5, 0, 1}, Outcome::inserted, 1};
-  Measures twice{{4, 2, 2, 2, 3, 1, 2}, Outcome::inserted, 1};
-  Measures quick_failure{{1, 0.5, 0.5, 0.5, 1, 0, 0.5}, Outcome::jam, 0.8};
-  const auto s = score({twice, best, quick_failure});
-  EXPECT_CLOSE(s[1].total, 100, 1e-14);
-  EXPECT_CLOSE(s[0].total, 50, 1e-14);
-  EXPECT_CLOSE(s[2].total, 40, 1e-14);  // all parts 1, half of what got in
-  for (const double part : s[0].parts) EXPECT_CLOSE(part, 0.5, 1e-14);
-  EXPECT_TRUE(std::isnan(score({quick_failure})[0].total));
+TEST(Score, IsAgainstTheYardstick) {
+  const Yardstick best{{2, 1, 1, 1, 1.5, 0, 1}};
+  Measures as_good{best.parts, Outcome::inserted, 1, 1};
+  Measures twice{{4, 2, 2, 2, 3, 1, 2}, Outcome::inserted, 1, 1};
+  EXPECT_CLOSE(score(as_good, best).total, 100, 1e-14);
+  EXPECT_CLOSE(score(twice, best).total, 50, 1e-14);
+  for (const double part : score(twice, best).parts) EXPECT_CLOSE(part, 0.5, 1e-14);
   // No correction at all is not infinitely better than one.
   twice.parts = best.parts;
   twice.parts[static_cast<std::size_t>(Part::corrections)] = 1;
-  EXPECT_CLOSE(score({twice, best})[0].total, 100 * 6.5 / 7, 1e-14);
+  EXPECT_CLOSE(score(twice, best).total, 100 * 6.5 / 7, 1e-14);
+  // Better than the yardstick is no better than as good.
+  as_good.parts = {1, 0.5, 0.5, 0.5, 1.4, 0, 0.5};
+  EXPECT_CLOSE(score(as_good, best).total, 100, 1e-14);
+}
+
+TEST(Score, FailuresHavePartialMarksByHowFarTheyCame) {
+  const Yardstick best{{2, 1, 1, 1, 1.5, 0, 1}};
+  Measures jam{{1, 0.5, 0.5, 0.5, 1, 0, 0.5}, Outcome::jam, 0.8, 0.9};
+  EXPECT_CLOSE(score(jam, best).total, 50 * 0.9 * 6 / 7, 1e-14);  // it has no time of success
+  const double far = score(jam, best).total;
+  jam.progress = 0.3;
+  EXPECT_LT(score(jam, best).total, far);
+  // One that never touched has shown nothing about contact, however smooth it was.
+  const Measures aside{{0.1, 0, 0, 0, 1, 0, 0}, Outcome::stopped_short, 0, 0.5};
+  EXPECT_LE(score(aside, best).total, 50 * 0.5 * 3 / 7 + 1e-12);
+  const Measures still{{0, 0, 0, 0, 0, 0, 0}, Outcome::interrupted, 0, 0};
+  EXPECT_EQ(score(still, best).total, 0);
+  // Inserted without a touch: by what it has shown.
+  const Measures lucky{{4, 0, 0, 0, 3, 0, 0}, Outcome::inserted, 1, 1};
+  EXPECT_CLOSE(score(lucky, best).total, 100 * (0.5 + 1 + 0.5 + 1) / 4, 1e-14);
+  EXPECT_TRUE(std::isnan(score(lucky, best).parts[2]));
+}
+
+TEST(Score, TheYardstickIsThatOfTheSceneAndNothingElse) {
+  const Scene scene = testing::paper({"start.distance_um=10", "success.depth_um=8"});
+  const auto first = yardstick(scene), again = yardstick(scene);
+  ASSERT_TRUE(first && again);
+  EXPECT_EQ(first->parts, again->parts);
+  const auto slower = yardstick(
+      testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=1"}));
+  ASSERT_TRUE(slower);
+  EXPECT_GT(slower->parts[0], 1.5 * first->parts[0]);
+  EXPECT_FALSE(yardstick(testing::paper({"limits.force_uN=0.01"})));
+}
+
+TEST(Score, TheHintNamesWhatCostMostAndWhere) {
+  const Yardstick best{{2, 1, 1, 1, 1.5, 0, 1}};
+  Measures m{best.parts, Outcome::inserted, 1, 1};
+  EXPECT_EQ(hint(m, score(m, best)), "");
+  const auto set = [&m](Part part, Phase phase, double all, double there) {
+    m.parts[static_cast<std::size_t>(part)] = all;
+    m.by_phase[static_cast<std::size_t>(part)][static_cast<std::size_t>(phase)] = there;
+  };
+  set(Part::time, Phase::one_point, 3, 2);
+  EXPECT_EQ(hint(m, score(m, best)), "longest loss: 3.0 s, 2.0 of them at one point");
+  set(Part::corrections, Phase::approach, 4, 1);
+  set(Part::corrections, Phase::cone, 4, 3);
+  EXPECT_EQ(hint(m, score(m, best)), "longest loss: 3 corrections on the cone");
 }
 
 TEST(Score, SkilledTraineesScoreBetter) {
@@ -155,11 +208,13 @@ TEST(Score, SkilledTraineesScoreBetter) {
         read_episode(testing::record(scene, folder.path(), trial, nullptr, skill));
     all.push_back(measure(episode, scene));
   }
-  const auto scores = score(all);
+  const auto fixed = yardstick(scene);
+  ASSERT_TRUE(fixed);
   std::array<double, 3> median;
   for (std::size_t i = 0; i < 3; ++i) {
     std::vector<double> totals;
-    for (std::size_t k = i * each; k < (i + 1) * each; ++k) totals.push_back(scores[k].total);
+    for (std::size_t k = i * each; k < (i + 1) * each; ++k)
+      totals.push_back(score(all[k], *fixed).total);
     median[i] = quantile(totals, 0.5);
   }
   EXPECT_GT(median[1], median[0]);

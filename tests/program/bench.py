@@ -1,4 +1,5 @@
 import json
+import os
 
 import h5py
 
@@ -56,6 +57,23 @@ class Bench(Case):
 
     def test_there_is_no_plot_of_capture(self):
         self.refused(2, "bench", "capture", "--plot", self.path("plots"), says=["--plot"])
+
+    def test_tail_bounds_every_step(self):
+        rows = json.loads(self.done("bench", "tail", "--seed", 3, "--scenes", 2,
+                                    "--json").stdout)["rows"]
+        scenes = os.listdir(os.path.join(os.path.dirname(__file__), "../../data/scenes"))
+        self.assertEqual({row["scene"] for row in rows},
+                         {name[:-5] for name in scenes if name != "scene.schema.json"} | {"random"})
+        for row in rows:
+            self.assertEqual(set(row), {"scene", "steps", "not_converged", "capped",
+                                        "evaluations_p9999", "evaluations_max", "p9999_us",
+                                        "worst_us", "loops", "loops_that_gained"})
+            self.assertLess(row["evaluations_max"], 60)
+            self.assertLessEqual(row["evaluations_p9999"], row["evaluations_max"])
+            self.assertLessEqual(row["p9999_us"], row["worst_us"])
+            self.assertEqual(row["loops"], 6 if row["scene"] == "random" else 2)
+            self.assertEqual(row["loops_that_gained"], 0)
+        self.refused(2, "bench", "tail", "--scenes", 0, says=["--scenes"])
 
     def test_capture_takes_exactly_what_fits(self):
         rows = json.loads(self.done("bench", "capture", "--json").stdout)["rows"]

@@ -87,7 +87,7 @@ class Compare(Case):
         for there in found["transfer"]:
             self.assertEqual(there["trials"], TRIALS)
             self.assertIn("interventions", there["supervised"])
-        drawn = sorted(os.listdir(plots))
+        drawn = sorted(name for name in os.listdir(plots) if name.endswith(".svg"))
         self.assertEqual(len(drawn), 2 + len(rows))
         for name in drawn:
             xml.dom.minidom.parse(os.path.join(plots, name))

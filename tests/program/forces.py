@@ -2,6 +2,9 @@ import json
 import math
 import os
 
+import h5py
+import numpy
+
 from case import SOURCE, Case, main
 
 
@@ -204,6 +207,53 @@ class Forces(Case):
         for text in ("", "a", "1:2", "1:2:0", "1:2:3:lin", "0:5:3:log", "-1", "1:2:2.5", "nan"):
             self.refused(2, *FORCES, "--gap-nm=" + text, says=["--gap-nm"])
         self.refused(2, *FORCES, "--gap-nm", "1e-300:1e300:5:log", says=["too far apart"])
+
+    def test_of_a_recording_are_those_of_its_rows(self):
+        file = self.record(self.path("episodes"), episodes=1)[0]
+        document = json.loads(self.done("forces", file, "--json").stdout)
+        with h5py.File(file) as f:
+            demo = f["data/demo_0"]
+            forces, names = demo["rows/forces"][:], demo["rows/forces"].attrs["columns"]
+            times, holder = demo["rows/time"][:].ravel(), demo["rows/holder_wrench"][:, :3]
+        names = [name.decode().removesuffix("_x") for name in names]
+        self.assertEqual(document["rows"], len(times))
+        self.assertAlmostEqual(document["felt_largest_uN"],
+                               1e6 * numpy.linalg.norm(holder - holder[0], axis=1).max(), delta=1e-9)
+        shares = 0
+        for term in document["terms"]:
+            at = names.index(term["term"])
+            size = 1e6 * numpy.linalg.norm(forces[:, at:at + 3], axis=1)
+            acts = size > 0
+            self.assertAlmostEqual(term["share_of_time"], acts.mean(), delta=1e-12)
+            self.assertAlmostEqual(term["largest_uN"], size.max(), delta=1e-9)
+            self.assertAlmostEqual(term["median_uN"], numpy.median(size[acts]) if acts.any() else 0,
+                                   delta=1e-9)
+            self.assertEqual(term["first_s"], times[acts][0] if acts.any() else None)
+            shares += term["share_of_felt"] or 0
+        self.assertAlmostEqual(shares, 1, delta=0.01)
+        table = self.done("forces", file).stdout
+        self.assertIn("gravity", table)
+        csv = self.done("forces", file, "--csv").stdout.splitlines()
+        self.assertEqual(len(csv), 1 + len(document["terms"]))
+        self.done("forces", file, "--plot", self.path("plot.svg"))
+        self.refused(2, "forces", file, "--gap-nm", 10, says=["--gap-nm"])
+        self.refused(2, "forces", self.path("episodes"), says=["is a folder"])
+        self.refused(3, "forces", self.path("none.h5"), says=["none.h5"])
+
+    def test_release_states_every_path_and_what_holds(self):
+        document = json.loads(self.done("release", "--scene", "bench", "--length-um", 80,
+                                        "--json").stdout)
+        self.assertEqual([row["path"] for row in document["rows"]], ["lift", "peel", "slide"])
+        for row in document["rows"]:
+            parts = [v for k, v in row.items() if k.endswith("_uN") and k != "force_uN"]
+            self.assertAlmostEqual(row["force_uN"], sum(parts), delta=1e-9)
+        work = math.pi * 0.02 * 62.5  # pi w R_s, uN
+        self.assertAlmostEqual(document["jkr_uN"], 1.5 * work, delta=1e-6)
+        self.assertAlmostEqual(document["dmt_uN"], 2 * work, delta=1e-6)
+        self.assertGreater(document["pull_off_uN"], document["jkr_uN"])
+        self.assertLess(document["pull_off_uN"], document["dmt_uN"])
+        self.refused(2, "release", "--places", 3, says=["--places"])
+        self.refused(2, "release", "--length-um", -1, says=["--length-um"])
 
 
 if __name__ == "__main__":

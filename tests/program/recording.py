@@ -77,6 +77,32 @@ class Recording(Case):
             self.assertNotIn("units", demo["rows/hand_pose"].attrs)
             self.assertTrue((demo["time"][:] == demo["rows/time"][:]).all())
 
+    def test_files_of_format_1_are_read_and_verified(self):
+        self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
+                  "--out", self.path("before"))
+        file = self.path("before/episode_0001.h5")
+        rows = self.done("forces", file, "--json").stdout
+        with h5py.File(file, "r+") as f:  # as it was: columns in one text, no scales
+            demo, tables = f["data/demo_0"], []
+            demo.visititems(lambda name, item: tables.append(name)
+                            if isinstance(item, h5py.Dataset) else None)
+            scales = [name for name in tables if demo[name].is_scale]
+            for name in set(tables) - set(scales):
+                table = demo[name]
+                for dimension in table.dims:
+                    for scale in list(dimension.values()):
+                        dimension.detach_scale(scale)
+                about = table.attrs["about"]
+                for key in ("about", "columns", "units"):
+                    table.attrs.pop(key, None)
+                table.attrs["columns"] = about
+            for name in scales:
+                del demo[name]
+            f.attrs["format_version"] = numpy.int64(1)
+            del f.attrs["inputs_sha1"]
+        self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
+        self.assertEqual(self.done("forces", file, "--json").stdout, rows)
+
     def test_texts_may_be_of_variable_length(self):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
                   "--out", self.path("texts"))

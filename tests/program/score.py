@@ -13,17 +13,20 @@ class Score(Case):
         out = self.path("out")
         self.record(out, "--skill", 0.9, episodes=3)
         self.record(out, "--skill", 0.2, "--append", "--set", "limits.force_uN=0.5", episodes=2)
-        result = json.loads(self.done("score", out, "--json").stdout)["episodes"]
+        scored = json.loads(self.done("score", out, "--json").stdout)
+        result = scored["episodes"]
         self.assertEqual([e["file"] for e in result], sorted(glob.glob(out + "/*.h5")))
         self.assertEqual([e["outcome"] == "inserted" for e in result], [True] * 3 + [False] * 2)
-        for part in result[0]["parts"]:
-            self.assertEqual(max(e["parts"][part] for e in result[:3]), 1)
         self.assertEqual([e["group"] for e in result], [1] * 3 + [2] * 2)
         self.assertEqual([e["score"] is None for e in result], [False] * 3 + [True] * 2)
+        yardstick = scored["groups"][0]["yardstick"]
+        self.assertIsNone(scored["groups"][1]["yardstick"])
         for e in result:
             if e["score"] is not None:
                 mean = sum(e["parts"].values()) / len(e["parts"])
                 self.assertAlmostEqual(e["score"], 100 * mean, delta=1e-9)
+                part = min(1, yardstick["time_s"] / e["time_s"])
+                self.assertAlmostEqual(e["parts"]["time"], part, delta=1e-12)
             with h5py.File(e["file"]) as f:
                 demo = f["data/demo_0"]
                 force = demo["rows/holder_wrench"][:, :3] - demo["rows/forces"][:, 6:9]
@@ -52,6 +55,29 @@ class Score(Case):
         self.record(drawn, "--set", "fibre.diameter_um=125+-0.3", episodes=3)
         self.assertEqual(len(json.loads(self.done("score", drawn, "--json").stdout)["groups"]), 1)
 
+    def test_folders_of_several_persons_compare_in_one_scene_alone(self):
+        ada, ben, other = self.path("ada"), self.path("ben"), self.path("other")
+        for folder in (ada, ben):
+            self.done("record", "--scene", "demo", "--device", "fake:spacemouse", "--episodes", 1,
+                      "--trainee", os.path.basename(folder), "--out", folder)
+        both = json.loads(self.done("score", ada, ben, "--json").stdout)
+        self.assertEqual([g["operator"] for g in both["groups"]], ["ada", "ben"])
+        self.assertEqual([s["episodes"] for s in both["sittings"]], [1, 1])
+        for e in both["episodes"]:
+            self.assertRegex(e["date"], r"^20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ$")
+            self.assertLessEqual(e["session"], e["date"])
+        table = self.done("score", ada, ben).stdout
+        self.assertIn("sitting", table)
+        # The name that --trainee had before.
+        self.done("record", "--scene", "demo", "--device", "fake:spacemouse", "--episodes", 1,
+                  "--person", "ada", "--append", "--out", ada)
+        again = json.loads(self.done("score", ada, "--json").stdout)
+        self.assertEqual([g["operator"] for g in again["groups"]], ["ada"])
+        self.assertEqual(len(again["sittings"]), 2)
+        self.done("replay", ada, "--verify")
+        self.record(other, episodes=1)
+        self.refused(2, "score", ada, other, says=["another scene", "demo", "paper"])
+
     # What an insertion took, until the success depth, is the same number in every verb.
     def test_one_time_for_one_episode(self):
         out = self.path("out")
@@ -72,8 +98,8 @@ class Score(Case):
         files = self.record(out, "--set", "limits.force_uN=0.2", episodes=1)
         result = json.loads(self.done("score", out, "--json").stdout)["episodes"]
         self.assertIsNone(result[0]["score"])
-        self.assertIn("no episode succeeded", self.done("score", out).stdout)
-        self.refused(2, "score", out, "--plot", self.path("none.svg"), says=["no episode succeeded"])
+        self.assertIn("no score", self.done("score", out).stdout)
+        self.refused(2, "score", out, "--plot", self.path("none.svg"), says=["no score to draw"])
         with open(files[0], "r+b") as f:
             f.truncate(os.path.getsize(files[0]) // 2)
         self.refused(3, "score", out, says=["episode_0001.h5"])

@@ -15,7 +15,7 @@ class Usage(Case):
 
     def test_help_and_version(self):
         text = self.done("--help").stdout
-        for verb in ("demo", "scene", "forces", "contact", "plan", "record", "recover", "replay",
+        for verb in ("demo", "scene", "forces", "contact", "release", "limits", "plan", "record", "recover", "replay",
                      "score", "fit", "identify", "evaluate", "compare", "export", "bench", "devices",
                      "doctor"):
             self.assertIn(verb, text)

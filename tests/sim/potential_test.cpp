@@ -126,6 +126,36 @@ TEST(Potential, GradientIsMinusTheWrenchOfTheBreakdown) {
   EXPECT_GT(cut, 5);
 }
 
+// The side's contact plane is inclined by the tilt: friction is perpendicular to that normal.
+TEST(Potential, FrictionOfATiltedSideIsTheSlopeOfItsEnergy) {
+  const World world =
+      testing::bare({"laws.friction={\"form\":\"corrected\",\"burgers_nm\":0.48}"}).world;
+  const double tilt = 0.25, length = 20e-6, c = world.annulus.clearance();
+  State state;
+  state.tip << -length, c - tilt * length + 3e-9, 0, tilt, 0;
+  state.command = state.tip;
+  state.contact[kSide].closed = true;
+  state.contact[kSide].stuck = Vector3d(-length, c + 3e-9, 0);
+  const FrozenCoefficients frozen = freeze(world, state, state.command, 1e-3);
+  ASSERT_TRUE(frozen.friction[kSide].acts);
+  for (const double slid : {1e-11, 3e-9}) {  // stuck, slipping
+    Pose tip = state.tip;
+    tip[0] += slid;
+    tip[2] += 0.5 * slid;
+    const Potential here(world, frozen, tip);
+    for (int i = 0; i < 3; ++i) {
+      const double slope = testing::derivative(
+          [&](double d) {
+            Pose moved = tip;
+            moved[i] += d;
+            return Potential(world, frozen, moved).value;
+          },
+          0, 1e-13);
+      EXPECT_NEAR(slope, here.gradient.full()[i], 1e-4 * here.force_scale) << slid << " " << i;
+    }
+  }
+}
+
 TEST(Potential, OfTwoContactsSharesTheAdhesionOfOne) {
   const World world = testing::paper({"laws.van_der_waals=null", "laws.electrostatic=null",
                                       "laws.capillary=null", "start.tilt_sd_mrad=0"})

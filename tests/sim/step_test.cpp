@@ -122,8 +122,8 @@ TEST(Step, AFibreOnTheAxisFollowsTheHandIn) {
 }
 
 // Pressed against the rim of the mouth and pulled out: the end cuts the side's contact, which ends
-// there without a jump of its energy. (An adhering rim may rest for some steps on the edge between
-// bore and cone, where no gradient is nothing.)
+// there without a jump of its energy. (In the printed well of millions of newtons per micrometre
+// some steps end at rounding.)
 TEST(Step, AFibrePulledOutAlongAWallSlidesOffTheRim) {
   for (const char* name : {"paper", "dry", "demo"})
     for (const double aside : {-17e-6, -3e-6, 5e-6}) {
@@ -143,7 +143,7 @@ TEST(Step, AFibrePulledOutAlongAWallSlidesOffTheRim) {
       go(0, aside, 1000);
       ASSERT_TRUE(state.contact[kSide].closed) << name << " " << aside;
       go(100e-6, 0, 4000);
-      EXPECT_LE(stuck, 10) << name << " " << aside;
+      EXPECT_LE(stuck, 50) << name << " " << aside;
       EXPECT_GT(state.tip[0], 50e-6) << name << " " << aside;
     }
 }
@@ -183,15 +183,55 @@ TEST(Step, LocatesASnapWhereTheSceneAsksForIt) {
     return 1e9 * state.contact[kEnd].stuck.x();
   };
   int none = 0, some = 0, many = 0;
-  const double coarse = stuck_at("integrator=backward_euler", &none);
+  const double coarse = stuck_at("event_travel_nm=1e9", &none);
   const double located = stuck_at("event_travel_nm=2", &some);
   const double fine = stuck_at("event_travel_nm=0.1", &many);
   EXPECT_EQ(none, 0);
-  EXPECT_GE(some, 4);
+  EXPECT_GE(some, 3);
   EXPECT_GT(many, some);
   EXPECT_LE(std::abs(located - fine), 2);
   EXPECT_LE(std::abs(coarse - fine), 60);
   EXPECT_GT(std::abs(coarse - fine), std::abs(located - fine));
+}
+
+// Each Newton step that knows only where it begins leaps between the friction of a contact that
+// opens and the walls on both sides: hundreds of evaluations.
+TEST(Step, IsBoundedWhateverTheHandDoes) {
+  for (const char* name : {"bench", "demo", "sticky", "paper"}) {
+    const Scene scene = load_scene(name, {"ferrule.bore_diameter_um=125.136"});  // 68 nm
+    RandomStream random(3, 1, Draw::operator_hand);
+    State state = draw_start(scene, 3, 1);
+    for (int n = 0; n < 400; ++n) {
+      Pose hand = state.command;
+      hand[0] += n % 2 ? -166e-6 * random.uniform() : 100e-6 * random.uniform();
+      hand[1] += 20e-6 * random.normal();
+      hand[2] += 20e-6 * random.normal();
+      hand = hand.cwiseMax(-300e-6).cwiseMin(300e-6);
+      const StepResult r = step(scene.world, state, hand, 1e-3);
+      EXPECT_LE(r.evaluations, kMostEvaluations) << name << " " << n;
+      EXPECT_TRUE(to_row(r.state).allFinite()) << name << " " << n;
+      EXPECT_EQ(r.state.command, hand) << name << " " << n;
+      state = r.state;
+    }
+  }
+}
+
+// What one call could not do the next ones do.
+TEST(Step, GoesOnWhereTheLastOneWasCapped) {
+  const Scene scene = load_scene("bench", {"ferrule.bore_diameter_um=125.136"});
+  State state = draw_start(scene, 4, 1);
+  for (const double x : {-50e-6, 120e-6, -80e-6}) {
+    Pose hand = state.command;
+    hand[0] = x;
+    hand[1] += 60e-6;
+    StepResult r;
+    for (int n = 0; n < 200; ++n) {
+      r = step(scene.world, state, hand, 1e-3);
+      state = r.state;
+    }
+    EXPECT_EQ(r.status, StepStatus::ok) << x;
+    EXPECT_LE(r.evaluations, 2) << x;
+  }
 }
 
 TEST(Step, AFibreTiltedOnTheFaceFeelsNoForcesOfTheBore) {
@@ -323,9 +363,10 @@ TEST(Step, DoesNotAllocate) {
   EXPECT_LT(state.tip[0], 0) << "the motion must have reached the bore";
 }
 
-// Random hands, jumps and stalls among them: always finite, mostly converged.
+// Random hands, jumps of up to a tenth of a millimetre in a step and stalls among them: always
+// finite, mostly converged, the rest where the evaluations are spent.
 TEST(Step, AlwaysReturnsSomethingFinite) {
-  int not_converged = 0, steps = 0;
+  int not_converged = 0, capped = 0, steps = 0;
   for (std::uint64_t k = 0; k < 24; ++k) {
     const Scene scene = k % 2 ? testing::paper() : testing::bare();
     RandomStream random(11, k, Draw::operator_hand);
@@ -340,11 +381,13 @@ TEST(Step, AlwaysReturnsSomethingFinite) {
           step(scene.world, state, hand, std::pow(10.0, -6 + 5 * random.uniform()));
       ASSERT_TRUE(to_row(r.state).allFinite());
       ASSERT_TRUE(r.forces.holder.allFinite());
-      not_converged += r.status != StepStatus::ok;
+      not_converged += r.status == StepStatus::not_converged;
+      capped += r.status == StepStatus::capped;
       state = r.state;
     }
   }
   EXPECT_LT(not_converged, steps / 200);
+  EXPECT_LT(capped, steps / 20);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/elementary.hpp"
+
 namespace ferrule::printed {
 namespace {
 
@@ -24,9 +26,9 @@ AdhesionForce adhesion(const Adhesion& law, double depth) noexcept {
   const double stiff = law.reduced_modulus / law.radius;
   const double s = std::sqrt((law.m - 1) * (law.m + 1));
   const double pull = law.maugis_lambda *
-                      std::cbrt(std::numbers::pi * law.work_of_adhesion * law.reduced_modulus *
-                                law.reduced_modulus / law.radius) *
-                      (s + law.m * law.m * std::atan(s));
+                      elementary::cbrt(std::numbers::pi * law.work_of_adhesion *
+                                       law.reduced_modulus * law.reduced_modulus / law.radius) *
+                      (s + law.m * law.m * elementary::atan(s));
   const auto force = [&](double a) { return a * a * (stiff * a - pull); };
   const auto integral = [&](double a) { return a * a * a * (stiff * a / 4 - pull / 3); };
 

@@ -107,6 +107,29 @@ TEST(MaugisCurve, EnergyAndSlopeAreThoseOfTheForce) {
   }
 }
 
+// Deeper than the table reaches (D = 1e4) the equations are solved; no step between.
+TEST(MaugisCurve, GoesOnBeyondItsTable) {
+  for (const double lambda : {0.01, 0.3, 4.0, 100.0}) {
+    const MaugisCurve curve(lambda);
+    const int last = curve.branches();
+    const auto at = [&](double d) { return curve.at(d, last); };
+    for (double D = 9e3; D < 1e12; D *= 1.03) {
+      const double step = 1e-4 * D;
+      EXPECT_CLOSE(testing::derivative([&](double d) { return at(d).energy; }, D, step), at(D).P,
+                   1e-8)
+          << lambda << " " << D;
+      EXPECT_CLOSE(testing::derivative([&](double d) { return at(d).P; }, D, step), at(D).slope,
+                   1e-8)
+          << lambda << " " << D;
+    }
+    for (const double D : {3e4, 1e7, 1e20}) {
+      const MaugisPoint p = maugis_at_radius(lambda, at(D).A);
+      EXPECT_CLOSE(p.D, D, 1e-10) << lambda;
+      EXPECT_CLOSE(p.P, at(D).P, 1e-10) << lambda;
+    }
+  }
+}
+
 // Approach and retreat jump at different distances; the area between is the energy lost.
 TEST(MaugisCurve, ALoopLosesTheAreaBetweenItsBranches) {
   const MaugisCurve curve(4);

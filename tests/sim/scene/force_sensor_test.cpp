@@ -73,6 +73,78 @@ TEST(ForceSensor, ReadsMultiplesOfItsResolution) {
   }
 }
 
+// Mean squares over many trials of each component's error after `time`.
+Wrench error_after(const ForceSensorModel& model, double time, const Wrench& force) {
+  const int trials = 2000, steps = 50;
+  Wrench squares = Wrench::Zero();
+  for (int trial = 0; trial < trials; ++trial) {
+    ForceSensor sensor(model, 5, static_cast<std::uint64_t>(trial));
+    sensor.read(Wrench::Zero(), time / steps);
+    Wrench reading = Wrench::Zero();
+    for (int n = 0; n < steps; ++n) reading = sensor.read(force, time / steps);
+    squares += (reading - force).cwiseAbs2() / trials;
+  }
+  squares.tail<2>() /= model.arm * model.arm;
+  return squares;
+}
+constexpr double kFiveErrors = 0.16;  // 5 sqrt(2/2000), of a variance
+
+TEST(ForceSensor, ABiasThatWalksSpreadsWithTheRootOfTime) {
+  for (const double time : {0.5, 20.0}) {
+    const Wrench squares = error_after({.bias_walk = 2e-7}, time, kForce);
+    for (const double s : squares) EXPECT_CLOSE(s, 4e-14 * time, kFiveErrors);
+  }
+}
+
+TEST(ForceSensor, GainsAndCrossTalkAreInProportionToTheForce) {
+  const Wrench forces = kForce.cwiseQuotient((Wrench() << 1, 1, 1, 0.01, 0.01).finished());
+  const Wrench gain = error_after({.gain_error = 0.02}, 1, kForce);
+  const Wrench cross = error_after({.cross_talk = 0.01}, 1, kForce);
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_CLOSE(gain[i], std::pow(0.02 * forces[i], 2), kFiveErrors);
+    EXPECT_CLOSE(cross[i], 1e-4 * (forces.squaredNorm() - forces[i] * forces[i]), kFiveErrors);
+  }
+  EXPECT_EQ(error_after({.gain_error = 0.02, .cross_talk = 0.01}, 1, Wrench::Zero()),
+            Wrench(Wrench::Zero()));
+}
+
+// k theta t, a product of two normal numbers: its variance is that of their product. Its fourth
+// moment is 9 times that squared.
+TEST(ForceSensor, DriftsWithTemperature) {
+  const Wrench squares = error_after({.drift = 1e-7, .temperature_rate = 0.01}, 30, Wrench::Zero());
+  for (const double s : squares) EXPECT_CLOSE(s, std::pow(1e-7 * 0.01 * 30, 2), 2 * kFiveErrors);
+}
+
+TEST(ForceSensor, VibratesWithItsFrequencyAndSize) {
+  const double size = 3e-7;
+  for (const double frequency : {7.0, 50.0, 333.0, 500.0, 1234.5}) {
+    ForceSensor sensor({.vibration = size, .vibration_frequency = frequency}, 1, 4);
+    const Wrench still = sensor.read(Wrench::Zero(), 1e-3);
+    EXPECT_EQ(still, Wrench(Wrench::Zero()));
+    std::vector<double> x;
+    double squares = 0;
+    for (int n = 0; n < 20000; ++n) {
+      x.push_back(sensor.read(Wrench::Zero(), 1e-3)[0]);
+      squares += x.back() * x.back() / 20000;
+    }
+    if (frequency != 500) {  // where each reading is at the same phase, or the opposite
+      EXPECT_CLOSE(squares, size * size, 0.01);
+    }
+    const double turn = 2 * std::cos(2 * std::numbers::pi * frequency * 1e-3);
+    for (std::size_t n = 2; n < x.size(); ++n)
+      EXPECT_NEAR(x[n], turn * x[n - 1] - x[n - 2], 1e-9 * size);
+  }
+}
+
+TEST(ForceSensor, SaysHowFarItErrs) {
+  const ForceSensorModel model{.noise = 3e-7, .bias = 4e-7};
+  EXPECT_CLOSE(model.deviation(1e-5, 60), 5e-7, 1e-12);
+  ForceSensorModel more = model;
+  more.bias_walk = 1e-7;
+  more.gain_error = 0.05;
+  EXPECT_CLOSE(more.deviation(1e-5, 60), std::sqrt(25e-14 + 60e-14 + 25e-14), 1e-12);
+}
+
 // A pair interferes as often as the distributions say: the integral of the density of the fibre's
 // diameter times the share of the bore's band below it.
 TEST(DrawScene, PairsInterfereAsOftenAsTheirTolerancesSay) {

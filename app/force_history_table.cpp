@@ -1,0 +1,116 @@
+#include "app/force_history_table.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/verb.hpp"
+#include "sim/scene/terms.hpp"
+
+namespace ferrule {
+namespace {
+
+std::string percent(double share) {
+  return number_or("-", "{:.1f} %", 100 * share);
+}
+
+struct HistoryColumn {
+  const char* heading;
+  std::string (*cell)(const TermActivity& term);
+};
+constexpr std::array kHistoryColumns = {
+    HistoryColumn{"acts", [](const TermActivity& t) { return percent(t.acts); }},
+    HistoryColumn{"apart", [](const TermActivity& t) { return percent(t.apart); }},
+    HistoryColumn{"touching", [](const TermActivity& t) { return percent(t.touching); }},
+    HistoryColumn{"first_s",
+                  [](const TermActivity& t) { return number_or("-", "{:.3f}", t.first); }},
+    HistoryColumn{"last_s", [](const TermActivity& t) { return number_or("-", "{:.3f}", t.last); }},
+    HistoryColumn{"median_uN",
+                  [](const TermActivity& t) { return fmt::format("{:.4g}", 1e6 * t.median); }},
+    HistoryColumn{"largest_uN",
+                  [](const TermActivity& t) { return fmt::format("{:.4g}", 1e6 * t.largest); }},
+    HistoryColumn{"reaches", [](const TermActivity& t) { return percent(t.reaches); }},
+    HistoryColumn{"of_felt", [](const TermActivity& t) { return percent(t.of_felt); }},
+    HistoryColumn{"noticed", [](const TermActivity& t) { return percent(t.noticed); }}};
+
+std::string felt_text(const ForceHistory& h) {
+  return fmt::format(
+      "end or side touch {} of the time; at the holder, relative to rest: median {:.4g} uN, "
+      "largest {:.4g} uN",
+      percent(h.touching), 1e6 * h.felt_median, 1e6 * h.felt_largest);
+}
+
+}  // namespace
+
+std::string to_text(const ForceHistory& history) {
+  std::string text = fmt::format("{:<14}", "term");
+  for (const HistoryColumn& column : kHistoryColumns)
+    text += fmt::format(" {:>10}", column.heading);
+  text += "\n";
+  for (const TermActivity& term : history.terms) {
+    text += fmt::format("{:<14}", info(term.term).name);
+    for (const HistoryColumn& column : kHistoryColumns)
+      text += fmt::format(" {:>10}", column.cell(term));
+    text += "\n";
+  }
+  return text + felt_text(history) +
+         fmt::format(
+             "\nacts: share of the time; apart, touching: of the time in which nothing touches, or "
+             "something\ndoes; reaches: share of the term that reaches the hand, the rest is held "
+             "by the ferrule; of_felt: share\nof what is felt; noticed: share of the time in which "
+             "it is {:g} N or more at the hand, and {:g} % of what is felt\n",
+             kNoticedForce, 100 * kNoticedShare);
+}
+
+std::string to_html(const ForceHistory& history) {
+  std::string html = "<table><tr><th>force</th>";
+  for (const HistoryColumn& column : kHistoryColumns)
+    html += fmt::format("<th>{}</th>", column.heading);
+  html += "</tr>\n";
+  for (const TermActivity& term : history.terms) {
+    html += fmt::format("<tr><td>{}</td>", info(term.term).label);
+    for (const HistoryColumn& column : kHistoryColumns)
+      html += fmt::format("<td class=n>{}</td>", column.cell(term));
+    html += "</tr>\n";
+  }
+  return html +
+         fmt::format(
+             "</table>\n<p>Share of the time in which each force acts: of all, while nothing "
+             "touches, while end or side do; its share that reaches the hand, its share of what "
+             "is felt, and the share of the time in which a hand would notice it ({:g} N, and "
+             "{:g} % of what is felt). {}.</p>\n",
+             kNoticedForce, 100 * kNoticedShare, felt_text(history));
+}
+
+Json to_json(const TermActivity& t) {
+  return {{"term", info(t.term).name},
+          {"share_of_time", number_or_null(t.acts)},
+          {"share_apart", number_or_null(t.apart)},
+          {"share_touching", number_or_null(t.touching)},
+          {"first_s", number_or_null(t.first)},
+          {"last_s", number_or_null(t.last)},
+          {"median_uN", 1e6 * t.median},
+          {"largest_uN", 1e6 * t.largest},
+          {"share_reaching_hand", number_or_null(t.reaches)},
+          {"share_of_felt", number_or_null(t.of_felt)},
+          {"share_noticed", number_or_null(t.noticed)}};
+}
+
+Plot history_plot(const Episode& episode, const Scene& scene) {
+  Axes axes{"time [s]", "magnitude of force [uN]", false, true, {}};
+  const Eigen::Index stride = std::max<Eigen::Index>(1, episode.rows.rows() / 1500);
+  for (const Term term : kAllTerms) {
+    Series series{info(term).label, {}, {}, Series::points};
+    for (Eigen::Index n = 0; n < episode.rows.rows(); n += stride) {
+      const double force = 1e6 * episode.rows.row(n).segment<3>(force_column(term)).norm();
+      if (force == 0) continue;
+      series.x.push_back(episode.rows(n, kTime.begin));
+      series.y.push_back(force);
+    }
+    if (!series.x.empty()) axes.series.push_back(series);
+  }
+  if (axes.series.empty()) throw BadInput("nothing to plot: no force acted in the recording");
+  return {"Forces of one recording in the scene " + scene.name, {axes}};
+}
+
+}  // namespace ferrule

@@ -1,0 +1,124 @@
+#include "app/recorded_view.hpp"
+
+#include <fmt/format.h>
+
+#include <filesystem>
+
+#include "app/trained.hpp"
+#include "controller/controller_file.hpp"
+#include "controller/device_controller.hpp"
+#include "controller/supervisor.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kFileRate = 100;  // frames a second in a file
+
+std::string file_name(const std::string& path) {
+  return std::filesystem::path(path).filename().string();
+}
+
+ReplayRun run_of(const std::string& file) {
+  const Episode episode = read_episode(file);
+  if (episode.rows.rows() == 0) throw BadInput(file + ": an episode without rows");
+  return replay_of(episode, recorded_scene(episode, file), file_name(file));
+}
+
+MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,
+                       double skill) {
+  if (which == "constant-velocity")
+    return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
+  return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
+    constexpr double kPeriod = 1e-3;
+    return std::make_unique<DeviceController>(
+        simulated_operator(scene, draw_start(scene, seed, trial), skill, kPeriod, seed, trial),
+        kPeriod);
+  };
+}
+
+}  // namespace
+
+RecordedView::RecordedView(const RecordedViewArguments& a, const SceneArguments& scene) {
+  if (a.trial)
+    make_trial(a, scene);
+  else
+    find_episodes(a);
+}
+
+void RecordedView::find_episodes(const RecordedViewArguments& a) {
+  std::error_code error;
+  title_ = file_name(a.path);
+  if (!std::filesystem::is_directory(a.path, error)) {
+    files_ = {a.path};
+  } else {
+    files_ = episode_files(a.path);
+    if (files_.empty()) throw BadInput(a.path + ": no episodes in it");
+  }
+  for (const std::string& file : files_) provenance_.read(file);
+}
+
+void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArguments& arguments) {
+  if (a.path.empty() && a.against.empty())
+    throw BadInput("view --trial: give a controller file, or --against, or both");
+  BroughtScene brought;
+  std::optional<ControllerFile> file;
+  if (!a.path.empty()) {
+    file = read_controller(a.path);
+    brought = brought_by(trained_on(*file), a.path);
+  }
+  const ChosenScene chosen = arguments.choose(brought);
+  const Scene& scene = chosen.scene;
+  if (file) {
+    refuse_other_scaling(trained_on(*file).scaling, a.path, scene, a.other_scaling);
+    provenance_.read(a.path);
+  }
+  provenance_.in(chosen).seed("trials", a.seed);
+  const auto add = [&](const std::string& who, MakeController make) {
+    if (a.supervise) make = supervised(make, supervisor_limits(scene, scene_scaling(scene)));
+    trials_.push_back(replay_of(scene, make, a.seed, *a.trial, who));
+    if (trials_.back().frames.empty())
+      throw BadInput(
+          fmt::format("trial {} under seed {}: the drawn fibre does not fit into the "
+                      "drawn bore, so that there is nothing to see",
+                      *a.trial, a.seed));
+  };
+  title_ = fmt::format("trial {} under seed {}", *a.trial, a.seed);
+  if (file) add(a.path, maker(*file));
+  if (!a.against.empty())
+    add(a.against == "operator" ? "simulated operator" : "constant velocity",
+        against(a.against, scene, a.seed, a.skill));
+}
+
+std::optional<std::string> RecordedView::json(const std::string& file) const {
+  const auto text = [](const Json& json) {
+    return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+  };
+  if (!trials_.empty()) return text(replay_json(title_, trials_));
+  for (const std::string& each : files_) {
+    if (!file.empty() && file_name(each) != file) continue;
+    Json json = replay_json(title_, {run_of(each)});
+    if (file.empty())
+      for (const std::string& other : files_)
+        if (other != each)
+          json["runs"].push_back({{"name", file_name(other)}, {"file", file_name(other)}});
+    return text(json);
+  }
+  return std::nullopt;
+}
+
+Json RecordedView::whole() const {
+  std::vector<ReplayRun> runs = trials_;
+  Progress progress("reading", files_.size());
+  for (const std::string& file : files_) {
+    end_if_interrupted();
+    runs.push_back(run_of(file));
+    progress(runs.size());
+  }
+  for (ReplayRun& run : runs) thin(run, kFileRate);
+  return replay_json(title_, runs);
+}
+
+}  // namespace ferrule

@@ -1,0 +1,182 @@
+// ferrule view: the operator's window in a browser.
+#include <fmt/format.h>
+#include <spawn.h>
+
+#include <chrono>
+#include <thread>
+
+#include "app/device_arguments.hpp"
+#include "app/recorded_view.hpp"
+#include "app/recording.hpp"
+#include "app/trained.hpp"
+#include "app/verb.hpp"
+#include "insertion/hand_device.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "view/page_file.hpp"
+#include "view/server.hpp"
+#include "view/session.hpp"
+
+extern char** environ;
+
+namespace ferrule {
+namespace {
+
+struct ViewArguments {
+  SceneArguments scene;
+  DeviceArguments device;
+  RecordedViewArguments recorded;
+  std::string out = "ferrule-view", export_to;
+  std::uint64_t seed = 1;
+  std::uint16_t port = 0;
+  bool no_open = false;
+};
+
+// In the person's browser, where there is one.
+void open_in_browser(const std::string& address) {
+  std::string program = "xdg-open", where = address;
+  char* words[] = {program.data(), where.data(), nullptr};
+  pid_t child = -1;
+  posix_spawn_file_actions_t quiet;
+  ::posix_spawn_file_actions_init(&quiet);
+  ::posix_spawn_file_actions_addopen(&quiet, 1, "/dev/null", 1, 0);
+  ::posix_spawn_file_actions_addopen(&quiet, 2, "/dev/null", 1, 0);
+  if (::posix_spawnp(&child, program.c_str(), &quiet, nullptr, words, environ) != 0)
+    fmt::print(stderr, "note: there is no xdg-open here: open the address yourself\n");
+  ::posix_spawn_file_actions_destroy(&quiet);
+}
+
+// What a sitting has to know of an open device, which outlives it.
+SessionDevice session_device(const OpenDevice& device, const HandSettings& settings) {
+  SessionDevice made;
+  made.name = operator_name(device);
+  made.make = [&device, settings](const Scene& scene, const State& start) {
+    return hand_on(device, settings, scene, start);
+  };
+  const ForceDriver* const force = device.driver->force;
+  if (!force) return made;
+  made.period = settings.profile.period;
+  if (settings.coupling) made.coupling = coupling_text(*settings.coupling);
+  made.feedback = [&device, settings, force](const Scene& scene, const State& start) {
+    return std::make_unique<ForceFeedback>(
+        settings.profile, settings.coupling, scene_scaling(scene).motion_to_hand(start.command),
+        force->report_period, force->motors(device.transport->info()));
+  };
+  return made;
+}
+
+// Serves what was recorded, until it is stopped.
+int replay_in_browser(const ViewArguments& a) {
+  const std::string page = self_contained(load_page(), kServed);
+  const RecordedView recorded(a.recorded, a.scene);
+  Server server(a.port, {page, [&recorded](const std::string& file) { return recorded.json(file); },
+                         [] { return std::vector<SharedPayload>(); },
+                         [](std::uint64_t, std::string_view) {}});
+  fmt::print("{}{}\n", recorded.provenance().head(), server.address());
+  std::fflush(stdout);
+  if (!a.no_open) open_in_browser(server.address());
+  while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  return kInterrupted;
+}
+
+// One file that replays from disk.
+int export_replay(const ViewArguments& a) {
+  if (a.recorded.path.empty() && !a.recorded.trial)
+    throw BadInput("view --export: give an episode, a folder of them, or --trial");
+  expect_place_for(a.export_to);
+  const std::string page = load_page();
+  const RecordedView recorded(a.recorded, a.scene);
+  write_text(a.export_to, self_contained(page, recorded.whole()));
+  fmt::print("{}{}", recorded.provenance().head(), recorded.provenance().foot());
+  return kDone;
+}
+
+int live_verb(const ViewArguments& a) {
+  const std::string page = load_page();
+  SessionSettings settings;
+  const ChosenScene chosen = a.scene.choose();
+  settings.scene = chosen.scene;
+  settings.seed = a.seed;
+  settings.out = a.out;
+  settings.trainee = a.device.trainee;
+  settings.program = "/proc/self/exe";
+  std::optional<OpenDevice> device;
+  if (!a.device.device.empty()) {
+    device = open_device("--device", a.device.device);
+    settings.device = session_device(*device, hand_settings(a.device, *device, settings.scene));
+  }
+  Provenance provenance;
+  provenance.in(chosen).seed("starts", a.seed);
+  std::unique_ptr<Server> server;
+  Session session(std::move(settings), [&server](SharedPayload payload) {
+    if (server) server->send(std::move(payload));
+  });
+  server = std::make_unique<Server>(
+      a.port, Server::Served{page, [](const std::string&) { return std::optional<std::string>(); },
+                             [&session] { return session.greeting(); },
+                             [&session](std::uint64_t client, std::string_view text) {
+                               session.message(client, text);
+                             }});
+  fmt::print("{}{}\n", provenance.head(), server->address());
+  std::fflush(stdout);
+  if (!a.no_open) open_in_browser(server->address());
+  const auto close = [&server] { server.reset(); };
+  try {
+    session.run(interrupted);
+  } catch (...) {
+    close();
+    throw;
+  }
+  close();
+  return kInterrupted;
+}
+
+int view_verb(ViewArguments a) {
+  a.recorded.seed = a.seed;
+  if (!a.export_to.empty()) return export_replay(a);
+  return a.recorded.path.empty() && !a.recorded.trial ? live_verb(a) : replay_in_browser(a);
+}
+
+// What is replayed instead of a session.
+void add_recorded(CLI::App& verb, ViewArguments& a) {
+  RecordedViewArguments& r = a.recorded;
+  verb.add_option("recorded", r.path,
+                  "Replay this: an episode or a folder of them; with --trial a controller")
+      ->type_name("FILE.h5|DIR|FILE.json");
+  auto* trial = verb.add_option("--trial", r.trial,
+                                "Make this trial of a campaign under --seed again, and replay it")
+                    ->check(CLI::Range(std::uint64_t{0}, (std::uint64_t{1} << 53)));
+  verb.add_option("--against", r.against, "The same trial by another, over it")
+      ->check(CLI::IsMember({"constant-velocity", "operator"}))
+      ->needs(trial);
+  verb.add_option("--skill", r.skill, "Skill of that operator")
+      ->capture_default_str()
+      ->check(number_between(0, 1));
+  verb.add_flag("--supervise", r.supervise, "Under the supervisor, as in evaluate")->needs(trial);
+  add_other_scaling(verb, r.other_scaling);
+  verb.add_option("--export", a.export_to, "Write one file instead, that replays from disk")
+      ->type_name("FILE.html");
+}
+
+}  // namespace
+
+void add_view(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand("view", "The operator's window: insert in a browser, and watch");
+  auto a = std::make_shared<ViewArguments>();
+  add_recorded(*verb, *a);
+  a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
+  add_device(*verb, a->device, "Hold the fibre with this device instead of the page");
+  add_trainee(*verb, a->device.trainee);
+  verb->add_option("--out", a->out, "Folder for the episodes")
+      ->capture_default_str()
+      ->type_name("DIR");
+  add_seed(*verb, a->seed, "Seed of the starts");
+  verb->add_option("--port", a->port, "Port on 127.0.0.1; 0: one that is free")
+      ->capture_default_str();
+  verb->add_flag("--no-open", a->no_open, "Print the address, and open no browser");
+  add_examples(*verb, {"view --scene demo --trainee Ada --out ada", "view --device auto --no-open",
+                       "view episodes", "view episodes/episode_0001.h5 --export episode.html",
+                       "view --trial 3 controller.json --seed 7 --against constant-velocity"});
+  verb->callback([a, &run] { run = [a] { return view_verb(*a); }; });
+}
+
+}  // namespace ferrule

@@ -1,0 +1,99 @@
+#include "bench/events.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "bench/random_scene.hpp"
+#include "sim/energy.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+constexpr std::array<int, 7> kParts = {64, 32, 16, 8, 4, 2, 1};
+
+struct Trace {
+  std::vector<PoseVector> tips;  // every kPeriod
+  std::vector<Vector3d> forces;
+  double seconds = 0;
+  long not_converged = 0, capped = 0;
+};
+
+Trace follow_hand(const World& world, const State& start, const std::vector<Pose>& hand,
+                  int parts) {
+  Trace trace;
+  State state = start;
+  const auto begin = std::chrono::steady_clock::now();
+  for (std::size_t n = 0; n < hand.size(); ++n) {
+    const StepResult r = step(world, state, hand[n], n == 0 ? 0 : kPeriod / parts);
+    state = r.state;
+    trace.not_converged += r.status == StepStatus::not_converged;
+    trace.capped += r.status == StepStatus::capped;
+    if (n % static_cast<std::size_t>(parts) != 0) continue;
+    trace.tips.emplace_back(state.tip);
+    trace.forces.emplace_back(r.forces.holder.head<3>());
+  }
+  trace.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  return trace;
+}
+
+void compare(const World& world, const Trace& trace, const Trace& finest, EventRow& row) {
+  double force = 0, largest = 0;
+  for (std::size_t n = 0; n < finest.tips.size(); ++n) {
+    const PoseVector &a = trace.tips[n], &b = finest.tips[n];
+    const double at_mouth = std::max(0.0, -b.x);
+    const double off =
+        std::max((a - b).length(), (eccentricity(a, at_mouth) - eccentricity(b, at_mouth)).norm());
+    row.pose_difference_clearances =
+        std::max(row.pose_difference_clearances, off / world.annulus.clearance());
+    force = std::max(force, (trace.forces[n] - finest.forces[n]).norm());
+    largest = std::max(largest, (finest.forces[n] - finest.forces[0]).norm());
+  }
+  if (largest > 0)
+    row.force_difference_relative = std::max(row.force_difference_relative, force / largest);
+}
+
+void add_rows(const std::string& name, Motion motion, std::uint64_t seed, std::size_t starts,
+              std::vector<EventRow>& rows) {
+  const Scene scene = load_scene(name);
+  std::array<EventRow, kParts.size()> mine;
+  double simulated = 0;
+  for (std::size_t i = 0; i < kParts.size(); ++i)
+    mine[i] = {name, ferrule::name(motion), kPeriod / kParts[i], 0, 0, 0, 0, 0};
+  for (std::size_t k = 0; k < starts; ++k) {
+    const State start = draw_start(scene, seed, k);
+    Trace finest;
+    for (std::size_t i = 0; i < kParts.size(); ++i) {
+      const auto hand = commands(scene, start, motion, kPeriod / kParts[i], seed, k);
+      const Trace trace = follow_hand(scene.world, start, hand, kParts[i]);
+      if (i == 0) finest = trace;
+      compare(scene.world, trace, finest, mine[i]);
+      mine[i].us_per_simulated_s += 1e6 * trace.seconds;
+      mine[i].not_converged += trace.not_converged;
+      mine[i].capped += trace.capped;
+    }
+    simulated += kPeriod * static_cast<double>(finest.tips.size());
+  }
+  for (auto row = mine.rbegin(); row != mine.rend(); ++row) {
+    row->us_per_simulated_s /= simulated;
+    rows.push_back(*row);
+  }
+}
+
+}  // namespace
+
+std::vector<EventRow> bench_events(std::uint64_t seed, std::size_t starts,
+                                   const std::vector<std::string>& scenes, const GoOn& go_on) {
+  Cases<EventRow> cases;
+  for (const std::string& name : scenes)
+    for (int motion = 0; motion < kMotions; ++motion)
+      cases.push_back([=](std::vector<EventRow>& rows) {
+        add_rows(name, static_cast<Motion>(motion), seed, starts, rows);
+      });
+  return rows_of(cases, go_on);
+}
+
+}  // namespace ferrule

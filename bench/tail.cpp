@@ -1,0 +1,118 @@
+#include "bench/tail.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "bench/random_scene.hpp"
+#include "sim/measure.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kLongUs = 5;  // steps that take longer are measured again
+constexpr int kAgain = 4;
+constexpr double kMostSteps = 4000;  // of a motion in a random scene
+constexpr double kGain = -1e-9;      // of the work turned over
+
+struct Sample {
+  TailRow row;
+  std::vector<float> us;
+  std::vector<int> evaluations;
+};
+
+StepResult timed_step(const World& world, const State& state, const Pose& hand, double dt,
+                      double& us) {
+  using Clock = std::chrono::steady_clock;
+  const auto begin = Clock::now();
+  StepResult result = step(world, state, hand, dt);
+  us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
+  return result;
+}
+
+void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand, double dt,
+           Sample& sample) {
+  const World& world = scene.world;
+  State state = start;
+  double work = 0, turned = 0;
+  for (const Pose& to : hand) {
+    const Pose stretch = state.tip - 0.5 * (state.command + to);
+    const double more = -(world.holder.stiffness * stretch).dot(to - state.command);
+    work += more;
+    turned += std::abs(more);
+    double us = 0;
+    const StepResult result = timed_step(world, state, to, dt, us);
+    for (int n = 0; n < kAgain && us > kLongUs; ++n) {
+      double again = 0;
+      timed_step(world, state, to, dt, again);
+      us = std::min(us, again);
+    }
+    state = result.state;
+    ++sample.row.steps;
+    sample.row.not_converged += result.status == StepStatus::not_converged;
+    sample.row.capped += result.status == StepStatus::capped;
+    sample.us.push_back(static_cast<float>(us));
+    sample.evaluations.push_back(result.evaluations);
+  }
+  ++sample.row.loops;
+  sample.row.loops_that_gained += !(work >= kGain * turned);
+}
+
+template <class T>
+T quantile(std::vector<T>& values, double part) {
+  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), values.begin() + at, values.end());
+  return values[static_cast<std::size_t>(at)];
+}
+
+TailRow finished(Sample& sample) {
+  TailRow& row = sample.row;
+  row.p9999_us = quantile(sample.us, 0.9999);
+  row.worst_us = quantile(sample.us, 1);
+  row.evaluations_p9999 = quantile(sample.evaluations, 0.9999);
+  row.evaluations_max = quantile(sample.evaluations, 1);
+  return row;
+}
+
+TailRow shipped(const std::string& name, std::uint64_t seed, std::size_t starts) {
+  const Scene scene = load_scene(name);
+  Sample sample;
+  sample.row.scene = name;
+  for (std::size_t k = 0; k < starts; ++k) {
+    const Motion motion = k % 2 ? Motion::press : Motion::insertion;
+    const State start = draw_start(scene, seed, k);
+    drive(scene, start, commands(scene, start, motion, 1e-3, seed, k), 1e-3, sample);
+  }
+  return finished(sample);
+}
+
+TailRow random(std::uint64_t seed, std::size_t scenes) {
+  constexpr std::array<double, 5> steps = {1e-3, 1e-3, 1e-4, 3e-3, 1e-2};
+  Sample sample;
+  sample.row.scene = "random";
+  for (std::size_t k = 0; k < scenes; ++k) {
+    const Scene scene = random_scene(seed, k);
+    for (int motion = 0; motion < kMotions; ++motion) {
+      const State start = draw_start(scene, seed, k);
+      const double dt = steps[k % steps.size()];
+      const auto hand =
+          commands(scene, start, static_cast<Motion>(motion), dt, seed, k, kMostSteps * dt);
+      drive(scene, start, hand, dt, sample);
+    }
+  }
+  return finished(sample);
+}
+
+}  // namespace
+
+std::vector<TailRow> bench_tail(std::uint64_t seed, std::size_t scenes, const GoOn& go_on) {
+  Cases<TailRow> cases;
+  for (const std::string& name : shipped_scenes())
+    add_case(cases, [=] { return shipped(name, seed, scenes); });
+  add_case(cases, [=] { return random(seed, scenes); });
+  return rows_of(cases, go_on);
+}
+
+}  // namespace ferrule

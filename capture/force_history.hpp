@@ -1,0 +1,45 @@
+// Which force acted when in a recording, and which of them the hand could feel.
+//
+// The hand feels the wrench of the fibre on the holder relative to that of the first row, at rest
+// (insertion/sensed_wrench.hpp). With dF_k the force of term k less that of the first row, dN the
+// holder's, n = dN/|dN| and P the sum of all dF_k n that are positive, term k reaches the hand with
+//   f_k = max(0, dF_k n) min(1, |dN|/P)
+// Terms that pull against dN are balanced within the ferrule by those that push along it, and take
+// the same share of each: an adhesion that a wall holds reaches no hand. At rest, sum of f_k = |dN|.
+#pragma once
+
+#include <vector>
+
+#include "capture/episode.hpp"
+
+namespace ferrule {
+
+// A change of force that a hand notices: a tenth of the force that is there (Pang, Tan and Durlach
+// 1991, "Manual discrimination of force using active finger motion": 5 to 10 %; Allin, Matsuoka and
+// Klatzky 2002, "Measuring just noticeable differences for haptic force feedback": 10 %), and not
+// below 0.1 N, assumed.
+inline constexpr double kNoticedShare = 0.1;  // [-]
+inline constexpr double kNoticedForce = 0.1;  // in the hand's world [N]
+
+struct TermActivity {
+  Term term;
+  // Shares of the rows in which the term is not zero [-]: of all, of those in which nothing touches
+  // and of those in which end or side do; NaN where there is no such row.
+  double acts, apart, touching;
+  double first, last;      // time of the first and of the last of them [s]; NaN: it never acts
+  double median, largest;  // of its magnitude, both places added up, where it acts [N]; 0: never
+  double reaches;          // sum of f_k over sum of |F_k| [-]; NaN: it never acts
+  double of_felt;          // sum of f_k over sum of |dN| [-]; NaN: nothing is felt
+  double noticed;  // share of all rows in which f_k, scaled to the hand, is one that is noticed [-]
+};
+
+struct ForceHistory {
+  double touching;                   // share of the rows in which end or side touch [-]
+  double felt_median, felt_largest;  // |dN| [N]
+  std::vector<TermActivity> terms;   // those that the scene has, in order
+};
+
+// Of an episode recorded in `scene`, one row at least.
+ForceHistory force_history(const Episode& episode, const Scene& scene);
+
+}  // namespace ferrule

@@ -1,0 +1,108 @@
+#include "sim/friction_limits.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace ferrule {
+namespace {
+
+constexpr double kNudge = 1e-12;     // of a depth, for its derivative [m]
+constexpr double kMostChange = 0.5;  // of a limit, in one go
+constexpr double kFlat = 100;        // more of it: given limits hardly hold the pose
+constexpr double kSingular = 0.05;   // less of a determinant: limit and depth drive each other on
+
+}  // namespace
+
+FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
+                               const PoseVector& tip,
+                               const std::array<ContactDepth, kContactPlaces>& depth,
+                               double slips_at) noexcept {
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = frozen.friction[at];
+    const double d = depth[at].value;
+    if (!friction.acts || d == -INFINITY) continue;
+    const Vector3d stretched = stretch(world, frozen, static_cast<int>(at), tip);
+    const FrictionLimit is = friction_limit(world, friction, d, frozen.branch[at]);
+    Place& place = place_[at];
+    const double length = stretched.norm();
+    place.slips = is.limit > 0 && (friction.stiffness * length > slips_at * friction.limit ||
+                                   is.stiffness * length > slips_at * is.limit);
+    if (!place.slips) continue;
+    place.limit = friction.limit;
+    place.stiffness = is.stiffness;
+    place.miss = is.limit - friction.limit;
+    place.per_depth =
+        (friction_limit(world, friction, d + kNudge, frozen.branch[at]).limit - is.limit) / kNudge;
+    place.depth_slope = depth[at].by_pose(tip.t);
+    place.pull = pull_of_friction(world, frozen, static_cast<int>(at), stretched);
+  }
+}
+
+double FrictionLimits::largest_miss() const noexcept {
+  double largest = 0;
+  for (const Place& place : place_)
+    if (place.slips) largest = std::max(largest, std::abs(place.miss) / place.limit);
+  return largest;
+}
+
+// Where the Hessian at given limits is nearly singular or falls: both systems as one.
+std::optional<PoseVector> FrictionLimits::settle_together(
+    const NewtonStep& newton, bool limits_only, FrozenCoefficients& frozen) const noexcept {
+  Matrix5 together = newton.model.hessian.full();
+  Pose force = limits_only ? Pose(Pose::Zero()) : Pose(-newton.model.gradient.full());
+  for (const Place& place : place_) {
+    if (!place.slips) continue;
+    together += place.per_depth * place.pull.full() * place.depth_slope.full().transpose();
+    force -= place.miss * place.pull.full();
+  }
+  const Eigen::PartialPivLU<Matrix5> solver(together);
+  if (!(solver.determinant() > 0)) return std::nullopt;
+  const PoseVector move{Pose(solver.solve(force))};
+  for (int j = 0; j < kContactPlaces; ++j) {
+    const Place& place = place_[j];
+    if (!place.slips) continue;
+    const double by = place.miss + place.per_depth * place.depth_slope.dot(move);
+    if (!(std::abs(by) <= kMostChange * place.limit)) return std::nullopt;
+    frozen.friction[j].limit += by;
+    frozen.friction[j].stiffness = place.stiffness;
+  }
+  return move;
+}
+
+std::optional<PoseVector> FrictionLimits::settle(const NewtonStep& newton, bool limits_only,
+                                                 FrozenCoefficients& frozen) const noexcept {
+  if (newton.falling > 0) return settle_together(newton, limits_only, frozen);
+  // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j change_j
+  const PoseVector held = limits_only ? PoseVector() : newton.move;
+  std::array<PoseVector, kContactPlaces> answer;
+  Matrix2d system = Matrix2d::Identity();
+  Vector2d miss = Vector2d::Zero();
+  for (int j = 0; j < kContactPlaces; ++j) {
+    if (!place_[j].slips) continue;
+    answer[j] = newton.hessian.solve(place_[j].pull);
+    miss[j] = place_[j].miss + place_[j].per_depth * place_[j].depth_slope.dot(held);
+    for (int i = 0; i < kContactPlaces; ++i)
+      if (place_[i].slips)
+        system(i, j) -= place_[i].per_depth * place_[i].depth_slope.dot(answer[j]);
+  }
+  const double determinant = system(0, 0) * system(1, 1) - system(0, 1) * system(1, 0);
+  if (determinant > kFlat) return settle_together(newton, limits_only, frozen);
+  Vector2d change = miss;
+  if (determinant > kSingular)
+    change = Vector2d(system(1, 1) * miss[0] - system(0, 1) * miss[1],
+                      system(0, 0) * miss[1] - system(1, 0) * miss[0]) /
+             determinant;
+  PoseVector move = held;
+  for (int j = 0; j < kContactPlaces; ++j) {
+    const Place& place = place_[j];
+    if (!place.slips) continue;
+    const double by = std::clamp(change[j], -kMostChange * place.limit, kMostChange * place.limit);
+    frozen.friction[j].limit += by;
+    frozen.friction[j].stiffness = place.stiffness;
+    move += by * answer[j];
+  }
+  return move;
+}
+
+}  // namespace ferrule

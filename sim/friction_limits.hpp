@@ -1,0 +1,45 @@
+// The limits of friction within a step: those of the contacts where the step ends, which are as
+// deep as the limits let them be. Energies do not know this, friction being none; so the limits are
+// held while a minimum is sought (sim/minimum.hpp), and then moved, by Newton's method, to where
+// they and the depths agree.
+#pragma once
+
+#include <optional>
+
+#include "sim/newton.hpp"
+
+namespace ferrule {
+
+class FrictionLimits {
+ public:
+  // By how much the limits of `frozen` miss those at `depth`, where the end is at `tip`. What is
+  // stuck has none: what rubs with less than this part of its limit.
+  FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                 const std::array<ContactDepth, kContactPlaces>& depth,
+                 double slips_at = 1) noexcept;
+
+  // The largest miss, as a part of its limit.
+  double largest_miss() const noexcept;
+
+  // Moves the limits of `frozen` to where they miss nothing after the whole move: that of `newton`
+  // to where the forces balance, its model's but for the limits (or, `limits_only`, from where they
+  // balance already) and what changing them adds: that move. What is no minimum of given limits may
+  // still be stable, as the limits give way when the contact does: as long as the determinant of
+  // both together is positive. Nothing, and the limits as they are, where it is not.
+  std::optional<PoseVector> settle(const NewtonStep& newton, bool limits_only,
+                                   FrozenCoefficients& frozen) const noexcept;
+
+ private:
+  std::optional<PoseVector> settle_together(const NewtonStep& newton, bool limits_only,
+                                            FrozenCoefficients& frozen) const noexcept;
+
+  struct Place {
+    bool slips = false;  // the rest is only set where it does
+    double limit, stiffness, miss;
+    double per_depth;              // d limit / d depth [N/m]
+    PoseVector depth_slope, pull;  // depth by the pose; gradient of the friction for a limit of 1 N
+  };
+  std::array<Place, kContactPlaces> place_;
+};
+
+}  // namespace ferrule

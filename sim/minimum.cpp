@@ -1,0 +1,303 @@
+#include "sim/minimum.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace ferrule {
+namespace {
+
+constexpr double kForceTolerance = 1e-9;  // relative to the sum of all force magnitudes
+constexpr double kForceFloor = 1e-14;     // [N]
+constexpr double kNearMove = 2e-5;        // of the clearance, beside kNearForce
+constexpr double kNearWall = 10e-9;       // moves that begin so near to a wall go along it [m]
+constexpr double kShortestLever =
+    1e-6;                              // inserted length at which tilts are those of two places [m]
+constexpr double kFarthestTurn = 1.0;  // [rad]
+constexpr double kOvershoot = 0.3;     // of the slope at the begin: a move may end rising by that
+constexpr double kMostRise = 10;  // of what a Newton step should gain, where the residual falls
+constexpr double kLevel = 1e-9;   // of the sum of all energies
+constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the end of a step
+constexpr int kMostRounds = 10;
+constexpr double kFurther = 3;  // a step that got ever steeper
+constexpr int kMostExpansions = 4;
+constexpr int kMostBisections = 40;
+constexpr double kShortest = 1e-12;       // part of a Newton step
+constexpr double kShortestTrial = 1e-19;  // the printed well is 1e12 N/m stiff [m]
+
+// An eccentricity that moves on along the wall: sideways it turns about the bore's axis.
+Vector2d turned(const Vector2d& e, const Vector2d& move, double near) noexcept {
+  const double radius = e.norm();
+  if (!(radius > near)) return e + move;
+  const Vector2d out = e / radius, along(-out.y(), out.x());
+  // The tangent of half the angle; the angle to first order.
+  const double half = 0.5 * std::clamp(along.dot(move) / radius, -kFarthestTurn, kFarthestTurn);
+  const double over = 1 / (1 + half * half), outwards = std::max(radius + out.dot(move), 0.0);
+  return outwards * over * ((1 - half * half) * out + 2 * half * along);
+}
+
+using StiffLaws = std::array<StiffLaw, kStiffLaws>;
+
+// The energy of a Newton step's model, with the stiff laws as they are, after a part of the step:
+// its change [J], and its slope by the part.
+struct AlongStep {
+  double energy, slope, rounding;
+};
+
+class StiffModel {
+ public:
+  StiffModel(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+             const StiffLaws& here, const NewtonStep& newton) noexcept
+      : world_(world), frozen_(frozen), tip_(tip), here_(here), newton_(newton) {
+    for (const StiffLaw& law : here)
+      if (law.acts) {
+        const double rate = law.slope.dot(newton.move);
+        slope_ += law.force * rate;
+        curve_ += law.stiffness * rate * rate;
+      }
+  }
+
+  StiffLaws laws(double part) const noexcept {
+    return stiff_laws(world_, frozen_, moved_along(world_, tip_, part * newton_.move),
+                      here_[kSide].share);
+  }
+  AlongStep at(double part, const StiffLaws& there) const noexcept {
+    AlongStep sum{-newton_.fall * part * (1 - 0.5 * part) - part * (slope_ + 0.5 * part * curve_),
+                  -newton_.fall * (1 - part) - slope_ - part * curve_, 0};
+    for (std::size_t i = 0; i < kStiffLaws; ++i) {
+      if (!here_[i].acts || !there[i].acts) continue;
+      sum.energy += there[i].energy - here_[i].energy;
+      sum.rounding += kLevel * (std::abs(there[i].energy) + std::abs(here_[i].energy));
+      sum.slope += there[i].force * there[i].slope.dot(newton_.move);
+    }
+    return sum;
+  }
+
+  // Is it higher there than where the step begins?
+  bool higher(const AlongStep& there) const noexcept { return there.energy > there.rounding; }
+
+  // The part, up to `most`, at which the energy is least before it rises.
+  double least(double most) const noexcept {
+    const double limit = kOvershoot * newton_.fall;
+    const auto rises = [&](const AlongStep& there) { return there.slope > limit || higher(there); };
+    if (!rises(at(most, laws(most)))) return most;
+    double low = 0, high = most;
+    for (int n = 0; n < kMostBisections && high - low > kShortest * most; ++n) {
+      const double middle =
+          low < 1e-3 * high ? std::max(0.03 * high, std::sqrt(low * high)) : 0.5 * (low + high);
+      const AlongStep there = at(middle, laws(middle));
+      if (rises(there))
+        high = middle;
+      else if (there.slope < -limit)
+        low = middle;
+      else
+        return middle;
+    }
+    return high;
+  }
+
+ private:
+  const World& world_;
+  const FrozenCoefficients& frozen_;
+  const PoseVector& tip_;
+  const StiffLaws& here_;
+  const NewtonStep& newton_;
+  double slope_ = 0, curve_ = 0;
+};
+
+// A Newton step whose model has the stiff laws as they are where it ends, bent surfaces included,
+// and not only where it begins: Newton's method again, for what costs little to compute. False
+// where that does not converge; the step is as it was then.
+bool meet_stiff_laws(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
+                     const PoseVector& tip, const StiffLaws& here, double tolerance,
+                     NewtonStep& newton) noexcept {
+  NewtonStep step = newton;
+  StiffLaws model = here;
+  for (int round = 0; round < kMostRounds; ++round) {
+    const StiffModel along(world, frozen, tip, here, newton);
+    double part = 1;
+    StiffLaws there =
+        stiff_laws(world, frozen, moved_along(world, tip, step.move), here[kSide].share);
+    if (round == 0 && along.higher(along.at(1, there))) {
+      // Beyond a wall or a well, which it must meet and not jump.
+      part = along.least(1);
+      there = along.laws(part);
+    }
+    double miss = 0;
+    Energy bent = smooth;
+    for (std::size_t i = 0; i < kStiffLaws; ++i) {
+      if (!here[i].acts) continue;
+      if (!there[i].acts) return false;
+      const double on = part * here[i].slope.dot(step.move);
+      miss = std::max(miss, std::abs(there[i].force - model[i].force - model[i].stiffness * on));
+      // Force and stiffness of the model where the pose is `tip`.
+      const double stiffness = std::max(there[i].stiffness, 0.0);
+      model[i].stiffness = stiffness;
+      model[i].force = there[i].force - stiffness * on;
+      bent.gradient += (model[i].force - here[i].force) * here[i].slope;
+      add_square(bent.hessian, stiffness - here[i].stiffness, here[i].slope);
+    }
+    if (part == 1 && miss <= tolerance) {
+      if (round == 0) return true;
+      // It must not leave a well for another one.
+      double more =
+          smooth.gradient.dot(step.move) + 0.5 * smooth.hessian.times(step.move).dot(step.move);
+      for (std::size_t i = 0; i < kStiffLaws; ++i) {
+        if (!here[i].acts) continue;
+        const double on = here[i].slope.dot(step.move);
+        more +=
+            there[i].energy - here[i].energy - on * (here[i].force + 0.5 * here[i].stiffness * on);
+      }
+      if (!(more < newton.fall)) return false;
+      newton = step;
+      return true;
+    }
+    step = NewtonStep(world, frozen, bent, tip);
+    if (!step.convex) return false;
+  }
+  return false;
+}
+
+// Where between 0 and 1 a cubic with these values and slopes is least; they are its at 0 and 1.
+double cubic_minimum(double value, double slope, double value_there, double slope_there) noexcept {
+  const double a = slope + slope_there - 2 * (value_there - value);
+  const double b = 3 * (value_there - value) - 2 * slope - slope_there;
+  const double root = b * b - 3 * a * slope;
+  return root > 0 ? -slope / (b + std::sqrt(root)) : 0.5;
+}
+
+// The step to try from where `found` is, instead of a plain Newton step; whether it meets the stiff
+// laws where it ends.
+bool choose_step(const World& world, const FrozenCoefficients& frozen, const Energy& smooth,
+                 const Minimum& found, const StiffLaws& laws, NewtonStep& newton) noexcept {
+  const PoseVector& gradient = found.there.gradient;
+  NewtonStep met = newton;
+  if (newton.convex &&
+      meet_stiff_laws(world, frozen, smooth, found.tip, laws, kMeets * found.there.force_scale,
+                      met) &&
+      gradient.dot(met.move) < 0) {
+    newton = met;
+    return true;
+  }
+  if (!(gradient.dot(newton.move) < 0)) newton = NewtonStep(world, frozen, smooth, found.tip, 1);
+  return false;
+}
+
+enum class Descent { lower, nowhere, ended };  // ended: evaluations are spent, or it is at an edge
+
+// Takes a part of a step, less where that is not lower and more where it gets ever steeper.
+Descent descend(const World& world, const FrozenCoefficients& frozen, const NewtonStep& newton,
+                double part, int most_evaluations, bool past_edges, Minimum& found) noexcept {
+  const Potential here = found.there;
+  const PoseVector tip = found.tip;
+  const double left = residual(world, here.gradient), slope = here.gradient.dot(newton.move);
+  const double way = travel_of(world, frozen, newton.move);
+  // Energies and gradients are of tables and quadratures: where the drop drowns in what these
+  // differ by, a residual that falls decides.
+  const double level = std::max(kMostRise * newton.fall, kLevel * here.value_scale);
+  Descent went = Descent::nowhere;
+  for (int further = 0; part * way >= kShortestTrial;) {
+    if (found.evaluations >= most_evaluations) return Descent::ended;
+    const PoseVector trial = moved_along(world, tip, part * newton.move);
+    const Potential there(world, frozen, trial);
+    ++found.evaluations;
+    const double more = there.value - here.value, rise = there.gradient.dot(newton.move);
+    const bool lower = more < 1e-4 * part * slope ||
+                       (more <= level && residual(world, there.gradient) < 0.5 * left);
+    if (went == Descent::lower && !(there.value < found.there.value)) break;
+    if (lower) {
+      went = Descent::lower;
+      found.tip = trial;
+      found.there = there;
+      if (!(rise < slope && further++ < kMostExpansions)) break;
+      part *= kFurther;  // into a well
+      continue;
+    }
+    if (!past_edges &&
+        (here.depth[kEnd].value == -INFINITY) != (there.depth[kEnd].value == -INFINITY)) {
+      found.at_edge = true;
+      return Descent::ended;
+    }
+    part *= std::clamp(cubic_minimum(here.value, part * slope, there.value, part * rise), 0.1, 0.5);
+  }
+  return went;
+}
+
+}  // namespace
+
+PoseVector moved_along(const World& world, const PoseVector& tip, const PoseVector& move) noexcept {
+  const double clearance = world.annulus.clearance();
+  const double near = std::max(clearance - kNearWall, 0.5 * clearance);
+  PoseVector end = tip;
+  end += move;
+  end.e = turned(tip.e, move.e, near);
+  const double length = -tip.x, length_there = -end.x;
+  if (!(length > kShortestLever && length_there > kShortestLever)) return end;
+  const Vector2d mouth = tip.e + length * tip.t;
+  const Vector2d mouth_move = move.e + length * move.t - move.x * tip.t;
+  end.t = (turned(mouth, mouth_move, near) - end.e) / length_there;
+  return end;
+}
+
+double residual(const World& world, const PoseVector& gradient) noexcept {
+  return std::max({std::abs(gradient.x), gradient.e.cwiseAbs().maxCoeff(),
+                   gradient.t.cwiseAbs().maxCoeff() / world.holder.tilt_length});
+}
+
+double travel_of(const World& world, const FrozenCoefficients& frozen,
+                 const PoseVector& move) noexcept {
+  return move.length() + move.t.norm() * (frozen.length + world.annulus.fibre_radius);
+}
+
+bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& rest,
+                       Minimum& found) noexcept {
+  Potential& there = found.there;
+  if (!(residual(world, there.gradient) <= kNearForce * there.force_scale &&
+        travel_of(world, frozen, rest) <= kNearMove * world.annulus.clearance()))
+    return false;
+  found.tip += rest;
+  there.bore.gradient += there.bore.hessian.times(rest);
+  found.converged = true;
+  return true;
+}
+
+void minimise(const World& world, const FrozenCoefficients& frozen, int most_evaluations,
+              bool past_edges, Minimum& found) noexcept {
+  const bool inserted = frozen.length > 0 && frozen.contact.side == EdgeSide::throat;
+  double farthest = inserted ? world.annulus.clearance() : INFINITY;
+  found.at_edge = false;
+  for (;; ++found.iterations) {
+    const Potential& here = found.there;
+    const double left = residual(world, here.gradient);
+    if (left <= kForceFloor + kForceTolerance * here.force_scale) {
+      found.converged = true;
+      return;
+    }
+    const Energy smooth =
+        without_friction(frozen, found.tip, here.bore.gradient, here.bore.hessian);
+    NewtonStep newton(world, frozen, smooth, found.tip);
+    if (newton.convex && final_newton_step(world, frozen, newton.move, found)) return;
+    const StiffLaws laws =
+        stiff_laws(world, frozen, found.tip, side_share(world, frozen, found.tip));
+    const bool meets = choose_step(world, frozen, smooth, found, laws, newton);
+    const double way = travel_of(world, frozen, newton.move);
+    if (!(here.gradient.dot(newton.move) < 0 && way >= kResolution)) {
+      found.converged = way < kResolution || left <= kNearForce * here.force_scale;
+      return;
+    }
+    // Among surface forces a step longer than the clearance tells nothing, until it does.
+    const double turn = newton.move.t.norm() * (frozen.length + world.annulus.fibre_radius);
+    const double reach = std::max(newton.move.e.norm(), turn);
+    double part = reach > farthest ? farthest / reach : 1;
+    const bool bounded = part < 1;
+    if (!meets || bounded) part = StiffModel(world, frozen, found.tip, laws, newton).least(part);
+    const Descent went = descend(world, frozen, newton, part, most_evaluations, past_edges, found);
+    if (went == Descent::ended) return;
+    if (went == Descent::nowhere) {  // rounding leaves nothing lower
+      found.converged = left <= kNearForce * found.there.force_scale;
+      return;
+    }
+    if (bounded) farthest *= 2;
+  }
+}
+
+}  // namespace ferrule

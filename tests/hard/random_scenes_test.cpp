@@ -1,0 +1,49 @@
+// Random scenes over the whole range of the schema, and hands that jump in them
+// (bench/random_scene.hpp): the work of a step is bounded, nothing is ever not finite, and no
+// closed motion gains energy.
+#include <gtest/gtest.h>
+
+#include "bench/random_scene.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+#if defined(__SANITIZE_ADDRESS__)
+constexpr std::uint64_t kScenes = 4;  // the same code, many times slower
+#else
+constexpr std::uint64_t kScenes = 60;
+#endif
+
+TEST(RandomScenes, BoundTheWorkOfAStepAndGainNoEnergy) {
+  long steps = 0, unfinished = 0;
+  for (std::uint64_t k = 0; k < kScenes; ++k) {
+    const Scene scene = random_scene(5, k);
+    const World& world = scene.world;
+    for (int motion = 0; motion < kMotions; ++motion) {
+      State state = draw_start(scene, 5, k);
+      double work = 0, turned = 0;
+      for (const Pose& hand :
+           commands(scene, state, static_cast<Motion>(motion), 1e-3, 5, k, 1.0)) {
+        // The hand moves while the fibre holds still, then the fibre gives way.
+        const Pose stretch = state.tip - 0.5 * (state.command + hand);
+        const double more = -(world.holder.stiffness * stretch).dot(hand - state.command);
+        work += more;
+        turned += std::abs(more);
+        const StepResult r = step(world, state, hand, 1e-3);
+        ASSERT_LE(r.evaluations, kMostEvaluations) << k << " " << motion;
+        ASSERT_TRUE(to_row(r.state).allFinite() && r.forces.holder.allFinite()) << k;
+        ASSERT_EQ(r.state.command, hand) << k;
+        state = r.state;
+        ++steps;
+        unfinished += r.status != StepStatus::ok;
+      }
+      EXPECT_GE(work, -1e-9 * turned) << k << " " << motion;
+    }
+  }
+  EXPECT_LT(unfinished, steps / 50);
+}
+
+}  // namespace
+}  // namespace ferrule

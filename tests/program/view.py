@@ -1,0 +1,272 @@
+import glob
+import json
+import os
+import shutil
+import signal
+import subprocess
+import threading
+import time
+import urllib.request
+
+import h5py
+import numpy
+
+from case import PROGRAM, SOURCE, Case, main
+from websocket import Window
+
+SHORT = ["--scene", "demo", "--set", "start.distance_um=15", "--set", "success.depth_um=12",
+         "--set", "start.lateral_sd_um=3"]
+
+
+class View(Case):
+    def setUp(self):
+        super().setUp()
+        # As installed, with a page of its own: this needs no Node.
+        self.program = self.path("bin/ferrule")
+        os.mkdir(self.path("bin"))
+        shutil.copy(PROGRAM, self.program)
+        shutil.copytree(SOURCE + "/data", self.path("share/ferrule"))
+        with open(self.path("share/ferrule/page.html"), "w") as page:
+            page.write("<!doctype html><title>a page</title>")
+        self.out = self.path("out")
+
+    def view(self, *arguments):
+        process = subprocess.Popen([self.program, "view", "--no-open", "--out", self.out,
+                                    *map(str, arguments)],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(process.stderr.close)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait)
+        self.addCleanup(process.kill)
+        for line in process.stdout:
+            if line.startswith("http://127.0.0.1:"):
+                return process, line.strip()
+        self.fail(process.stderr.read())
+
+    def end(self, process, code=130):
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(20), code)
+        self.assertNotIn("terminate", process.stderr.read())
+
+    # Inserts as a hand would: pushes, and yields to the force. Returns the history that was shown,
+    # and what was said at the end.
+    def insert(self, window, while_it_runs=lambda window, row: window, ready=True):
+        if ready:
+            window.hear_of("state_of_session", running=False)
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        at = window.columns
+        history, sequence, echo = [], 0, 0
+        while True:
+            heard = window.hear()
+            if isinstance(heard, dict):
+                if heard["type"] == "ended":
+                    return history, heard
+                continue
+            kind, reserved, rows = heard
+            if kind == 2:
+                history += rows
+                continue
+            echo = max(echo, reserved)
+            row = rows[-1]
+            yields = [row[at[f"force_{axis}_uN"]] for axis in "yz"]
+            if row[at["depth_um"]] > 13:
+                window.say(type="stop")
+            sequence += 1
+            window.say(type="hand", v=[-0.4, *yields], buttons=0, seq=sequence)
+            window = while_it_runs(window, row)
+
+    def test_what_a_page_inserts_is_recorded_scored_fitted_and_inserted_again(self):
+        process, address = self.view(*SHORT, "--trainee", "Ada", "--seed", 5)
+        self.assertIn(b"a page", urllib.request.urlopen(address).read())
+        window = Window(address)
+        for number in range(1, 4):
+            history, ended = self.insert(window)
+            self.assertEqual(ended["outcome"], "inserted")
+            self.assertEqual(ended["file"], f"episode_{number:04}.h5")
+            self.assertGreater(ended["score"]["total"], 50)
+            with h5py.File(os.path.join(self.out, ended["file"])) as file:
+                times = file["data/demo_0/rows/time"][:]
+                self.assertEqual(file.attrs["trainee"].decode(), "Ada")
+                self.assertEqual(file.attrs["operator"].decode(), "Ada, browser")
+                shown = numpy.array(history)
+                numpy.testing.assert_allclose(shown[:, window.columns["t_s"]], times, rtol=1e-6)
+                tip = 1e6 * file["data/demo_0/states"][:, 0]
+                numpy.testing.assert_allclose(shown[:, window.columns["tip_x_um"]], tip, rtol=1e-5,
+                                              atol=1e-5)
+            if number == 1:
+                window.say(type="rate", stars=4)
+                window.hear_of("episodes")
+        window.say(type="fit")
+        fitted = window.hear_of("fit", state="running")
+        while fitted["state"] == "running":
+            fitted = window.hear_of("fit")
+        self.assertEqual(fitted["state"], "done", fitted)
+        window.say(type="insert")
+        window.hear_of("state_of_session", running=True, what="insert", trial=3)
+        ended = window.hear_of("ended", what="insert")
+        self.assertNotIn("file", ended)
+        self.end(process)
+        self.assertEqual(len(glob.glob(self.out + "/*.h5")), 3)
+        self.assertEqual(glob.glob(self.out + "/*.part"), [])
+        verified = self.done("replay", self.out, "--verify").stdout
+        self.assertIn("identical", verified)
+        with h5py.File(self.out + "/episode_0001.h5") as file:
+            self.assertEqual(file.attrs["rating"], 4)
+        scores = json.loads(self.done("score", self.out, "--json").stdout)
+        self.assertEqual([g["operator"] for g in scores["groups"]], ["Ada"])
+        self.done("fit", self.out, "--out", self.path("controller.json"))
+
+    def test_a_page_that_is_loaded_again_loses_no_row(self):
+        process, address = self.view(*SHORT)
+        pages = []
+
+        def again(window, row):
+            if row[window.columns["t_s"]] < 0.3 + 0.3 * len(pages) or len(pages) > 3:
+                return window
+            window.close()
+            pages.append(Window(address))
+            pages[-1].hear_of("hello")
+            return pages[-1]
+
+        _, ended = self.insert(Window(address), again)
+        self.assertGreater(len(pages), 1)
+        self.end(process)
+        self.done("replay", os.path.join(self.out, ended["file"]), "--verify")
+
+    def test_a_silent_page_stops_the_hand(self):
+        process, address = self.view(*SHORT)
+        window = Window(address)
+        window.hear_of("state_of_session")
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        begin = time.monotonic()
+        while time.monotonic() < begin + 0.3:
+            window.say(type="hand", v=[0, 1, 0], buttons=0, seq=1)
+            time.sleep(0.01)
+        time.sleep(0.5)
+        window.say(type="stop")
+        ended = window.hear_of("ended")
+        self.end(process)
+        with h5py.File(os.path.join(self.out, ended["file"])) as file:
+            command = numpy.abs(file["data/demo_0/rows/command"][:, 1])
+        moving = numpy.flatnonzero(command > 0)
+        self.assertGreater(len(moving), 200)
+        self.assertGreater(len(command) - moving[-1], 300)
+
+    def test_discarded_tries_are_gone_and_taken_again(self):
+        process, address = self.view(*SHORT)
+        window = Window(address)
+        start = window.hear_of("state_of_session", running=False)
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        window.say(type="discard")
+        again = window.hear_of("state_of_session", running=False)
+        self.assertEqual((again["episode"], again["trial"]), (start["episode"], start["trial"]))
+        self.insert(window, ready=False)
+        window.hear_of("state_of_session", running=False)
+        window.say(type="discard")  # after the end
+        window.hear_of("episodes", list=[])
+        window.say(type="rate", stars=1)
+        self.assertIn("no try", window.hear_of("error")["text"])
+        self.end(process)
+        self.assertEqual(os.listdir(self.out), [])
+
+    # In one run: half the try without, half with a flood of everything.
+    def test_a_flood_disturbs_neither_loop_nor_recording(self):
+        process, address = self.view(*SHORT, "--set", "limits.time_s=6")
+        over = threading.Event()
+
+        def flood(payload):
+            while not over.is_set():
+                try:
+                    other = Window(address, 2)
+                    while not over.is_set():
+                        other.write(payload)
+                except OSError:
+                    time.sleep(0.02)
+                except EOFError:
+                    pass
+
+        payloads = [Window.frame(b'{"type":"hand","v":[1,1,1],"buttons":1,"seq":9}') * 200,
+                    Window.frame(b"[" * 4000), b"\xff" * 65536, Window.frame(b"x" * 6000)]
+        threads = [threading.Thread(target=flood, args=[p]) for p in payloads]
+        window = Window(address)
+        window.hear_of("state_of_session", running=False)
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        at = window.columns
+        rows = []
+        while True:
+            heard = window.hear()
+            if isinstance(heard, dict):
+                if heard["type"] == "ended":
+                    break
+                continue
+            if heard[0] != 2:
+                continue
+            rows += heard[2]
+            window.say(type="hand", v=[0, 0, 0], buttons=0, seq=1)
+            if rows[-1][at["t_s"]] > 3 and not threads[0].is_alive():
+                for thread in threads:
+                    thread.start()
+        over.set()
+        for thread in threads:
+            thread.join()
+        times = numpy.array([row[at["t_s"]] for row in rows])
+        numpy.testing.assert_allclose(times, 1e-3 * numpy.arange(len(times)), atol=1e-5)
+        self.assertGreater(times[-1], 5.9)
+        for what, half in (("without", times < 3), ("with", times > 3.2)):
+            steps = numpy.diff(numpy.array([row[at["missed"]] for row in rows])[half])
+            periods = numpy.array([row[at["period_us"]] for row in rows])[half]
+            print(f"{what} a flood: p50 {numpy.quantile(periods, 0.5):.0f}, p99.9 "
+                  f"{numpy.quantile(periods, 0.999):.0f} us, {steps.sum():.0f} deadlines missed")
+        self.end(process)
+        self.done("replay", os.path.join(self.out, heard["file"]), "--verify")
+
+    def test_ctrl_c_keeps_the_try_and_a_killed_window_is_recovered(self):
+        process, address = self.view(*SHORT)
+        window = Window(address)
+        window.hear_of("state_of_session")
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        time.sleep(0.5)
+        self.end(process)
+        with h5py.File(self.out + "/episode_0001.h5") as file:
+            self.assertEqual(file.attrs["outcome"].decode(), "interrupted")
+        process, address = self.view(*SHORT)
+        window = Window(address)
+        self.assertEqual(window.hear_of("state_of_session", running=False)["episode"], 2)
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        time.sleep(0.5)
+        process.kill()
+        process.wait()
+        self.done("recover", self.out)
+        self.assertIn("identical", self.done("replay", self.out, "--verify").stdout)
+
+    def test_with_a_device_the_page_shows(self):
+        process, address = self.view(*SHORT, "--device", "fake:spacemouse")
+        window = Window(address)
+        self.assertIn("spacemouse", window.hear_of("hello")["device"])
+        window.hear_of("state_of_session", running=False)
+        window.say(type="start")
+        ended = window.hear_of("ended")
+        self.assertEqual(ended["outcome"], "inserted")
+        self.end(process)
+        self.done("replay", os.path.join(self.out, ended["file"]), "--verify")
+
+    def test_what_cannot_be_shown(self):
+        os.remove(self.path("share/ferrule/page.html"))
+        self.refused(2, "view", "--port", 99999)
+        self.refused(2, "view", "--no-open", "--out", self.out, "--coupled")
+        built = os.path.join(os.path.dirname(os.path.dirname(PROGRAM)), "view/page.html")
+        if os.path.exists(built):
+            return
+        run = subprocess.run([self.program, "view", "--no-open"], capture_output=True, text=True)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("nodejs", run.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,69 @@
+#include "sim/friction_limits.hpp"
+
+#include <gtest/gtest.h>
+
+#include "bench/random_scene.hpp"
+#include "sim/minimum.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+// In the bore, far from the mouth, where nothing is cut off a contact's patch.
+TEST(FrictionLimits, AreThoseOfTheContactsWhereAStepEnds) {
+  const Scene scene = load_scene("bench");
+  const World& world = scene.world;
+  const Friction& law = *friction_law(world.laws);
+  State state = draw_start(scene, 1, 1);
+  int slipped = 0;
+  for (const Pose& hand : commands(scene, state, Motion::press, 1e-3, 1, 1)) {
+    const StepResult r = step(world, state, hand, 1e-3);
+    const State before = state;
+    state = r.state;
+    if (r.substeps != 1 || r.status != StepStatus::ok || state.tip[0] > -2e-6) continue;
+    for (int place = 0; place < kContactPlaces; ++place) {
+      const ContactState& contact = state.contact[place];
+      if (!contact.closed || !before.contact[place].closed) continue;
+      const double limit = friction(law, friction_radius(world, contact.depth, contact.branch));
+      const double force = r.forces[Term::friction][place].force.norm();
+      EXPECT_LE(force, 1.005 * limit);
+      slipped += force > 0.995 * limit;
+    }
+  }
+  EXPECT_GT(slipped, 1000);
+}
+
+// Limits that miss by 3 %, moved once.
+TEST(FrictionLimits, SettleWhereLimitAndDepthAgree) {
+  const Scene scene = load_scene("bench");
+  const World& world = scene.world;
+  State state = draw_start(scene, 1, 1);
+  int settled = 0;
+  for (const Pose& hand : commands(scene, state, Motion::press, 1e-3, 1, 1)) {
+    state = step(world, state, hand, 1e-3).state;
+    if (!(state.contact[kEnd].closed && state.contact[kSide].closed && state.tip[0] < -2e-6))
+      continue;
+    Pose on = hand;
+    on[0] -= 5e-9;
+    FrozenCoefficients frozen = freeze(world, state, on, 1e-3);
+    const Potential there(world, frozen, state.tip);
+    const FrictionLimits before(world, frozen, state.tip, there.depth);
+    if (before.largest_miss() != 0) continue;
+    for (FrozenFriction& friction : frozen.friction) friction.limit *= 0.97;
+    const FrictionLimits missed(world, frozen, state.tip, there.depth);
+    if (!(missed.largest_miss() > 0.02)) continue;  // nothing slips
+    const NewtonStep newton(
+        world, frozen, without_friction(frozen, state.tip, there.bore.gradient, there.bore.hessian),
+        state.tip, 1);
+    if (!newton.convex) continue;
+    const PoseVector end = moved_along(world, state.tip, *missed.settle(newton, true, frozen));
+    const FrictionLimits after(world, frozen, end, contact_depths(world, frozen.contact, end));
+    EXPECT_LT(after.largest_miss(), 0.5 * missed.largest_miss());
+    ++settled;
+  }
+  EXPECT_GT(settled, 50);
+}
+
+}  // namespace
+}  // namespace ferrule

@@ -1,0 +1,123 @@
+#include "view/frame.hpp"
+
+#include <gtest/gtest.h>
+
+#include "insertion/loop.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/scene/draw.hpp"
+
+namespace ferrule {
+namespace {
+
+// The frames of an insertion by a simulated operator, with the rows that they are of.
+struct Shown {
+  std::vector<RowVector> rows;
+  std::vector<Frame> frames;
+  InsertionEnd end;
+};
+
+Shown shown(const Scene& scene, std::uint64_t trial) {
+  const State start = draw_start(scene, 1, trial);
+  const auto hand = simulated_operator(scene, start, 0.8, 1e-3, 1, trial);
+  FrameMaker make(scene, ForceSensor(scene.sensor, 1, trial), 1e-3);
+  Shown all;
+  all.end = run_insertion(
+      scene, start, *hand, ForceSensor(scene.sensor, 1, trial), {.scaling = scene_scaling(scene)},
+      [&](const Tick& tick) {
+        all.rows.push_back(make_row(tick));
+        all.frames.push_back(make(all.rows.back()));
+        // What is felt is what the loop's sensor read.
+        const auto& felt = all.frames.back();
+        for (std::size_t i = 0; i < 3; ++i)
+          EXPECT_EQ(felt[14 + i], static_cast<float>(1e6 * (tick.relative[static_cast<int>(i)] /
+                                                            scene_scaling(scene).force)));
+        return true;
+      });
+  return all;
+}
+
+std::size_t column(const std::string& name) {
+  const auto names = frame_columns();
+  const auto found = std::find(names.begin(), names.end(), name);
+  EXPECT_NE(found, names.end()) << name;
+  return static_cast<std::size_t>(found - names.begin());
+}
+
+TEST(Frame, HasANameOfItsOwnForEveryColumn) {
+  auto names = frame_columns();
+  EXPECT_EQ(names.size(), kFrameColumns);
+  std::sort(names.begin(), names.end());
+  EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
+}
+
+TEST(Frame, ShowsAnInsertionFromApproachToSeated) {
+  const Scene scene = load_scene("demo");
+  const Shown all = shown(scene, 1);
+  ASSERT_EQ(all.end.outcome, Outcome::inserted);
+  const std::size_t phase = column("phase");
+  EXPECT_EQ(all.frames.front()[phase], static_cast<float>(Phase::approach));
+  EXPECT_EQ(all.frames.back()[phase], static_cast<float>(Phase::seated));
+  const auto& last = all.frames.back();
+  EXPECT_NEAR(last[column("depth_um")], 1e6 * all.end.summary.depth, 1e-4);
+  EXPECT_NEAR(last[column("loss_offset_um")], 1e6 * all.end.summary.offset, 1e-6);
+  EXPECT_FLOAT_EQ(last[column("limit_uN")], 10);
+  float peak = 0;
+  for (const Frame& frame : all.frames) peak = std::max(peak, frame[column("force_uN")]);
+  EXPECT_NEAR(peak, 1e6 * all.end.summary.peak_force, 1e-5);
+}
+
+TEST(Frame, TermsBalanceTheHolder) {
+  const Scene scene = load_scene("bench");
+  const Shown all = shown(scene, 2);
+  const std::size_t first_term = column("van_der_waals_x_uN");
+  const RowVector& rest = all.rows.front();
+  const Frame& frame_at_rest = all.frames.front();
+  for (std::size_t n = 0; n < all.rows.size(); n += 97) {
+    // At the quasi-static rest all forces along x but the holder's add up to that on the holder.
+    double sum = 0;
+    for (std::size_t t = 0; t < kTerms; ++t)
+      sum += all.frames[n][first_term + 3 * t] - frame_at_rest[first_term + 3 * t];
+    const double held = 1e6 * (all.rows[n][kHolder.begin] - rest[kHolder.begin]);
+    EXPECT_NEAR(sum, held, 1e-2 + 1e-3 * std::abs(held)) << n;
+  }
+}
+
+TEST(Frame, ContactIsOnTheFibresSurfaceAndCarriesTheNormalForce) {
+  const Scene scene = load_scene("bench");
+  const Shown all = shown(scene, 2);
+  const std::size_t on = column("contact0_on"), y = column("contact0_y_um"),
+                    tip = column("tip_y_um"), wall = column("wall_x_uN"),
+                    adhesion = column("adhesion_x_uN"), other = column("contact1_on");
+  int seen = 0;
+  for (const Frame& frame : all.frames) {
+    if (frame[on] == 0 || frame[other] != 0) continue;
+    ++seen;
+    EXPECT_NEAR(std::hypot(frame[y] - frame[tip], frame[y + 1] - frame[tip + 1]),
+                1e6 * scene.world.annulus.fibre_radius, 0.2);
+    Vector3d force;
+    for (std::size_t i = 0; i < 3; ++i)
+      force[static_cast<int>(i)] = frame[wall + i] + frame[adhesion + i];
+    // On the rounded edge the normal is a mean of those of bore and cone, 30 degrees apart.
+    EXPECT_NEAR(std::abs(frame[y + 2]), force.norm(), 1e-3 + 0.035 * std::abs(frame[y + 2]));
+  }
+  EXPECT_GT(seen, 100);
+}
+
+TEST(Frame, AStateSurvivesItsRow) {
+  const Scene scene = load_scene("film");
+  const Shown all = shown(scene, 3);
+  for (std::size_t n = 0; n < all.rows.size(); n += 53) {
+    const StateRow row = block(all.rows[n], kStates).transpose();
+    EXPECT_EQ(to_row(state_of(row)), row);
+  }
+}
+
+TEST(Frame, SceneTellsItsGeometry) {
+  const Json json = scene_json(load_scene("demo"));
+  EXPECT_DOUBLE_EQ(json["geometry"]["fibre_radius_um"], 62.5);
+  EXPECT_DOUBLE_EQ(json["geometry"]["mouth_radius_um"], 125);
+  EXPECT_DOUBLE_EQ(json["success_depth_um"], 60);
+}
+
+}  // namespace
+}  // namespace ferrule

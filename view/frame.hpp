@@ -1,0 +1,75 @@
+// What the operator's window shows of one tick: a frame, made of a row (capture/row.hpp), so that
+// an insertion that runs and one that was recorded look the same.
+//
+// Columns, all at the tip's scale, in the frame of sim/pose.hpp (x out of the bore, y up, z to the
+// viewer; insertion is motion along -x), in the units that end their names:
+//   t                          time of the row
+//   holder_*                   pose of the fibre's holder, as that of an end that nothing bends
+//   tip_*                      pose of the fibre's end: its bending is tip - holder
+//   velocity_*                 of the holder, until this row
+//   force_x, _y, _z            of the fibre on the holder as the force sensor reads it, less what
+//                              it read at rest: what is felt
+//   force, limit               magnitude at the holder, weight apart, and the most that is allowed:
+//                              what ends an insertion
+//   depth                      inserted length, >= 0
+//   clearance                  smallest gap between fibre and bore, at its mouth or at the fibre's
+//                              end; outside of it, what the end has left or lacks (< 0) to go in
+//   tilt                       angle between the axes
+//   contact0_*, contact1_*     the rim of the end, the side on the bore's mouth (ContactPlace): 1
+//                              where it touches, where on the fibre, and its normal force, pushing
+//                              positive; 0 where it does not
+//   <term>_*                   force on the fibre, of each term that there is (kTermNames)
+//   bridge_on, slip_on         1 while liquid spans the gap; where a contact slipped in this row
+//   phase                      place in kPhases (insertion/phase.hpp)
+//   loss_dB, _offset, _tilt    of the joint, were it to end here (controller/joint_loss.hpp)
+//   period, worst_period, missed, passivity   how the loop does (LoopHealth)
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "capture/row.hpp"
+#include "insertion/phase.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/sensed_wrench.hpp"
+
+namespace ferrule {
+
+inline constexpr int kFrameColumns = 42 + 3 * static_cast<int>(kTerms);
+using Frame = std::array<float, kFrameColumns>;
+// Their names, in order.
+std::vector<std::string> frame_columns();
+
+// Of the loop so far; 0 where there is none in time.
+struct LoopHealth {
+  double period = 0, worst = 0;  // the last and the longest [s]
+  double missed = 0;             // deadlines
+  double passivity = 0;          // energy that the hand has put in, < 0: was given [J]
+};
+
+// Makes the frames of one insertion in `scene`, which outlives it.
+class FrameMaker {
+ public:
+  // `sensor`: that of the insertion, at its start; `period` [s] between rows.
+  FrameMaker(const Scene& scene, const ForceSensor& sensor, double period) noexcept;
+
+  // Of every row in turn, the first at rest.
+  Frame operator()(const RowVector& row, const LoopHealth& health = {}) noexcept;
+
+ private:
+  const Scene& scene_;
+  Scaling scaling_;
+  SensedWrench sensed_;
+  std::optional<InsertionWatch> watch_;  // since the first row
+  std::array<ContactState, kContactPlaces> contact_before_;
+  PhaseWatch phase_;
+};
+
+// What a page draws of a scene: {"name", "about", "geometry", "limits": {"force_uN", "speed_um_s",
+// "time_s"}, "start": {"distance_um"}, "success_depth_um", "terms": names of those that act}.
+// "geometry" [um]: fibre_radius, bore_radius, bore_length, lead_in_length (0: none), mouth_radius;
+// free_length of an elastic fibre (0: a rigid hand), whose clamp is at holder + free_length (1, ay,
+// az); "liquid": {"film", "rupture"} where a film is modelled.
+Json scene_json(const Scene& scene);
+
+}  // namespace ferrule

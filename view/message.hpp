@@ -1,0 +1,43 @@
+// What a page says to the program: one JSON object a message, of at most kMostMessage bytes.
+//
+//   {"type":"hand","v":[x,y,z],"buttons":n,"seq":k}   how the hand moves, of full deflection, each
+//                                                     cut to [-1, 1], in the frame of sim/pose.hpp
+//   {"type":"start"} {"type":"stop"} {"type":"discard"} {"type":"rate","stars":1..5}
+//   {"type":"fit","episodes":[file names]}            none named: all
+//   {"type":"insert"}                                 with the controller that was fitted last
+// Keys beside these are left unread.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+namespace ferrule {
+
+inline constexpr std::size_t kMostMessage = 4096;
+
+struct HandMessage {
+  std::array<double, 3> velocity;  // -1 to 1
+  std::uint32_t buttons = 0, sequence = 0;
+};
+struct StartMessage {};
+struct StopMessage {};
+struct DiscardMessage {};
+struct RateMessage {
+  int stars;  // 1 to 5
+};
+struct FitMessage {
+  std::vector<std::string> episodes;
+};
+struct InsertMessage {};
+
+using Message = std::variant<HandMessage, StartMessage, StopMessage, DiscardMessage, RateMessage,
+                             FitMessage, InsertMessage>;
+
+// Throws BadInput.
+Message parse_message(std::string_view text);
+
+}  // namespace ferrule

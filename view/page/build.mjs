@@ -1,0 +1,34 @@
+// Bundles the page into one HTML file: node build.mjs OUT.html
+import {readFileSync, renameSync, writeFileSync} from 'node:fs';
+import {dirname, join} from 'node:path';
+import {fileURLToPath} from 'node:url';
+import {build} from 'esbuild';
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = process.argv[2];
+if (!out) throw new Error('usage: node build.mjs OUT.html');
+
+/** @param {string} entry */
+async function bundled(entry) {
+  const result = await build({
+    entryPoints: [join(here, 'src', entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: 'iife',
+    target: 'es2022',
+    charset: 'ascii',
+    legalComments: 'none',
+    logLevel: 'warning',
+  });
+  return result.outputFiles[0].text;
+}
+
+// Within <script> and <style> nothing ends them but their end tags.
+const script = (await bundled('main.js')).replace(/<(?=\/script|!--|script)/gi, '\\x3C');
+const style = (await bundled('style.css')).replace(/<\/style/gi, '<\\/style');
+const page = readFileSync(join(here, 'src/index.html'), 'utf8')
+    .replace('/*style*/', () => style)
+    .replace('/*script*/', () => script);
+writeFileSync(out + '.part', page);
+renameSync(out + '.part', out);

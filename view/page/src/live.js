@@ -1,0 +1,121 @@
+// The connection to the running program: rows come, the hand's velocity and requests go.
+import {Table} from './table.js';
+
+/** @typedef {import('./recording.js').Scene} Scene
+ * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string}} Hello
+ * @typedef {Record<string, unknown> & {type: string}} Message */
+
+const kProtocol = 1;
+const kKeepSeconds = 30;
+const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
+
+export class Live {
+  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean) => void}} on */
+  constructor(on) {
+    this.on = on;
+    /** @type {WebSocket | null} */
+    this.socket = null;
+    /** @type {Table | null} the last rows at 1 kHz */
+    this.history = null;
+    /** @type {Table | null} the newest row */
+    this.newest = null;
+    this.seq = 0;
+    /** @type {Map<number, number>} when a word of the hand was sent [ms] */
+    this.sent = new Map();
+    /** @type {number | null} word of the hand that the newest row has heard */
+    this.heard = null;
+    /** @type {number[]} hand to picture [ms], the last ones */
+    this.latencies = [];
+    this.states = 0;
+    this.retry = 250;
+    this.said = 0;
+    this.connect();
+  }
+
+  connect() {
+    const here = new URL('live', location.href);
+    here.protocol = 'ws:';
+    const socket = new WebSocket(here);
+    socket.binaryType = 'arraybuffer';
+    this.socket = socket;
+    socket.addEventListener('open', () => {
+      this.retry = 250;
+      this.on.connected(true);
+    });
+    socket.addEventListener('message', (event) => {
+      if (typeof event.data === 'string') this.text(event.data);
+      else this.rows(event.data);
+    });
+    socket.addEventListener('close', () => {
+      this.on.connected(false);
+      setTimeout(() => this.connect(), this.retry);
+      this.retry = Math.min(4000, 2 * this.retry);
+    });
+  }
+
+  /** @param {string} text */
+  text(text) {
+    /** @type {Message} */
+    const message = JSON.parse(text);
+    if (message.type !== 'hello') return this.on.message(message);
+    const hello = /** @type {Hello} */ (/** @type {unknown} */ (message));
+    if (hello.protocol !== kProtocol) return this.on.message({type: 'error', text: 'this page is of another version of the program: load it again'});
+    this.history = new Table(hello.columns, 1000 * kKeepSeconds);
+    this.newest = new Table(hello.columns, 1);
+    this.on.hello(hello);
+  }
+
+  /** @param {ArrayBuffer} packet u32 kind, rows, columns, seq; float32 rows */
+  rows(packet) {
+    if (!this.history || !this.newest || packet.byteLength < 16) return;
+    const [kind, rows, columns, seq] = new Uint32Array(packet, 0, 4);
+    if (columns !== this.history.columns.length || packet.byteLength < 16 + 4 * rows * columns || rows === 0) return;
+    const data = new Float32Array(packet, 16, rows * columns);
+    if (kind === 2) {
+      if (rows === 1 && data[0] === 0) return;  // at rest, before a try: the strips keep the last one
+      const [, last] = this.history.span();
+      if (this.history.rows && data[0] < last - 1e-6) this.history.clear();  // another insertion
+      this.history.append(data);
+    } else if (kind === 1) {
+      this.newest.clear();
+      this.newest.append(data.subarray((rows - 1) * columns));
+      this.heard = seq;
+      ++this.states;
+    }
+  }
+
+  /** @param {Message} message */
+  send(message) {
+    if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
+  }
+
+  /** @param {[number, number, number]} v */
+  hand(v) {
+    const now = performance.now();
+    const active = v.some((x) => x !== 0);
+    if (!active && now - this.said < kSilent) return;
+    this.said = now;
+    ++this.seq;
+    this.sent.set(this.seq, now);
+    this.sent.delete(this.seq - 600);
+    this.send({type: 'hand', v: v.map((x) => Math.round(x * 1e4) / 1e4), buttons: 0, seq: this.seq, t: Math.round(now)});
+  }
+
+  /** The newest row is on the screen. */
+  drawn() {
+    if (this.heard === null) return;
+    const sent = this.sent.get(this.heard);
+    if (sent !== undefined) {
+      this.latencies.push(performance.now() - sent);
+      if (this.latencies.length > 240) this.latencies.shift();
+      for (const seq of this.sent.keys()) if (seq <= this.heard) this.sent.delete(seq);
+    }
+    this.heard = null;
+  }
+
+  /** [ms] */
+  medianLatency() {
+    const sorted = [...this.latencies].sort((a, b) => a - b);
+    return sorted.length ? sorted[sorted.length >> 1] : NaN;
+  }
+}

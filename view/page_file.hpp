@@ -1,0 +1,24 @@
+// The page that the window shows, one HTML file that the build makes of view/page/, and the same
+// as a file that replays from disk.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "sim/scene/json_fields.hpp"
+
+namespace ferrule {
+
+// The text of page.html: of the share folder that the program was installed to, or else of the
+// build. Empty where it was never built, because Node was missing.
+std::optional<std::string> built_page();
+// The same. Throws BadInput, with that as its text, where it was never built.
+std::string load_page();
+extern const char* const kNoPage;
+
+// `page` with what it is to replay (view/recorded.hpp) inside, needing nothing beside it; or with
+// kServed, which has it ask the program for that.
+std::string self_contained(const std::string& page, const Json& recorded);
+inline constexpr const char* kServed = "served";
+
+}  // namespace ferrule

@@ -1,0 +1,564 @@
+#include "view/session.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "controller/controller_file.hpp"
+#include "controller/trial.hpp"
+#include "insertion/hand_device.hpp"
+#include "sim/scene/draw.hpp"
+
+namespace ferrule {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+namespace fs = std::filesystem;
+
+constexpr std::size_t kMostCommands = 32;
+constexpr std::size_t kRecent = 10000;  // frames for a page that comes in the middle
+constexpr std::chrono::microseconds kStateEvery{16667}, kHistoryEvery{100000};
+constexpr std::chrono::milliseconds kIdle{20}, kHandOver{500};
+constexpr const char* kBrowser = "browser";
+
+// A device whose health is looked after, in the loop's thread, for another.
+class WatchedDevice : public Device {
+ public:
+  WatchedDevice(Device& device, const ForceFeedback* feedback, double period)
+      : device_(device), feedback_(feedback), expected_(period) {}
+
+  HandSample read(double t) override {
+    const Clock::time_point now = Clock::now();
+    if (before_ != Clock::time_point()) {
+      const double passed = std::chrono::duration<double>(now - before_).count();
+      period_ = passed;
+      worst_ = std::max(worst_.load(), passed);
+      missed_ = missed_ + std::max(0.0, std::floor(passed / expected_) - 1);
+    }
+    before_ = now;
+    return device_.read(t);
+  }
+  void render(const HandWrench& wrench) override {
+    if (feedback_) energy_ = feedback_->energy();
+    device_.render(wrench);
+  }
+  const Mapping* mapping() const noexcept override { return device_.mapping(); }
+
+  LoopHealth health() const noexcept { return {period_, worst_, missed_, energy_}; }
+
+ private:
+  Device& device_;
+  const ForceFeedback* feedback_;
+  double expected_;
+  Clock::time_point before_;
+  std::atomic<double> period_ = 0, worst_ = 0, missed_ = 0, energy_ = 0;
+};
+
+// Still, and done at once: the fibre as it hangs at the start.
+class StillDevice : public Device {
+ public:
+  explicit StillDevice(const HandPose& pose) : pose_(pose) {}
+  HandSample read(double t) override { return {pose_, t > 0}; }
+  void render(const HandWrench&) override {}
+
+ private:
+  HandPose pose_;
+};
+
+SharedPayload text(const Json& json) {
+  return std::make_shared<Payload>(
+      Payload{Payload::Kind::text, json.dump(-1, ' ', false, Json::error_handler_t::replace)});
+}
+
+// kind, rows, columns, `reserved`, and the numbers; little endian.
+static_assert(std::endian::native == std::endian::little);
+template <class Frames>
+SharedPayload packed(std::uint32_t kind, const Frames& frames, std::uint32_t reserved) {
+  const std::array<std::uint32_t, 4> head = {kind, static_cast<std::uint32_t>(frames.size()),
+                                             kFrameColumns, reserved};
+  auto payload = std::make_shared<Payload>();
+  payload->kind = Payload::Kind::frames;
+  payload->newest_only = kind == 1;
+  payload->bytes.reserve(sizeof head + frames.size() * sizeof(Frame));
+  payload->bytes.append(reinterpret_cast<const char*>(head.data()), sizeof head);
+  for (const Frame& frame : frames)
+    payload->bytes.append(reinterpret_cast<const char*>(frame.data()), sizeof(Frame));
+  return payload;
+}
+
+Json score_json(const Score& score) {
+  Json parts;
+  for (std::size_t i = 0; i < kParts; ++i) parts[kPartNames[i]] = number_or_null(score.parts[i]);
+  return {{"total", number_or_null(score.total)}, {"parts", parts}};
+}
+
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+// A controller file of the folder that is not there yet.
+std::string free_controller(const std::string& folder) {
+  for (int n = 1;; ++n) {
+    std::string file = fmt::format("{}/controller_{:04}.json", folder, n);
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) return file;
+  }
+}
+
+}  // namespace
+
+Session::Session(SessionSettings settings, std::function<void(SharedPayload)> send)
+    : settings_(std::move(settings)), send_(std::move(send)) {
+  std::error_code none;
+  if (fs::is_directory(settings_.out, none))
+    for (const std::string& file : episode_files(settings_.out)) unread_.push_back(file);
+  say("hello", {{"protocol", 1},
+                {"scene", scene_json(settings_.scene)},
+                {"columns", frame_columns()},
+                {"phases", kPhases},
+                {"devices", {kBrowser}},
+                {"device", settings_.device ? settings_.device->name : kBrowser},
+                {"trainee", settings_.trainee},
+                {"folder", settings_.out},
+                {"mode", "live"}});
+  prepare(next_episode_number(settings_.out));
+  say_episodes();
+}
+
+Session::~Session() = default;
+
+std::vector<SharedPayload> Session::greeting() {
+  const std::lock_guard lock(mutex_);
+  std::vector<SharedPayload> all;
+  for (const char* type : {"hello", "state_of_session", "episodes", "fit", "ended"})
+    if (const auto found = said_.find(type); found != said_.end()) all.push_back(found->second);
+  if (!recent_.empty()) {
+    all.push_back(packed(2, recent_, 0));
+    all.push_back(packed(1, std::array<Frame, 1>{recent_.back()}, 0));
+  }
+  return all;
+}
+
+void Session::message(std::uint64_t client, std::string_view text) {
+  Message message = parse_message(text);
+  if (const auto* hand = std::get_if<HandMessage>(&message)) {
+    // One page at a time has the hand: another only once that is silent.
+    const Clock::time_point now = Clock::now();
+    if (client != hand_client_ && now - hand_heard_ < kHandOver) return;
+    hand_client_ = client;
+    hand_heard_ = now;
+    return hand_.say(*hand);
+  }
+  const std::lock_guard lock(mutex_);
+  if (commands_.size() >= kMostCommands) throw BadInput("message: too many at once");
+  commands_.push_back(std::move(message));
+  came_.notify_one();
+}
+
+std::string Session::episode_file(const std::string& name) {
+  const std::lock_guard lock(mutex_);
+  if (busy_) throw BadInput("an insertion runs");
+  for (const Listed& listed : episodes_)
+    if (file_name(listed.file) == name) return listed.file;
+  throw BadInput("there is no such episode");
+}
+
+std::optional<Message> Session::next_command() {
+  const std::lock_guard lock(mutex_);
+  if (commands_.empty()) return std::nullopt;
+  Message message = std::move(commands_.front());
+  commands_.pop_front();
+  return message;
+}
+
+void Session::run(bool (*stopped)() noexcept) {
+  while (!stopped()) {
+    if (const std::optional<Message> command = next_command()) {
+      try {
+        obey(*command, stopped);
+      } catch (const BadInput& error) {
+        complain(error.what());
+      }
+      continue;
+    }
+    watch_fit();
+    if (!measured_) {
+      measured_ = true;
+      yardstick_ = yardstick(settings_.scene);
+    } else if (!unread_.empty()) {
+      read_one_more();
+    } else {
+      std::unique_lock lock(mutex_);
+      came_.wait_for(lock, kIdle, [this] { return !commands_.empty(); });
+    }
+  }
+}
+
+void Session::obey(const Message& message, bool (*stopped)() noexcept) {
+  if (std::holds_alternative<StartMessage>(message)) return start_try(stopped);
+  if (std::holds_alternative<InsertMessage>(message)) return let_it_insert(stopped);
+  if (std::holds_alternative<DiscardMessage>(message)) return discard_last();
+  if (const auto* rating = std::get_if<RateMessage>(&message)) return rate(rating->stars);
+  if (const auto* fit = std::get_if<FitMessage>(&message)) return start_fit(*fit);
+}
+
+Session::Insertion Session::drawn(int number) const {
+  const FeasibleTrial trial =
+      feasible_trial(settings_.scene, settings_.seed, static_cast<std::uint64_t>(number));
+  return {trial.scene, trial.trial, draw_start(*trial.scene, settings_.seed, trial.trial)};
+}
+
+void Session::prepare(int first) {
+  claim_.reset();
+  claim_.emplace(settings_.out, first);
+  prepared_ = drawn(claim_->number());
+  show_at_rest(prepared_);
+  say_state();
+}
+
+void Session::show_at_rest(const Insertion& insertion) {
+  const Scaling scaling = scene_scaling(*insertion.scene);
+  StillDevice still(scaling.motion_to_hand(insertion.start.command));
+  FrameMaker make(*insertion.scene, ForceSensor(), 1e-3);
+  {
+    const std::lock_guard lock(mutex_);
+    recent_.clear();
+  }
+  run_insertion(*insertion.scene, insertion.start, still, ForceSensor(), {.scaling = scaling},
+                [&](const Tick& tick) {
+                  show(make(make_row(tick)));
+                  return true;
+                });
+  send_frames(true);
+}
+
+// What a page wants of the insertion that runs.
+Request Session::requested(bool& discard) {
+  Request wanted = Request::go_on;
+  while (const std::optional<Message> command = next_command()) {
+    if (std::holds_alternative<StopMessage>(*command)) {
+      wanted = Request::finish;
+    } else if (std::holds_alternative<DiscardMessage>(*command)) {
+      discard = true;
+      wanted = Request::stop;
+    } else if (const auto* fit = std::get_if<FitMessage>(&*command)) {
+      try {
+        start_fit(*fit);
+      } catch (const BadInput& error) {
+        complain(error.what());
+      }
+    } else {
+      complain("an insertion runs: stop or discard it first");
+    }
+  }
+  return wanted;
+}
+
+TimedEpisode Session::run_shown(
+    const Insertion& insertion, Device& device, ForceFeedback* feedback, double period,
+    const std::function<void(const RowVector&, const RawCounts&)>& record, bool& discard,
+    bool (*stopped)() noexcept) {
+  const Scene& scene = *insertion.scene;
+  const ForceSensor sensor(scene.sensor, settings_.seed, insertion.trial);
+  FrameMaker make(scene, sensor, period);
+  WatchedDevice watched(device, feedback, period);
+  {
+    const std::lock_guard lock(mutex_);
+    busy_ = true;
+    recent_.clear();
+    said_.erase("ended");
+  }
+  say_state();
+  const auto end = [&] {
+    send_frames(true);
+    browser_ = nullptr;
+    running_ = nullptr;
+    const std::lock_guard lock(mutex_);
+    busy_ = false;
+  };
+  try {
+    TimedEpisode timed = run_in_time(
+        scene, insertion.start, watched, sensor,
+        {.scaling = scene_scaling(scene),
+         .period = period,
+         .past_success = true,
+         .feedback = feedback},
+        [&](const RowVector& row, const RawCounts& counts) {
+          record(row, counts);
+          show(make(row, watched.health()));
+        },
+        [&] {
+          send_frames(false);
+          watch_fit();
+          return requested(discard);
+        },
+        stopped);
+    end();
+    return timed;
+  } catch (...) {
+    end();
+    say_state();
+    throw;
+  }
+}
+
+void Session::start_try(bool (*stopped)() noexcept) {
+  const Insertion now = last_ = prepared_;
+  const Scene& scene = *now.scene;
+  std::unique_ptr<Device> device;
+  std::unique_ptr<ForceFeedback> feedback;
+  const SessionDevice* other = settings_.device ? &*settings_.device : nullptr;
+  if (other) {
+    device = other->make(scene, now.start);
+    if (other->feedback) feedback = other->feedback(scene, now.start);
+  } else {
+    auto browser =
+        std::make_unique<BrowserDevice>(hand_, device_range(scene, 1).speed,
+                                        scene_scaling(scene).motion_to_hand(now.start.command));
+    browser_ = browser.get();
+    device = std::move(browser);
+  }
+  EpisodeInfo info = episode_info(scene, *device, settings_.seed, now.trial);
+  info.operator_ = (settings_.trainee.empty() ? "" : settings_.trainee + ", ") +
+                   (other ? other->name : kBrowser);
+  info.trainee = settings_.trainee;
+  info.date = date_now();
+  info.session = began_;
+  if (other) {
+    info.period = other->period;
+    info.coupling = other->coupling;
+  }
+  kept_.reset();
+  const int number = claim_->number();
+  Recorder& recorder = kept_.emplace(std::move(*claim_), info);
+  claim_.reset();
+  running_ = "try";
+  bool discard = false;
+  const TimedEpisode timed = run_shown(
+      now, *device, feedback.get(), info.period,
+      [&](const RowVector& row, const RawCounts& counts) { recorder.add(row, counts); }, discard,
+      stopped);
+  device.reset();  // disables motors before anything else
+  if (discard || recorder.rows() == 0) {
+    recorder.discard();
+    kept_.reset();
+    return prepare(number);
+  }
+  recorder.info().why = timed.end.why;
+  recorder.info().loop = loop_json(timed.timing, info.period).dump();
+  const std::string file = recorder.finish(timed.end.outcome);
+  Json ended = ended_json(now, timed, info.period);
+  ended["file"] = file_name(file);
+  const Measures measures = measure(recorder.episode(), scene);
+  if (yardstick_) {
+    const Score scored = score(measures, *yardstick_);
+    ended["score"] = score_json(scored);
+    ended["hint"] = hint(measures, scored);
+  }
+  list(recorder.episode(), file, scene);
+  ended["what"] = "try";
+  say("ended", ended);
+  say_episodes();
+  if (timed.end.lost) throw DeviceTrouble("the device was lost; the try was ended and kept");
+  if (!stopped()) prepare(number + 1);
+}
+
+void Session::let_it_insert(bool (*stopped)() noexcept) {
+  if (!controller_) throw BadInput("there is no controller yet: fit one first");
+  const Insertion now = last_.scene ? last_ : prepared_;
+  const Scaling scaling = scene_scaling(*now.scene);
+  const std::unique_ptr<Controller> controller = controller_(now.trial);
+  ControllerHand hand(*controller, scaling.motion_to_hand(now.start.command),
+                      scaling.motion * now.scene->limits.speed,
+                      1.1 * scaling.motion * now.scene->success.depth);
+  running_ = "insert";
+  bool discard = false;
+  const TimedEpisode timed = run_shown(
+      now, hand, nullptr, 1e-3, [](const RowVector&, const RawCounts&) {}, discard, stopped);
+  Json ended = ended_json(now, timed, 1e-3);
+  ended["what"] = "insert";
+  ended["controller"] = file_name(controller_file_);
+  say("ended", ended);
+  if (!stopped()) say_state();
+}
+
+Json Session::ended_json(const Insertion& insertion, const TimedEpisode& timed,
+                         double period) const {
+  const InsertionSummary& summary = timed.end.summary;
+  return {{"outcome", name(timed.end.outcome)},
+          {"why", timed.end.why},
+          {"time_s", summary.task_time()},
+          {"peak_force_uN", 1e6 * summary.peak_force},
+          {"depth_um", 1e6 * summary.depth},
+          {"offset_um", 1e6 * summary.offset},
+          {"tilt_rad", summary.tilt},
+          {"trial", insertion.trial},
+          {"loop", loop_json(timed.timing, period)}};
+}
+
+void Session::rate(int stars) {
+  if (!kept_) throw BadInput("there is no try to rate");
+  kept_->rate(stars);
+  const std::string& file = kept_->file();
+  {
+    const std::lock_guard lock(mutex_);
+    for (Listed& listed : episodes_)
+      if (listed.file == file) listed.json["rating"] = stars;
+  }
+  say_episodes();
+}
+
+void Session::discard_last() {
+  if (!kept_) throw BadInput("there is no try to discard");
+  const std::string file = kept_->file();
+  std::error_code error;
+  if (!fs::remove(file, error)) throw BadInput(file_name(file) + ": could not be removed");
+  kept_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(episodes_, [&](const Listed& listed) { return listed.file == file; });
+    said_.erase("ended");
+  }
+  say_episodes();
+  prepare(next_episode_number(settings_.out));
+}
+
+void Session::start_fit(const FitMessage& message) {
+  if (fit_) throw BadInput("a fit runs already");
+  std::vector<std::string> files;
+  {
+    const std::lock_guard lock(mutex_);
+    const std::vector<std::string>& wanted = message.episodes;
+    for (const Listed& listed : episodes_) {
+      const bool named =
+          std::find(wanted.begin(), wanted.end(), file_name(listed.file)) != wanted.end();
+      if (listed.json["same_scene"] == true && (wanted.empty() || named))
+        files.push_back(listed.file);
+    }
+    if (!wanted.empty() && files.size() != wanted.size())
+      throw BadInput("fit: an episode that is not on the list, or of another scene");
+  }
+  if (files.empty()) throw BadInput("fit: there are no episodes of this scene");
+  fit_ = std::make_unique<BackgroundFit>(settings_.program, files, free_controller(settings_.out));
+  say("fit", {{"state", "running"}, {"progress", 0}, {"episodes", files.size()}});
+}
+
+void Session::watch_fit() {
+  if (!fit_) return;
+  const double before = fit_->progress();
+  const BackgroundFit::State state = fit_->poll();
+  if (state == BackgroundFit::State::running) {
+    if (fit_->progress() != before)
+      say("fit", {{"state", "running"}, {"progress", fit_->progress()}});
+    return;
+  }
+  const std::unique_ptr<BackgroundFit> ended = std::move(fit_);
+  try {
+    if (state == BackgroundFit::State::failed) throw BadInput(ended->text());
+    controller_ = load_controller(ended->controller());
+    controller_file_ = ended->controller();
+    say("fit", {{"state", "done"}, {"progress", 1}, {"controller", file_name(controller_file_)}});
+  } catch (const std::exception& error) {
+    say("fit", {{"state", "failed"}, {"progress", ended->progress()}, {"text", error.what()}});
+  }
+  say_state();
+}
+
+void Session::read_one_more() {
+  const std::string file = unread_.front();
+  unread_.pop_front();
+  try {
+    const Episode episode = read_episode(file);
+    list(episode, file, recorded_scene(episode, file));
+  } catch (const std::exception& error) {  // is not ours to mend
+    complain(error.what());
+  }
+  say_episodes();
+}
+
+void Session::list(const Episode& episode, const std::string& file, const Scene& scene) {
+  const EpisodeInfo& info = episode.info;
+  const Measures m = measure(episode, scene);
+  const bool same = undrawn(scene.document) == undrawn(settings_.scene.document);
+  Json json = {{"file", file_name(file)},
+               {"outcome", name(info.outcome)},
+               {"score", nullptr},
+               {"time_s", m[Part::time]},
+               {"peak_force_uN", 1e6 * m[Part::peak_force]},
+               {"operator", info.operator_},
+               {"trainee", info.trainee},
+               {"date", info.date},
+               {"session", info.session},
+               {"rating", info.rating},
+               {"scene", scene.name},
+               {"same_scene", same}};
+  if (same && yardstick_) json["score"] = number_or_null(score(m, *yardstick_).total);
+  const std::lock_guard lock(mutex_);
+  episodes_.push_back({file, std::move(json)});
+  std::sort(episodes_.begin(), episodes_.end(),
+            [](const Listed& a, const Listed& b) { return a.file < b.file; });
+}
+
+void Session::show(const Frame& frame) {
+  pending_.push_back(frame);
+  const std::lock_guard lock(mutex_);
+  recent_.push_back(frame);
+  if (recent_.size() > kRecent) recent_.pop_front();
+}
+
+// What is due, or all there is.
+void Session::send_frames(bool all) {
+  const Clock::time_point now = Clock::now();
+  if (pending_.empty()) return;
+  if (all || now - state_sent_ >= kStateEvery) {
+    const BrowserDevice* browser = browser_;
+    send_(packed(1, std::array<Frame, 1>{pending_.back()}, browser ? browser->answered() : 0));
+    state_sent_ = std::max(state_sent_ + kStateEvery, now - kStateEvery);
+  }
+  if (all || now - history_sent_ >= kHistoryEvery) {
+    send_(packed(2, pending_, 0));
+    pending_.clear();
+    history_sent_ = now;
+  }
+}
+
+void Session::say(const char* type, Json json) {
+  json["type"] = type;
+  SharedPayload payload = text(json);
+  {
+    const std::lock_guard lock(mutex_);
+    said_[type] = payload;
+  }
+  send_(std::move(payload));
+}
+
+void Session::complain(const std::string& why) {
+  send_(text({{"type", "error"}, {"text", printable(why, 400)}}));
+}
+
+void Session::say_state() {
+  const Insertion& shown = running_ && last_.scene ? last_ : prepared_;
+  say("state_of_session", {{"running", running_ != nullptr},
+                           {"what", running_ ? Json(running_) : Json(nullptr)},
+                           {"episode", claim_ ? claim_->number() : 0},
+                           {"trial", shown.trial},
+                           {"scene", scene_json(*shown.scene)},
+                           {"device", settings_.device ? settings_.device->name : kBrowser},
+                           {"can_insert", static_cast<bool>(controller_)},
+                           {"can_rate", kept_.has_value()}});
+}
+
+void Session::say_episodes() {
+  Json list = Json::array();
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Listed& listed : episodes_) list.push_back(listed.json);
+  }
+  say("episodes", {{"list", list}, {"reading", unread_.size()}});
+}
+
+}  // namespace ferrule
