@@ -1,6 +1,9 @@
 // ferrule evaluate: the success rate of a controller over a campaign of trials.
 #include <fmt/format.h>
 
+#include <cmath>
+#include <map>
+
 #include "app/csv.hpp"
 #include "app/failures.hpp"
 #include "app/html.hpp"
@@ -8,15 +11,19 @@
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
 #include "controller/controller_file.hpp"
+#include "controller/held_controller.hpp"
+#include "controller/program_policy.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "learn/torch_policy.hpp"
 
 namespace ferrule {
 namespace {
 
 struct EvaluateArguments {
   SceneArguments scene;
-  std::string controller, baseline, trials_out, report;
+  std::string controller, baseline, policy, trials_out, report;
+  double policy_hz = 1000, policy_timeout = 10;
   std::size_t trials = 1000;
   std::uint64_t seed = 7;
   int threads = 0;
@@ -36,6 +43,10 @@ struct LearnedFile {
   std::optional<ControllerFile> file;  // empty: a baseline alone
   std::size_t trained_starts = 0;
 };
+
+bool is_torchscript(const std::string& file) {
+  return file.ends_with(".pt");
+}
 
 // Results of the trials, as far as Ctrl-C lets them go.
 void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
@@ -87,7 +98,17 @@ Json to_json(const EvaluateArguments& a, const Scene& scene, const LearnedFile& 
 std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned,
                           const Scene& scene) {
   std::vector<Tried> all;
+  const auto periods = static_cast<std::uint64_t>(std::lround(1000 / a.policy_hz));
   if (learned.file) all.push_back({a.controller, maker(*learned.file)});
+  if (is_torchscript(a.controller))
+    all.push_back({a.controller, held(load_torchscript(a.controller), periods)});
+  if (!a.policy.empty())
+    all.push_back({a.policy, held(program_policy({.command = a.policy,
+                                                  .start_timeout = 6 * a.policy_timeout,
+                                                  .timeout = a.policy_timeout,
+                                                  .control_hz = a.policy_hz,
+                                                  .seed = a.seed}),
+                                  periods)});
   const double speed = scene_scaling(scene).motion * scene.limits.speed;
   if (!a.baseline.empty()) all.push_back({a.baseline, controller_maker(ConstantVelocity(speed))});
   return all;
@@ -122,14 +143,36 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   fmt::print(stderr, "the report is {}\n", a.report);
 }
 
-int evaluate_verb(const EvaluateArguments& a) {
-  if (a.controller.empty() && a.baseline.empty())
+// Why trials ended that a policy of somebody else's failed in, and how many.
+void tell_failures(const std::vector<Tried>& all) {
+  for (const Tried& tried : all) {
+    std::map<std::string, std::size_t> reasons;
+    for (const TrialResult& r : tried.results)
+      if (!r.why.empty()) ++reasons[r.why];
+    for (const auto& [why, count] : reasons)
+      fmt::print(stderr, "note: {}: {} of {} trials: {}\n", tried.name, count, tried.results.size(),
+                 why);
+  }
+}
+
+void expect_something(const EvaluateArguments& a) {
+  if (a.controller.empty() && a.baseline.empty() && a.policy.empty())
     throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
+  if (!a.controller.empty() && !a.policy.empty())
+    throw BadInput("evaluate: give a controller file or --policy, not both");
+  const double periods = 1000 / a.policy_hz;
+  if (std::abs(periods - std::round(periods)) > 1e-9 * periods)
+    throw BadInput(
+        fmt::format("--policy-hz {:g}: 1000 must be a whole multiple of it", a.policy_hz));
+}
+
+int evaluate_verb(const EvaluateArguments& a) {
+  expect_something(a);
   expect_place_for(a.trials_out);
   expect_place_for(a.report);
   LearnedFile learned;
   BroughtScene brought;
-  if (!a.controller.empty()) {
+  if (!a.controller.empty() && !is_torchscript(a.controller)) {
     learned.file = read_controller(a.controller);
     brought = brought_by(trained_on(*learned.file), a.controller);
     learned.trained_starts = trained_starts(trained_on(*learned.file), a.seed, a.trials);
@@ -141,7 +184,10 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (learned.file) {
     refuse_other_scaling(trained_on(*learned.file).scaling, a.controller, scene, a.other_scaling);
     provenance.read(a.controller);  // it names its weights by their hash
+  } else if (!a.controller.empty()) {
+    provenance.read(a.controller);
   }
+  std::vector<Tried> all = to_try(a, learned, scene);  // refused before anything is said
   const std::string notes =
       trained_starts_note(learned.trained_starts, a.trials) +
       (a.supervise ? supervisor_note(supervisor_limits(scene, scene_scaling(scene))) : "");
@@ -149,8 +195,8 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
   std::fflush(stdout);  // the trials take long
 
-  std::vector<Tried> all = to_try(a, learned, scene);
   for (Tried& tried : all) run(a, scene, tried);
+  tell_failures(all);
   if (interrupted()) {
     std::string done;
     for (const Tried& tried : all)
@@ -179,7 +225,8 @@ int evaluate_verb(const EvaluateArguments& a) {
 void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
-  verb->add_option("controller", a->controller, "Controller file")->type_name("FILE.json");
+  verb->add_option("controller", a->controller, "Controller file, or TorchScript")
+      ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many")
@@ -189,6 +236,17 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_threads(*verb, a->threads);
   verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
       ->check(CLI::IsMember({"constant-velocity"}));
+  verb->add_option(
+          "--policy", a->policy,
+          "A program that answers observations, a line of JSON each (controller/README.md)")
+      ->type_name("COMMAND");
+  verb->add_option("--policy-hz", a->policy_hz, "How often it, or TorchScript, is asked a second")
+      ->capture_default_str()
+      ->check(number_between(1, 1000));
+  verb->add_option("--policy-timeout", a->policy_timeout,
+                   "What it may take for an answer [s], six times that to begin with")
+      ->capture_default_str()
+      ->check(number_between(1e-3, 3600));
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");
   verb->add_option("--report", a->report,
@@ -199,7 +257,8 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   add_examples(*verb,
                {"evaluate controller.json --trials 200 --baseline constant-velocity",
-                "evaluate controller.json --scene tight --supervise --trials-out trials.csv"});
+                "evaluate controller.json --scene tight --supervise --trials-out trials.csv",
+                "evaluate --policy \"python3 examples/policy.py\" --policy-hz 50 --trials 20"});
   verb->callback([a, &run] { run = [a] { return evaluate_verb(*a); }; });
 }
 

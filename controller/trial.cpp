@@ -26,7 +26,7 @@ void ControllerHand::render(const HandWrench& wrench) {
 TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept {
   const double loss = outcome == Outcome::inserted ? joint_loss_dB(summary.offset, summary.tilt)
                                                    : std::numeric_limits<double>::quiet_NaN();
-  return {outcome, summary, loss, {}};
+  return {outcome, summary, loss, {}, {}};
 }
 
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
@@ -43,6 +43,7 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
                     {.scaling = scaling, .period = period, .past_success = false}, on_tick);
   TrialResult result = trial_result(end.outcome, end.summary);
   if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
+  result.why = controller.failure();
   return result;
 }
 

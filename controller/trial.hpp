@@ -11,6 +11,7 @@ struct TrialResult {
   InsertionSummary summary;
   double loss_dB;  // predicted joint loss from the final offset and tilt; NaN unless inserted
   std::optional<Supervision> supervision;  // empty for a controller without supervisor
+  std::string why{};                       // the controller failed; empty where it did not
 };
 
 // Of an insertion that ended so, with the joint loss that follows.

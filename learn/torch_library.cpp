@@ -1,5 +1,6 @@
 #include "learn/loaded_library.hpp"
 #include "learn/torch_policy.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 namespace {
@@ -24,6 +25,20 @@ std::string torchscript_bytes(const Policy& policy) {
 
 Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs) {
   return torch().run(bytes, inputs);
+}
+
+std::unique_ptr<Controller> torchscript_controller(const std::string& bytes) {
+  return torch().controller(bytes);
+}
+
+MakeController load_torchscript(const std::string& file) {
+  const std::string bytes = read_text(file);
+  try {
+    torchscript_controller(bytes);  // refused before any trial
+  } catch (const FileTrouble& error) {
+    throw FileTrouble(file + ": " + error.what());
+  }
+  return [bytes](std::uint64_t) { return torchscript_controller(bytes); };
 }
 
 }  // namespace ferrule
