@@ -7,6 +7,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iterator>
+#include <mutex>
 
 namespace ferrule::hdf5 {
 namespace {
@@ -185,6 +186,8 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* names) 
 
 std::string image(const std::string& name, const Content& content,
                   const std::function<void(std::size_t, std::size_t)>& progress) {
+  static std::mutex one_at_a_time;  // HDF5 is not made for threads
+  const std::lock_guard lock(one_at_a_time);
   const Handle file(create_in_memory(name), H5Fclose, cannot_be_built(name, "/"));
   const auto is_table = [&](const std::string& path) {
     const auto at = [&](const auto& t) { return t.path == path; };

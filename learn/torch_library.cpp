@@ -33,10 +33,12 @@ std::unique_ptr<Controller> torchscript_controller(const std::string& bytes) {
 
 MakeController load_torchscript(const std::string& file) {
   const std::string bytes = read_text(file);
-  try {
-    torchscript_controller(bytes);  // refused before any trial
+  try {  // refused before any trial
+    const auto tried = torchscript_controller(bytes);
+    tried->command({HandWrench::Zero(), 0, 0});
+    if (!tried->failure().empty()) throw FileTrouble(tried->failure());
   } catch (const FileTrouble& error) {
-    throw FileTrouble(file + ": " + error.what());
+    throw FileTrouble(file + ": " + printable(error.what(), 300));
   }
   return [bytes](std::uint64_t) { return torchscript_controller(bytes); };
 }

@@ -3,6 +3,7 @@
 #include <torch/script.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -191,9 +192,8 @@ Eigen::MatrixXd run(const std::string& bytes, const Eigen::MatrixXd& inputs) {
 }
 
 // Its first line, for libtorch adds where it was thrown.
-std::string first_line(const char* text) {
-  const std::string all = text;
-  return printable(all.substr(0, all.find('\n')), 200);
+std::string first_line(const std::string& text) {
+  return text.substr(0, std::min<std::size_t>(text.find('\n'), 200));
 }
 
 class ScriptController : public Controller {

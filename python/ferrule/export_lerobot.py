@@ -53,6 +53,8 @@ def _columns(found: Demonstrations) -> dict[str, np.ndarray]:
         name: np.concatenate([getattr(d, field) for d in found.demonstrations]).astype(np.float32)
         for name, field in together
     }
+    # What the fibre does to the hand once more: policies without cameras ask for it by this name.
+    columns["observation.environment_state"] = columns["observation.state"][:, :5]
     columns["next.done"] = done
     columns["timestamp"] = (frame / found.rate).astype(np.float32)
     columns["frame_index"] = frame
@@ -100,14 +102,19 @@ def _tasks(pa: Any) -> Any:
 
 
 def _info(found: Demonstrations, columns: dict[str, np.ndarray]) -> dict[str, Any]:
-    features = {}
-    for name, values in columns.items():
-        names = {"observation.state": list(OBSERVATION), "action": list(_ACTION)}.get(name)
-        features[name] = {
+    names = {
+        "observation.state": list(OBSERVATION),
+        "observation.environment_state": list(OBSERVATION[:5]),
+        "action": list(_ACTION),
+    }
+    features = {
+        name: {
             "dtype": str(values.dtype),
             "shape": list(values.shape[1:]) or [1],
-            "names": names,
+            "names": names.get(name),
         }
+        for name, values in columns.items()
+    }
     count = len(found.demonstrations)
     return {
         "codebase_version": "v3.0",

@@ -1,5 +1,6 @@
 import os
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,9 @@ def run(*arguments: str, code: int = 0) -> subprocess.CompletedProcess:
     done = subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True)
     assert done.returncode == code, done.stderr
     return done
+
+
+os.environ["FERRULE_PYTHON"] = sys.executable  # what export-episodes runs
 
 
 @pytest.fixture(scope="session")

@@ -1,8 +1,6 @@
 """Episodes in the formats of others, read back by others."""
 
 import json
-import subprocess
-import sys
 
 import gymnasium
 import h5py
@@ -14,13 +12,6 @@ from conftest import run
 
 csv = pytest.importorskip("pyarrow.csv")
 pq = pytest.importorskip("pyarrow.parquet")
-
-
-@pytest.fixture(scope="module", autouse=True)
-def python_of_the_program(pytestconfig):
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setenv("FERRULE_PYTHON", sys.executable)
-        yield
 
 
 @pytest.fixture(scope="module")
@@ -150,30 +141,3 @@ def test_others_scenes_are_not_mixed(episodes, tmp_path):
         (both / f"episode_{number:04}.h5").write_bytes(file.read_bytes())
     said = run("export-episodes", both, "--robomimic", tmp_path / "x.h5", code=2)
     assert "another scene" in said.stderr
-
-
-def test_lerobots_own_reader(episodes):
-    dataset = pytest.importorskip("lerobot.datasets.lerobot_dataset")
-    folder = episodes.parent / "lerobot-own"
-    run("export-episodes", episodes, "--lerobot", folder)
-    read = dataset.LeRobotDataset("ferrule/insertion", root=folder)
-    assert read.num_episodes == len(list(episodes.glob("*.h5"))) and read[0]["action"].shape == (5,)
-
-
-def test_robomimics_own_reader_and_rollouts(robomimic):
-    pytest.importorskip("robomimic")
-    pytest.importorskip("gym")
-    code = """if True:
-        import sys
-        import robomimic.utils.env_utils as E, robomimic.utils.file_utils as F, robomimic.utils.obs_utils as O
-        from robomimic.utils.dataset import SequenceDataset
-        O.initialize_obs_utils_with_obs_specs({"obs": {"low_dim": ["flat"], "rgb": []}})
-        d = SequenceDataset(sys.argv[1], ("flat",), ("actions",), filter_by_attribute="train")
-        env = E.create_env_from_metadata(F.get_env_metadata_from_dataset(sys.argv[1]))
-        assert env.reset()["flat"].shape == (7,)
-        for n in range(4000):
-            _, reward, done, _ = env.step([-0.5, 0, 0, 0, 0])
-            if done: break
-        assert done and set(env.is_success()) == {"task"}
-    """
-    subprocess.run([sys.executable, "-c", code, robomimic], check=True)

@@ -3,7 +3,7 @@
 import json
 import sys
 
-from case import Case, main
+from case import SOURCE, Case, main
 
 # The same admittance everywhere, in the hand's world.
 STEP = """
@@ -44,21 +44,28 @@ class Foreign(Case):
         self.assertEqual(some["successes"], whole["successes"] - 1)
         self.assertIn("1 of 4 trials: the policy ended (exit code 7)", stderr)
         self.assertIn("exit code 7", open(trials).read())
+        self.assertEqual(some["rows"][0]["failures"], {"the policy ended (exit code 7)": 1})
 
     def test_what_a_hostile_one_does_is_told(self):
         for answer, reason in [
-            ("print('{\\"velocity\\": [1, 2]}', flush=True)", "no {\\"velocity\\""),
+            ("print(json.dumps({'velocity': [1, 2]}), flush=True)", 'no {"velocity"'),
+            ("print(json.dumps({'velocity': [1, 2, 3, 4, 'x']}), flush=True)", 'no {"velocity"'),
             ("print('nonsense', flush=True)", "no JSON"),
-            ("print('{}\\\\n{}', flush=True)", "more than it was asked"),
+            ("print('{}\\n{}', flush=True)", "more than it was asked"),
             ("sys.stdout.write('x' * 100000); sys.stdout.flush()", "65536 bytes"),
             ("import time; time.sleep(30)", "did not answer within"),
+            ("sys.stdout.close(); os.close(1); import time; time.sleep(30)", "did not answer"),
             ("print(json.dumps({'velocity': [float('nan')] * 5}), flush=True)", "no JSON"),
+            ("os.kill(os.getpid(), 9)", "the policy ended ("),
         ]:
-            program = "import json, sys\nsys.stdin.readline()\nprint('{}', flush=True)\n" + \
+            program = "import json, os, sys\nsys.stdin.readline()\nprint('{}', flush=True)\n" + \
                       "for line in sys.stdin:\n    " + answer + "\n"
             found, stderr = self.evaluate(program, "--trials", "1", "--policy-timeout", "2")
-            self.assertEqual(found["outcomes"], {"invalid_output": 1}, answer)
-            self.assertIn(reason.replace('\\\\"', '"').replace('\\"', '"'), stderr, answer)
+            self.assertEqual(found["outcomes"]["invalid_output"], 1, answer)
+            self.assertIn(reason, stderr, answer)
+        slow = LOOP.replace("for line", "import time\nfor line").replace("print(", "time.sleep(0.2 * ('wrench' in q)); print(")
+        found, stderr = self.evaluate(STEP + slow, "--trials", "1", "--policy-timeout", "0.1")
+        self.assertIn("did not answer within 0.1 s", stderr)
         supervised, stderr = self.evaluate("", "--trials", "2", "--supervise")
         self.assertEqual(supervised["outcomes"], {"gave_up": 2})
         self.assertIn("2 of 2 trials: the policy ended", stderr)
@@ -89,6 +96,34 @@ class Foreign(Case):
         with open(self.path("broken.pt"), "wb") as out:
             out.write(b"no module")
         self.refused(3, "evaluate", self.path("broken.pt"), says=("TorchScript",))
+
+        class Short(torch.nn.Module):
+            def forward(self, x):
+                return x[:, :2]
+
+        torch.jit.script(Short()).save(self.path("short.pt"))
+        self.refused(3, "evaluate", self.path("short.pt"), says=("2 numbers, not 5",))
+
+    def test_compare_takes_them_beside_the_learners(self):
+        folder = self.path("episodes")
+        self.done("record", "--scene", "bench", "--episodes", "3", "--seed", "1", "--out", folder)
+        program = self.path("policy.py")
+        with open(program, "w") as out:
+            out.write(STEP + LOOP)
+        tuned = SOURCE + "/data/controllers/tuned_by_hand.json"
+        command = f"{sys.executable} {program}"
+        done = self.done("compare", folder, tuned, "--learners", "linear", "--policy", command,
+                         "--policy-hz", "20", "--trials", "4", "--json")
+        rows = {row["controller"]: row for row in json.loads(done.stdout)["rows"]}
+        self.assertEqual(rows[tuned]["outcomes"], rows["tuned by hand"]["outcomes"])
+        self.assertAlmostEqual(rows[tuned]["time_s"]["median"],
+                               rows["tuned by hand"]["time_s"]["median"], 9)
+        self.assertIsNone(rows[tuned]["fit_s"])
+        alone, _ = self.evaluate(STEP + LOOP, "--trials", "4")
+        for key in ("outcomes", "time_s", "peak_force_uN"):
+            self.assertEqual(rows[command][key], alone[key])
+        self.refused(2, "compare", folder, tuned, tuned, says=("twice",))
+        self.refused(3, "compare", folder, self.path("nowhere.json"), says=("nowhere.json",))
 
 
 if __name__ == "__main__":

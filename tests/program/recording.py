@@ -54,7 +54,7 @@ class Recording(Case):
             numpy.testing.assert_allclose(total, wrench, atol=5e-11)
 
             def units(name, item):
-                if isinstance(item, h5py.Dataset) and not item.is_scale:
+                if isinstance(item, h5py.Dataset) and not h5py.h5ds.is_scale(item.id):
                     self.assertIn("unit", item.attrs, name)
                     self.assertIn("columns", item.attrs, name)
 
@@ -81,12 +81,12 @@ class Recording(Case):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
                   "--out", self.path("before"))
         file = self.path("before/episode_0001.h5")
-        rows = self.done("forces", file, "--json").stdout
+        terms = json.loads(self.done("forces", file, "--json").stdout)["terms"]
         with h5py.File(file, "r+") as f:  # as it was: columns in one text, no scales
             demo, tables = f["data/demo_0"], []
             demo.visititems(lambda name, item: tables.append(name)
                             if isinstance(item, h5py.Dataset) else None)
-            scales = [name for name in tables if demo[name].is_scale]
+            scales = [name for name in tables if h5py.h5ds.is_scale(demo[name].id)]
             for name in set(tables) - set(scales):
                 table = demo[name]
                 for dimension in table.dims:
@@ -101,7 +101,7 @@ class Recording(Case):
             f.attrs["format_version"] = numpy.int64(1)
             del f.attrs["inputs_sha1"]
         self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
-        self.assertEqual(self.done("forces", file, "--json").stdout, rows)
+        self.assertEqual(json.loads(self.done("forces", file, "--json").stdout)["terms"], terms)
 
     def test_texts_may_be_of_variable_length(self):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
@@ -276,11 +276,12 @@ class Recording(Case):
         time.sleep(0.05)
         process.kill()
         process.communicate()
-        for part in glob.glob(out + "/*.part"):
+        parts = glob.glob(out + "/*.part")  # one that is recorded, and one that is written
+        for part in parts:
             with open(part.replace(".part", ".h5"), "w") as junk:
                 junk.write("junk")
-            run = ferrule("recover", out)
-            self.assertEqual(run.returncode, 3)
+        self.assertEqual(ferrule("recover", out).returncode, 3 if parts else 0)
+        for part in parts:
             self.assertTrue(os.path.exists(part))
         os.mkdir(out + "/episode_0900.part")
         ferrule("recover", out)
