@@ -15,6 +15,7 @@
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
 #include "bench/peers.hpp"
+#include "bench/recording.hpp"
 #include "bench/stepping.hpp"
 #include "bench/tail.hpp"
 
@@ -275,6 +276,30 @@ int capture(const BenchArguments& a) {
   return ended(wrong == 0);
 }
 
+Json recording_json(const RecordingRow& r) {
+  return {{"scene", r.scene},
+          {"rows", r.rows},
+          {"us_per_row", r.us_per_row},
+          {"us_per_row_written", r.us_per_row_written},
+          {"kB_per_s", r.kB_per_s}};
+}
+
+int recording(const BenchArguments& a) {
+  const std::vector<RecordingRow> rows = bench_recording(watched("recording"));
+  const Provenance provenance = provenance_of_bench();
+  if (a.output.text()) {
+    fmt::print("{:<10} {:>8} {:>18} {:>18} {:>14}\n", "scene", "rows", "us a row, recorded",
+               "us a row, written", "kB per second");
+    for (const RecordingRow& r : rows)
+      fmt::print("{:<10} {:>8} {:>18.2f} {:>18.2f} {:>14.0f}\n", r.scene, r.rows, r.us_per_row,
+                 r.us_per_row_written, r.kB_per_s);
+    fmt::print("recorded: by the thread of the loop; written: by another one, afterwards\n{}",
+               provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, recording_json)}}, "rows", provenance);
+  return ended(true);
+}
+
 Json tail_json(const TailRow& r) {
   return {{"scene", r.scene},
           {"steps", r.steps},
@@ -391,11 +416,13 @@ void add_bench(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<BenchArguments>();
-  verb->add_option("what", a->what,
-                   "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
-                   "capture: clearance means clearance; tail: the worst steps; events: the same "
-                   "motions at ever finer steps; peers: other engines in the same motion")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers"}));
+  verb->add_option(
+          "what", a->what,
+          "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
+          "capture: clearance means clearance; tail: the worst steps; events: the same "
+          "motions at ever finer steps; peers: other engines in the same motion; recording: what a "
+          "row costs")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers", "recording"}));
   add_seed(*verb, a->seed, "Of the scenes, starts and motions that tail and events draw");
   verb->add_option("--scenes", a->scenes,
                    "How many random scenes, and starts of shipped ones, tail draws")
@@ -407,12 +434,13 @@ void add_bench(CLI::App& app, Run& run) {
     run = [a] {
       if (!a->what.empty() && !a->plot.empty())
         throw BadInput("--plot: there is nothing to draw of bench " + a->what);
-      return a->what == "hard"      ? hard(*a)
-             : a->what == "capture" ? capture(*a)
-             : a->what == "tail"    ? tail(*a)
-             : a->what == "events"  ? events(*a)
-             : a->what == "peers"   ? peers(*a)
-                                    : speed_and_error(*a);
+      return a->what == "hard"        ? hard(*a)
+             : a->what == "capture"   ? capture(*a)
+             : a->what == "tail"      ? tail(*a)
+             : a->what == "events"    ? events(*a)
+             : a->what == "peers"     ? peers(*a)
+             : a->what == "recording" ? recording(*a)
+                                      : speed_and_error(*a);
     };
   });
 }

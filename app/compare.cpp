@@ -5,14 +5,15 @@
 #include <chrono>
 #include <cmath>
 
-#include "app/campaign_table.hpp"
 #include "app/compare_plot.hpp"
 #include "app/csv.hpp"
 #include "app/failures.hpp"
+#include "app/given_controller.hpp"
 #include "app/html.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
+#include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
@@ -25,7 +26,8 @@ namespace {
 struct CompareArguments {
   SceneArguments scene;
   std::string folder, plot, trials_out, seeds;
-  std::vector<std::string> transfer, learners;
+  std::vector<std::string> controllers, transfer, learners;
+  PolicyArguments policy;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
   double skill = 0.8;
@@ -212,11 +214,12 @@ Json to_json(const Entry& e) {
   Json row = {{"controller", c.name},
               {"parameters", c.parameters},
               {"labelled_rollouts", c.rollouts},
-              {"fit_s", c.fit_seconds},
+              {"fit_s", number_or_null(c.fit_seconds)},
               {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
               {"ns_per_action", e.ns},
               {"supervised", to_json(e.supervised)}};
   row.update(to_json(e.alone));
+  if (const auto why = failures(e.results); !why.empty()) row["failures"] = why;
   if (e.against_teacher) {
     row["against_operator"] = Json::object();
     add_json(*e.against_teacher, row["against_operator"]);
@@ -237,7 +240,7 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
     rings.emplace_back(e.candidate.name, e.rings);
     std::string name = "map_";
     for (const char c : e.candidate.name)
-      if (c != ',') name += c == ' ' ? '_' : c;
+      if (c != ',') name += c == ' ' || c == '/' ? '_' : c;
     write_svg(folder + "/" + name + ".svg", failure_map(e.candidate.name, e.results, starts));
   }
   write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
@@ -302,6 +305,35 @@ std::vector<ChosenLearner> add_learned(const CompareArguments& a, const Demonstr
   return could;
 }
 
+// The controllers of files and the program that were given.
+std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Provenance& provenance,
+                             std::size_t& trained) {
+  a.policy.periods();
+  std::vector<Candidate> all;
+  for (const std::string& file : a.controllers) {
+    if (std::count(a.controllers.begin(), a.controllers.end(), file) > 1)
+      throw BadInput("compare: " + file + " is there twice");
+    const GivenController c = given_file(file, a.policy);
+    all.push_back({.name = c.name, .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+    provenance.read(file);
+    if (!c.file) continue;
+    const TrainedOn& training = trained_on(*c.file);
+    refuse_other_scaling(training.scaling, file, scene, a.other_scaling);
+    trained = std::max(trained, trained_starts(training, a.seed, a.trials));
+    std::visit(
+        [&](const auto& learned) {
+          all.back().parameters = learned.parameters();
+          all.back().held_out = learned.held_out_residual;
+          all.back().rollouts = learned.trained_on.rollouts;
+        },
+        *c.file);
+  }
+  if (a.policy.command.empty()) return all;
+  const GivenController c = given_program(a.policy, a.seed);
+  all.push_back({.name = c.name, .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+  return all;
+}
+
 std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
                               const std::vector<Candidate>& candidates,
                               const Demonstration& demonstration,
@@ -310,6 +342,7 @@ std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
   for (const Candidate& c : candidates) {
     if (interrupted()) break;
     entries.push_back(tried(a, scene, c, demonstration, starts));
+    tell_failures(c.name, entries.back().results);
   }
   const auto teacher = std::find_if(entries.begin(), entries.end(),
                                     [](const Entry& e) { return e.candidate.name == kTeacher; });
@@ -556,12 +589,14 @@ int compare_verb(const CompareArguments& a) {
   Provenance provenance;
   provenance.in(chosen).seed("trials", a.seed).seed("fits", a.fit_seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
-  const std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
+  std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
+  const std::vector<Candidate> brought = given(a, scene, provenance, seen);
   const std::string notes = trained_starts_note(seen, a.trials) +
                             supervisor_note(supervisor_limits(scene, scene_scaling(scene)));
 
   std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
   const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
+  candidates.insert(candidates.end(), brought.begin(), brought.end());
   if (a.output.text())
     fmt::print("{}{}", provenance.head(), notes);
   else
@@ -605,6 +640,9 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes to learn from")
       ->required()
       ->type_name("DIR");
+  verb->add_option("controllers", a->controllers,
+                   "Controller files and TorchScript to try beside the learners")
+      ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the episodes");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many, for each")
@@ -630,6 +668,7 @@ void add_compare(CLI::App& app, Run& run) {
             "Record the simulated demonstrations anew and fit anew with each: how much a learner "
             "owes to chance");
   add_threads(*verb, a->threads);
+  a->policy.add_to(*verb);
   verb->add_option("--plot", a->plot,
                    "Folder for plots: success against misalignment and number "
                    "of demonstrations, maps of where each fails")
@@ -638,6 +677,7 @@ void add_compare(CLI::App& app, Run& run) {
       ->type_name("FILE.csv");
   add_output(*verb, a->output);
   add_examples(*verb, {"compare episodes --trials 200 --learners linear,insertion",
+                       "compare episodes policy.pt data/controllers/tuned_by_hand.json",
                        "compare episodes --transfer tight,sloppy --plot compared --csv"});
   verb->callback([a, &run] { run = [a] { return compare_verb(*a); }; });
 }

@@ -92,7 +92,9 @@ bool record_all(const DemoArguments& a, Report& report) {
   int number = 0;
   for (const double skill : kSkills)
     for (int i = 0; i < kEpisodesPerSkill; ++i) {
-      report.recorded.push_back({skill, record(a, *report.scene, skill, ++number)});
+      Recorded recorded = record(a, *report.scene, skill, ++number);
+      if (!report.recorded.empty()) report.recorded.back().recorded.wait();
+      report.recorded.push_back({skill, std::move(recorded)});
       if (interrupted()) {
         tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
                          episodes_folder(a)));
@@ -100,6 +102,7 @@ bool record_all(const DemoArguments& a, Report& report) {
       }
       progress(static_cast<std::size_t>(number));
     }
+  report.recorded.back().recorded.wait();
   report.record_seconds = clock.seconds();
   return true;
 }

@@ -1,13 +1,13 @@
 // ferrule evaluate: the success rate of a controller over a campaign of trials.
 #include <fmt/format.h>
 
-#include "app/campaign_table.hpp"
 #include "app/csv.hpp"
 #include "app/failures.hpp"
+#include "app/given_controller.hpp"
 #include "app/html.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
-#include "controller/controller_file.hpp"
+#include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 
@@ -17,6 +17,7 @@ namespace {
 struct EvaluateArguments {
   SceneArguments scene;
   std::string controller, baseline, trials_out, report;
+  PolicyArguments policy;
   std::size_t trials = 1000;
   std::uint64_t seed = 7;
   int threads = 0;
@@ -26,15 +27,9 @@ struct EvaluateArguments {
 
 // A controller and what it did.
 struct Tried {
-  std::string name;
+  std::string name, shown_by;  // the arguments of `view` that show it; empty: none do
   MakeController make;
   std::vector<TrialResult> results{};
-};
-
-// What is known of the controller of the file before any trial.
-struct LearnedFile {
-  std::optional<ControllerFile> file;  // empty: a baseline alone
-  std::size_t trained_starts = 0;
 };
 
 // Results of the trials, as far as Ctrl-C lets them go.
@@ -64,17 +59,18 @@ void tell(const std::vector<Tried>& all) {
   if (const auto comparison = compared(all[0], all[1])) fmt::print("{}", to_text(*comparison));
 }
 
-Json to_json(const EvaluateArguments& a, const Scene& scene, const LearnedFile& learned,
-             const std::vector<Tried>& all) {
+Json to_json(const EvaluateArguments& a, const Scene& scene,
+             std::optional<std::size_t> trained_starts, const std::vector<Tried>& all) {
   Json json = {{"scene", scene.name}, {"controller", all[0].name}, {"seed", a.seed}};
   json.update(ferrule::to_json(summarise(all[0].results)));
-  if (learned.file) json["trained_starts"] = learned.trained_starts;
+  if (trained_starts) json["trained_starts"] = *trained_starts;
   if (a.supervise)
     json["supervisor"] =
         supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene));
   json["rows"] = json_list(all, [](const Tried& tried) {
     Json row = {{"controller", tried.name}};
     row.update(ferrule::to_json(summarise(tried.results)));
+    if (const auto found = failures(tried.results); !found.empty()) row["failures"] = found;
     return row;
   });
   if (all.size() < 2) return json;
@@ -84,12 +80,14 @@ Json to_json(const EvaluateArguments& a, const Scene& scene, const LearnedFile& 
 }
 
 // Both controllers to be tried, the first one first.
-std::vector<Tried> to_try(const EvaluateArguments& a, const LearnedFile& learned,
+std::vector<Tried> to_try(const EvaluateArguments& a, const std::optional<GivenController>& given,
                           const Scene& scene) {
   std::vector<Tried> all;
-  if (learned.file) all.push_back({a.controller, maker(*learned.file)});
+  if (given) all.push_back({given->name, given->file ? given->name : "", given->make});
   const double speed = scene_scaling(scene).motion * scene.limits.speed;
-  if (!a.baseline.empty()) all.push_back({a.baseline, controller_maker(ConstantVelocity(speed))});
+  if (!a.baseline.empty())
+    all.push_back(
+        {a.baseline, "--against " + a.baseline, controller_maker(ConstantVelocity(speed))});
   return all;
 }
 
@@ -100,12 +98,12 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   std::vector<TrialMap> maps;
   std::string text;
   for (const Tried& tried : all) {
-    const bool baseline = tried.name == a.baseline;
     MakeController make = tried.make;
     if (a.supervise) make = supervised(make, supervisor_limits(scene, scene_scaling(scene)));
-    const std::string command =
-        fmt::format("./ferrule view --trial TRIAL {}{}{} --seed {}{}", baseline ? "--against " : "",
-                    tried.name, a.scene.given(), a.seed, a.supervise ? " --supervise" : "");
+    std::string command;
+    if (!tried.shown_by.empty())
+      command = fmt::format("./ferrule view --trial TRIAL {}{} --seed {}{}", tried.shown_by,
+                            a.scene.given(), a.seed, a.supervise ? " --supervise" : "");
     add_failures(scene, a.seed, {tried.name, command, make, &tried.results}, runs, maps);
     text += to_text(tried.name, summarise(tried.results));
   }
@@ -122,35 +120,49 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   fmt::print(stderr, "the report is {}\n", a.report);
 }
 
+// What is to be tried beside the baseline.
+std::optional<GivenController> given(const EvaluateArguments& a) {
+  if (a.controller.empty() && a.baseline.empty() && a.policy.command.empty())
+    throw BadInput(
+        "evaluate: give a controller file, --policy, or --baseline constant-velocity, or one of "
+        "the first and the last");
+  if (!a.controller.empty() && !a.policy.command.empty())
+    throw BadInput("evaluate: give a controller file or --policy, not both");
+  a.policy.periods();
+  if (!a.controller.empty()) return given_file(a.controller, a.policy);
+  if (!a.policy.command.empty()) return given_program(a.policy, a.seed);
+  return std::nullopt;
+}
+
 int evaluate_verb(const EvaluateArguments& a) {
-  if (a.controller.empty() && a.baseline.empty())
-    throw BadInput("evaluate: give a controller file, or --baseline constant-velocity, or both");
+  const std::optional<GivenController> controller = given(a);
   expect_place_for(a.trials_out);
   expect_place_for(a.report);
-  LearnedFile learned;
   BroughtScene brought;
-  if (!a.controller.empty()) {
-    learned.file = read_controller(a.controller);
-    brought = brought_by(trained_on(*learned.file), a.controller);
-    learned.trained_starts = trained_starts(trained_on(*learned.file), a.seed, a.trials);
+  std::optional<std::size_t> trained;
+  if (controller && controller->file) {
+    const TrainedOn& training = trained_on(*controller->file);
+    brought = brought_by(training, a.controller);
+    trained = trained_starts(training, a.seed, a.trials);
   }
   const ChosenScene chosen = a.scene.choose(brought);
   const Scene& scene = chosen.scene;
   Provenance provenance;
   provenance.in(chosen).seed("trials", a.seed);
-  if (learned.file) {
-    refuse_other_scaling(trained_on(*learned.file).scaling, a.controller, scene, a.other_scaling);
-    provenance.read(a.controller);  // it names its weights by their hash
-  }
+  if (trained)
+    refuse_other_scaling(trained_on(*controller->file).scaling, a.controller, scene,
+                         a.other_scaling);
+  if (!a.controller.empty()) provenance.read(a.controller);  // it names its weights by their hash
   const std::string notes =
-      trained_starts_note(learned.trained_starts, a.trials) +
+      trained_starts_note(trained.value_or(0), a.trials) +
       (a.supervise ? supervisor_note(supervisor_limits(scene, scene_scaling(scene))) : "");
   if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
   std::fflush(stdout);  // the trials take long
 
-  std::vector<Tried> all = to_try(a, learned, scene);
+  std::vector<Tried> all = to_try(a, controller, scene);
   for (Tried& tried : all) run(a, scene, tried);
+  for (const Tried& tried : all) tell_failures(tried.name, tried.results);
   if (interrupted()) {
     std::string done;
     for (const Tried& tried : all)
@@ -163,7 +175,7 @@ int evaluate_verb(const EvaluateArguments& a) {
     tell(all);
     fmt::print("{}", provenance.foot());
   } else {
-    print_result(a.output, to_json(a, scene, learned, all), "rows", provenance);
+    print_result(a.output, to_json(a, scene, trained, all), "rows", provenance);
   }
   if (!a.trials_out.empty()) {
     Json rows = Json::array();
@@ -179,7 +191,8 @@ int evaluate_verb(const EvaluateArguments& a) {
 void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
-  verb->add_option("controller", a->controller, "Controller file")->type_name("FILE.json");
+  verb->add_option("controller", a->controller, "Controller file, or TorchScript")
+      ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many")
@@ -189,6 +202,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_threads(*verb, a->threads);
   verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
       ->check(CLI::IsMember({"constant-velocity"}));
+  a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");
   verb->add_option("--report", a->report,
@@ -199,7 +213,8 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   add_examples(*verb,
                {"evaluate controller.json --trials 200 --baseline constant-velocity",
-                "evaluate controller.json --scene tight --supervise --trials-out trials.csv"});
+                "evaluate controller.json --scene tight --supervise --trials-out trials.csv",
+                "evaluate --policy \"python3 examples/policy.py\" --policy-hz 50 --trials 20"});
   verb->callback([a, &run] { run = [a] { return evaluate_verb(*a); }; });
 }
 

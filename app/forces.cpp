@@ -50,25 +50,6 @@ void print_table(const std::vector<ForceRow>& rows, const Laws& laws) {
       "contact\n");
 }
 
-// The gap is the smallest where that at the middle does not exceed the clearance. Only printed laws
-// know no other wall.
-void check_fits(const World& world, double gap_nm, double length_um, double tilt_mrad) {
-  const Laws& laws = world.laws;
-  const bool walls = std::holds_alternative<VanDerWaals>(laws.van_der_waals) ||
-                     std::holds_alternative<Electrostatic>(laws.electrostatic) ||
-                     std::holds_alternative<Capillary>(laws.capillary) || laws.drag;
-  const double clearance = 1e9 * world.annulus.clearance(), slack = 1e-9 * clearance;
-  if (!walls && tilt_mrad == 0) return;
-  if (gap_nm > clearance + slack)
-    throw BadInput(fmt::format("--gap-nm {:g}: the smallest gap is at most the clearance, {:g} nm",
-                               gap_nm, clearance));
-  if (gap_nm + 0.5 * length_um * tilt_mrad > clearance + slack)
-    throw BadInput(
-        fmt::format("--tilt-mrad {:g}: over {:g} um a gap of {:g} nm would not be the smallest; "
-                    "at most {:g} mrad fit",
-                    tilt_mrad, length_um, gap_nm, 2 * (clearance - gap_nm) / length_um));
-}
-
 // Nothing is left out. The settings are those of the form asked for.
 Scene scene_in_form(const ForcesArguments& a) {
   if (a.form.empty()) return a.scene.load();
@@ -101,7 +82,7 @@ std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const For
   if (all > kMostRows)
     throw BadInput(fmt::format("{:.4g} rows are asked for; at most {:.0f}", all, kMostRows));
   for (const double gap : grid.gaps)
-    for (const double length : grid.inserted) check_fits(world, gap, length, a.tilt_mrad);
+    for (const double length : grid.inserted) expect_fits(world, gap, length, a.tilt_mrad);
   const double tilt = 1e-3 * a.tilt_mrad, speed = 1e-6 * a.speed_um_s;
   std::vector<ForceRow> rows;
   Progress progress("computing", static_cast<std::size_t>(all));

@@ -31,6 +31,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_evaluate(app, run);
   add_compare(app, run);
   add_export(app, run);
+  add_export_episodes(app, run);
   add_bench(app, run);
   add_devices(app, run);
   add_doctor(app, run);

@@ -4,12 +4,13 @@
 
 #include <cstring>
 #include <exception>
+#include <utility>
 
-#include "app/campaign_table.hpp"
 #include "app/device_arguments.hpp"
 #include "app/recording.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
+#include "controller/campaign_table.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
@@ -153,6 +154,12 @@ void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
 Recordings record_all(const RecordArguments& a, const Scene& toleranced, const Holding& holding,
                       int first, const std::string& head) {
   Recordings all;
+  std::optional<Recorded> before;  // the last one, while its file is written
+  const auto take_down_before = [&] {
+    if (!before) return;
+    before->wait();
+    take_down(a, *std::exchange(before, std::nullopt), all);
+  };
   std::optional<Keys> keys;
   if (holding.device) keys.emplace();
   std::optional<Progress> progress;  // where no keys are asked for
@@ -164,7 +171,7 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
-    if (all.list.empty()) {
+    if (all.list.empty() && !before) {
       fmt::print("{}", head);
       std::fflush(stdout);
     }
@@ -175,14 +182,18 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
       if (all.list.empty()) throw;
       all.trouble = std::current_exception();  // what there is already is printed first
     }
+    take_down_before();
     if (!r) break;
-    take_down(a, *r, all);
-    if (r->last) break;
-    if (r->discarded) continue;  // the operator takes it again
+    const bool last = r->last, discarded = r->discarded;
+    before = std::move(r);
+    if (holding.device) take_down_before();  // written already
+    if (last) break;
+    if (discarded) continue;  // the operator takes it again
     next = number + 1;
     ++i;
     if (progress) (*progress)(static_cast<std::size_t>(i));
   }
+  take_down_before();
   return all;
 }
 

@@ -70,16 +70,20 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = info_of(scene, device, place);
-  Recorder recorder(std::move(place.claim), info);
+  const auto recorder = std::make_shared<Recorder>(std::move(place.claim), info);
   const InsertionEnd end =
       run_insertion(scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial),
                     {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
                     [&](const Tick& tick) {
-                      recorder.add(make_row(tick), tick.sample.counts);
+                      recorder->add(make_row(tick), tick.sample.counts);
                       return !interrupted();
                     });
-  recorder.info().why = end.why;
-  return {finished(recorder, end.outcome), end, info.period};
+  recorder->info().why = end.why;
+  Recorded recorded{{}, end, info.period};
+  recorded.written = std::async(std::launch::async, [recorder, outcome = end.outcome] {
+                       return recorder->finish(outcome);
+                     }).share();
+  return recorded;
 }
 
 std::string operator_name(const OpenDevice& device) {

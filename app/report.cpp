@@ -4,13 +4,13 @@
 
 #include <cmath>
 
-#include "app/campaign_table.hpp"
 #include "app/demonstration_plot.hpp"
 #include "app/failures.hpp"
 #include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
 #include "app/html.hpp"
 #include "app/verb.hpp"
+#include "controller/campaign_table.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 

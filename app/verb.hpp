@@ -40,6 +40,7 @@ void add_identify(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
+void add_export_episodes(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);

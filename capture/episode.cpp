@@ -24,9 +24,11 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-constexpr std::int64_t kFormatVersion = 1;
+// 1: columns as one text, no scales. Files of before are read, and held against what they were.
+constexpr std::int64_t kFormatVersion = 2;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
+constexpr const char* kTimeScale = "/data/demo_0/time";
 constexpr const char* kInputsHash = "inputs_sha1";
 
 Json environment(const EpisodeInfo& info) {
@@ -66,7 +68,6 @@ auto optional_texts(Info& info) {
 
 std::map<std::string, Json> root_attributes(const EpisodeInfo& info, const Scene& scene) {
   std::map<std::string, Json> root = {{"format", kFormat},
-                                      {"format_version", kFormatVersion},
                                       {"ferrule_version", info.version},
                                       {"build", info.build},
                                       {"scene", info.scene},
@@ -83,13 +84,53 @@ std::map<std::string, Json> root_attributes(const EpisodeInfo& info, const Scene
   return root;
 }
 
-void add(Content& content, Table table, const std::string& unit, const std::string& columns) {
-  content.attributes[table.path] = {{"unit", unit}, {"columns", columns}};
+// What a data set says of its columns.
+struct Columns {
+  std::string unit;   // of each, or of all
+  std::string about;  // the whole of it in one text
+  std::vector<std::string> names;
+};
+
+// The scale of a dimension, in the folder of the demonstration: of rows, and of columns named so.
+std::string scale_of(const std::vector<std::string>& names) {
+  const std::string scale = names.size() == 1               ? "value"
+                            : names.size() == kRawAxes      ? "axis"
+                            : names.size() == 5             ? names[0] == "Fx" ? "wrench" : "pose"
+                            : names.size() == kForces.width ? "force"
+                                                            : "state";
+  return std::string(kDemo) + "/" + scale;
+}
+
+void add_labels(Content& content, const std::vector<std::string>& names) {
+  const std::string path = scale_of(names);
+  const auto known = [&](const hdf5::Labels& labels) { return labels.path == path; };
+  if (std::none_of(content.labels.begin(), content.labels.end(), known))
+    content.labels.push_back({path, names.size() == 1 ? std::vector<std::string>{"value"} : names});
+  content.attributes[path];
+}
+
+void add(Content& content, std::int64_t version, Table table, const Columns& columns) {
+  auto& attributes = content.attributes[table.path];
+  attributes["unit"] = columns.unit;
+  if (version == 1) {
+    attributes["columns"] = columns.about;
+  } else {
+    attributes["columns"] = columns.names;
+    attributes["about"] = columns.about;
+    // As CF has it: one unit of all that is in a data set.
+    if (columns.unit.find(' ') == std::string::npos) attributes["units"] = columns.unit;
+    table.scales = {kTimeScale};
+    if (!table.flat) {
+      table.scales.push_back(scale_of(columns.names));
+      add_labels(content, columns.names);
+    }
+  }
   content.tables.push_back(std::move(table));
 }
 
 // What is derived from the rows for readers of the demonstration layout.
-void add_derived(Content& content, const Episode& episode, const Scene& scene) {
+void add_derived(Content& content, std::int64_t version, const Episode& episode,
+                 const Scene& scene) {
   const Rows& rows = episode.rows;
   const auto count = rows.rows();
   const std::string demo = kDemo;
@@ -100,30 +141,32 @@ void add_derived(Content& content, const Episode& episode, const Scene& scene) {
     rewards(count - 1, 0) = episode.info.outcome == Outcome::inserted ? 1 : 0;
     dones(count - 1, 0) = 1;
   }
-  add(content, {demo + "/actions", actions.cwiseMax(-1.0).cwiseMin(1.0)}, "1",
-      "command / scale, cut to [-1, 1]");
+  add(content, version, {demo + "/actions", actions.cwiseMax(-1.0).cwiseMin(1.0)},
+      {"1", "command / scale, cut to [-1, 1]", column_names(kCommand)});
   content.attributes[demo + "/actions"]["scale_m_s"] = action_scale(scene)[0];
   content.attributes[demo + "/actions"]["scale_rad_s"] = action_scale(scene)[4];
-  add(content, {demo + "/rewards", rewards, Table::exact, true}, "1",
-      "1 where the fibre is inserted");
-  add(content, {demo + "/dones", dones, Table::whole, true}, "1", "1 in the last row");
+  add(content, version, {demo + "/rewards", rewards, Table::exact, true},
+      {"1", "1 where the fibre is inserted", {"reward"}});
+  add(content, version, {demo + "/dones", dones, Table::whole, true},
+      {"1", "1 in the last row", {"done"}});
 
   const Matrix wrench = sensed_wrench(episode, scene).absolute;
   const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
   const Matrix time = rows.middleCols(kTime.begin, 1);
   for (const std::string& group : {demo + "/obs", demo + "/next_obs"}) {
     content.attributes[group];
-    const auto observed = [&](const char* key, const Matrix& values, const char* unit,
-                              const char* columns) {
+    const auto observed = [&](const char* key, const Matrix& values, const Columns& columns) {
       const Matrix stored = values.cast<float>().cast<double>();
-      add(content,
+      add(content, version,
           {group + key, group.ends_with("next_obs") ? one_row_later(stored) : stored,
            Table::single},
-          unit, columns);
+          columns);
     };
-    observed("/wrench_N", wrench, "N N N N.m N.m", "Fx Fy Fz My Mz; in the hand's world");
-    observed("/depth_mm", depth, "mm", "of the hand past the entrance; in the hand's world");
-    observed("/time_s", time, "s", "since the start");
+    observed("/wrench_N", wrench,
+             {"N N N N.m N.m", "Fx Fy Fz My Mz; in the hand's world", column_names(kHolder)});
+    observed("/depth_mm", depth,
+             {"mm", "of the hand past the entrance; in the hand's world", {"depth"}});
+    observed("/time_s", time, {"s", "since the start", {"time"}});
   }
 }
 
@@ -138,24 +181,31 @@ std::string inputs_sha1(const Content& content) {
   return sha1(all);
 }
 
-Content content_of(const Episode& episode, const Scene& scene) {
+Content content_of(const Episode& episode, const Scene& scene,
+                   std::int64_t version = kFormatVersion) {
   const EpisodeInfo& info = episode.info;
   const auto count = static_cast<std::int64_t>(episode.rows.rows());
   Content content;
   content.attributes["/"] = root_attributes(info, scene);
+  content.attributes["/"]["format_version"] = version;
+  if (version > 1) {
+    content.tables.push_back(
+        {kTimeScale, episode.rows.middleCols(kTime.begin, 1), Table::exact, true});
+    content.attributes[kTimeScale] = {{"unit", "s"}, {"units", "s"}};
+  }
   content.attributes["/data"] = {{"total", count}, {"env_args", environment(info).dump()}};
   content.attributes[kDemo] = {{"num_samples", count}};
   content.attributes[kDemo + std::string("/rows")];
   for (const Block& b : kBlocks)
-    add(content,
+    add(content, version,
         {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
-        b.unit, b.columns);
+        {b.unit, b.columns, column_names(b)});
   if (!info.mapping.empty()) {
     content.attributes[kDemo + std::string("/raw")];
-    add(content, {kCountsPath, episode.counts.cast<double>(), Table::whole}, "1",
-        "X Y Z Rx Ry Rz; of the device");
+    add(content, version, {kCountsPath, episode.counts.cast<double>(), Table::whole},
+        {"1", "X Y Z Rx Ry Rz; of the device", {"X", "Y", "Z", "Rx", "Ry", "Rz"}});
   }
-  add_derived(content, episode, scene);
+  add_derived(content, version, episode, scene);
   content.attributes["/"][kInputsHash] = inputs_sha1(content);
   return content;
 }
@@ -163,9 +213,10 @@ Content content_of(const Episode& episode, const Scene& scene) {
 EpisodeInfo read_info(const Reader& in, const std::string& file) {
   if (!in.has("format") || in.text("format") != kFormat)
     throw FileTrouble(file + ": not a ferrule episode");
-  if (const auto version = in.whole("format_version"); version != kFormatVersion)
+  if (const auto version = in.whole("format_version");
+      version < 1 || version > static_cast<std::uint64_t>(kFormatVersion))
     throw FileTrouble(file + ": episode format " + std::to_string(version) +
-                      "; this program reads format " + std::to_string(kFormatVersion));
+                      "; this program reads format 1 to " + std::to_string(kFormatVersion));
   EpisodeInfo info;
   info.version = in.text("ferrule_version");
   info.build = in.text("build");
@@ -325,7 +376,8 @@ Verification compare_in_child(const std::string& file, const Episode& episode, d
   allow_file(file);
   allow_rows(2 * episode.rows.rows());
   const Reader in(file, "a ferrule episode");
-  Content expected = content_of(episode, recorded_scene(episode, file));
+  Content expected = content_of(episode, recorded_scene(episode, file),
+                                static_cast<std::int64_t>(in.whole("format_version")));
   if (episode.info.inputs_sha1.empty()) expected.attributes["/"].erase(kInputsHash);
   Verification found{tolerance, {}, {}};
   for (const Table& table : expected.tables) {
@@ -333,6 +385,9 @@ Verification compare_in_child(const std::string& file, const Episode& episode, d
     compare_table(in.table(table.path, table.values.cols(), table.values.rows()), table,
                   expected.attributes.at(table.path).at("unit"), found);
   }
+  for (const hdf5::Labels& labels : expected.labels)
+    if (in.labels(labels.path) != labels.texts)
+      found.add({0, labels.path, in.labels(labels.path), labels.texts});
   // After the rows: a hash tells that they were changed, but not where.
   if (!found.over()) compare_attributes(in, expected, found);
   return found;

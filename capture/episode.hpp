@@ -5,8 +5,8 @@
 //                        operator, seed, trial, period_s, alpha_x, alpha_f, outcome, inputs_sha1
 //                        (of all other attributes in CBOR, rows/command and raw/counts); for a
 //                        device with raw axes: mapping (JSON); where they are known: why (what
-//                        ended it), rating (1 to 5, by the operator), trainee,
-//                        date and session (when it, and the sitting, began, in UTC), loop (JSON: how well a loop
+//                        ended it), rating (1 to 5, by the operator), trainee, date and session
+//                        (when it, and the sitting, began, in UTC), loop (JSON: how well a loop
 //                        with a device kept its period), coupling (JSON, where the device was
 //                        coupled to the holder)
 //   /data                attributes: total, env_args (JSON)
@@ -20,7 +20,11 @@
 //                        world, depth_mm (N, 1) in the hand's world, time_s (N, 1)
 //     next_obs/<key>     the same one row later
 //     raw/counts         (N, 6) int64, of a device with raw axes: as it counted them at t_n
-// Every data set has the attributes `unit` and `columns`.
+//     time               (N) as rows/time: the scale of the rows' dimension, by which netCDF and
+//                        xarray know it; pose, wrench, force, state, axis, value: of the columns
+// Every data set has the attributes `unit`, `columns` (a list of names), `about`, and where all
+// columns have one unit `units`, as CF has it. Files of format 1 have `columns` as one text and no
+// scales; they are read.
 #pragma once
 
 #include <cstdint>

@@ -1,13 +1,19 @@
 #include "capture/hdf5.hpp"
 
+#include <hdf5_hl.h>
+
 #include <algorithm>
+#include <array>
+#include <cstring>
 #include <filesystem>
 #include <iterator>
+#include <mutex>
 
 namespace ferrule::hdf5 {
 namespace {
 
-constexpr hsize_t kChunk = 1024;            // rows
+// Of one column: the bytes of its numbers side by side compress better than those of whole rows.
+constexpr hsize_t kChunk = 8192;            // rows
 constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
 constexpr hsize_t kMostChunk = 1 << 22;     // numbers
 constexpr hsize_t kMostDeflated = 1032;     // bytes from one
@@ -49,6 +55,25 @@ std::string cannot_be_built(const std::string& name, const std::string& path) {
   return name + ": cannot be built (at " + path + ")";
 }
 
+// Texts as HDF5 holds them: one after the other, each as long as the longest.
+struct Packed {
+  Packed(const std::vector<std::string>& texts, const std::string& trouble)
+      : type(H5Tcopy(H5T_C_S1), H5Tclose, trouble), space(create(texts.size()), H5Sclose, trouble) {
+    std::size_t size = 1;
+    for (const std::string& text : texts) size = std::max(size, text.size());
+    check(H5Tset_size(type, size), trouble);
+    check(H5Tset_cset(type, H5T_CSET_UTF8), trouble);
+    for (std::string text : texts) {
+      text.resize(size);
+      bytes += text;
+    }
+  }
+  static hid_t create(hsize_t count) { return H5Screate_simple(1, &count, nullptr); }
+
+  Handle type, space;
+  std::string bytes;
+};
+
 void write_attribute(hid_t where, const std::string& key, const Json& value,
                      const std::string& trouble) {
   const auto scalar = [&](hid_t type, const void* bytes) {
@@ -58,11 +83,14 @@ void write_attribute(hid_t where, const std::string& key, const Json& value,
     check(H5Awrite(made, type, bytes), trouble);
   };
   if (value.is_string()) {
-    const auto& text = value.get_ref<const std::string&>();
-    const Handle type(H5Tcopy(H5T_C_S1), H5Tclose, trouble);
-    check(H5Tset_size(type, std::max<std::size_t>(1, text.size())), trouble);
-    check(H5Tset_cset(type, H5T_CSET_UTF8), trouble);
-    scalar(type, text.c_str());
+    const Packed text({value.get<std::string>()}, trouble);
+    scalar(text.type, text.bytes.data());
+  } else if (value.is_array()) {
+    const Packed texts(value, trouble);
+    const Handle made(
+        H5Acreate2(where, key.c_str(), texts.type, texts.space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
+        trouble);
+    check(H5Awrite(made, texts.type, texts.bytes.data()), trouble);
   } else if (value.is_number_float()) {
     const double number = value;
     scalar(H5T_NATIVE_DOUBLE, &number);
@@ -79,19 +107,43 @@ Handle write_table(hid_t file, const Table& t, const std::string& trouble) {
   const auto rows = static_cast<hsize_t>(t.values.rows());
   const auto width = static_cast<hsize_t>(t.values.cols());
   const hsize_t size[2] = {rows, width};
-  const hsize_t chunk[2] = {std::min(kChunk, std::max<hsize_t>(1, rows)), width};
+  const hsize_t chunk[2] = {std::min(kChunk, std::max<hsize_t>(1, rows)), 1};
   const int rank = t.flat ? 1 : 2;
   const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, trouble);
   const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, trouble);
   check(H5Pset_obj_track_times(how, false), trouble);
   check(H5Pset_chunk(how, rank, chunk), trouble);
   check(H5Pset_shuffle(how), trouble);
-  check(H5Pset_deflate(how, 3), trouble);
+  check(H5Pset_deflate(how, 1), trouble);  // more takes longer and gains a hundredth
   Handle set(
       H5Dcreate2(file, t.path.c_str(), stored_type(t.stored), space, H5P_DEFAULT, how, H5P_DEFAULT),
       H5Dclose, trouble);
   check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t.values.data()), trouble);
   return set;
+}
+
+void write_labels(hid_t file, const Labels& labels, const std::string& trouble) {
+  const Packed texts(labels.texts, trouble);
+  const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, trouble);
+  check(H5Pset_obj_track_times(how, false), trouble);
+  const Handle set(
+      H5Dcreate2(file, labels.path.c_str(), texts.type, texts.space, H5P_DEFAULT, how, H5P_DEFAULT),
+      H5Dclose, trouble);
+  check(H5Dwrite(set, texts.type, H5S_ALL, H5S_ALL, H5P_DEFAULT, texts.bytes.data()), trouble);
+}
+
+// The dimensions' scales, which netCDF and xarray name them by.
+void attach_scales(hid_t file, const Content& content, const std::string& name) {
+  for (const Table& table : content.tables)
+    for (std::size_t dimension = 0; dimension < table.scales.size(); ++dimension) {
+      const std::string& path = table.scales[dimension];
+      const std::string trouble = cannot_be_built(name, path);
+      const Handle set(H5Dopen2(file, table.path.c_str(), H5P_DEFAULT), H5Dclose, trouble);
+      const Handle scale(H5Dopen2(file, path.c_str(), H5P_DEFAULT), H5Dclose, trouble);
+      if (H5DSis_scale(scale) == 0)
+        check(H5DSset_scale(scale, path.substr(path.rfind('/') + 1).c_str()), trouble);
+      check(H5DSattach_scale(set, scale, static_cast<unsigned>(dimension)), trouble);
+    }
 }
 
 std::string image_of(hid_t file, const std::string& trouble) {
@@ -112,7 +164,9 @@ hsize_t size_of(const std::string& name) {
 using Names = std::map<std::string, std::set<std::string>>;
 
 herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
-  static_cast<std::set<std::string>*>(names)->insert(name);
+  constexpr std::array kOfScales = {"CLASS", "NAME", "DIMENSION_LIST", "REFERENCE_LIST"};
+  if (std::find(kOfScales.begin(), kOfScales.end(), std::string(name)) == kOfScales.end())
+    static_cast<std::set<std::string>*>(names)->insert(name);
   return static_cast<std::set<std::string>*>(names)->size() > kMostNames;
 }
 
@@ -132,10 +186,13 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* names) 
 
 std::string image(const std::string& name, const Content& content,
                   const std::function<void(std::size_t, std::size_t)>& progress) {
+  static std::mutex one_at_a_time;  // HDF5 is not made for threads
+  const std::lock_guard lock(one_at_a_time);
   const Handle file(create_in_memory(name), H5Fclose, cannot_be_built(name, "/"));
   const auto is_table = [&](const std::string& path) {
-    return std::any_of(content.tables.begin(), content.tables.end(),
-                       [&](const Table& t) { return t.path == path; });
+    const auto at = [&](const auto& t) { return t.path == path; };
+    return std::any_of(content.tables.begin(), content.tables.end(), at) ||
+           std::any_of(content.labels.begin(), content.labels.end(), at);
   };
   for (const auto& [path, _] : content.attributes) {
     if (path == "/" || is_table(path)) continue;
@@ -152,6 +209,9 @@ std::string image(const std::string& name, const Content& content,
     done += static_cast<std::size_t>(table.values.size());
     if (progress) progress(done, all);
   }
+  for (const Labels& labels : content.labels)
+    write_labels(file, labels, cannot_be_built(name, labels.path));
+  attach_scales(file, content, name);
   for (const auto& [path, attributes] : content.attributes) {
     const std::string trouble = cannot_be_built(name, path);
     const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, trouble);
@@ -166,6 +226,43 @@ Reader::Reader(const std::string& name, std::string what)
       size_(size_of(name)),
       file_(open_to_read(name), H5Fclose, name + ": not a readable HDF5 file") {}
 
+namespace {
+
+// Texts of a type of HDF5, `count` of them, as `read` fills them in.
+std::vector<std::string> read_texts(hid_t type, hid_t space, std::size_t count, std::size_t most,
+                                    const std::function<herr_t(void*)>& read,
+                                    const std::string& damaged) {
+  std::vector<std::string> texts;
+  const std::size_t size = H5Tget_size(type);
+  if (count > most || size == 0 || size > most || count * size > most) throw FileTrouble(damaged);
+  if (H5Tis_variable_str(type) > 0) {
+    std::vector<char*> pointers(count, nullptr);
+    check(read(pointers.data()), damaged);
+    for (const char* text : pointers)
+      texts.emplace_back(text ? std::string(text, ::strnlen(text, most)) : std::string());
+    H5Dvlen_reclaim(type, space, H5P_DEFAULT, pointers.data());
+    return texts;
+  }
+  std::string bytes(count * size, '\0');
+  check(read(bytes.data()), damaged);
+  for (std::size_t i = 0; i < count; ++i) {
+    texts.push_back(bytes.substr(i * size, size));
+    texts.back().resize(texts.back().find_last_not_of('\0') + 1);
+  }
+  return texts;
+}
+
+// How many there are along the one dimension of `space`; empty where it has another shape.
+std::optional<std::size_t> length_of(hid_t space) {
+  hsize_t count = 0;
+  if (H5Sget_simple_extent_type(space) != H5S_SIMPLE || H5Sget_simple_extent_ndims(space) != 1 ||
+      H5Sget_simple_extent_dims(space, &count, nullptr) < 0)
+    return std::nullopt;
+  return count;
+}
+
+}  // namespace
+
 Json Reader::attribute(const std::string& key, const std::string& place) const {
   const std::string damaged = trouble("attribute " + key);
   const Handle a(H5Aopen_by_name(file_, place.c_str(), key.c_str(), H5P_DEFAULT, H5P_DEFAULT),
@@ -174,14 +271,12 @@ Json Reader::attribute(const std::string& key, const std::string& place) const {
   const Handle type(H5Aget_type(a), H5Tclose, damaged);
   const H5T_class_t kind = H5Tget_class(type);
   const std::size_t size = H5Tget_size(type);
+  const auto read = [&](void* into) { return H5Aread(a, type, into); };
+  const std::optional<std::size_t> length = length_of(space);
+  if (length && kind == H5T_STRING) return read_texts(type, space, *length, size_, read, damaged);
   if (H5Sget_simple_extent_type(space) != H5S_SCALAR || size == 0 || size > size_)
     throw FileTrouble(damaged);
-  if (kind == H5T_STRING && H5Tis_variable_str(type) == 0) {
-    std::string value(size, '\0');
-    check(H5Aread(a, type, value.data()), damaged);
-    value.resize(value.find_last_not_of('\0') + 1);
-    return value;
-  }
+  if (kind == H5T_STRING) return read_texts(type, space, 1, size_, read, damaged).front();
   if (size > sizeof(double)) throw FileTrouble(damaged);
   if (kind == H5T_FLOAT) {
     double value = 0;
@@ -217,8 +312,8 @@ std::uint64_t Reader::whole(const char* key) const {
   return value;
 }
 
-// What the file says of a data set must fit into the file.
-void Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const {
+// What the file says of a data set must fit into the file. Returns the rows of a chunk.
+hsize_t Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const {
   const std::string damaged = name_ + ": damaged: " + path;
   const Handle how(H5Dget_create_plist(set), H5Pclose, damaged);
   const H5D_layout_t layout = H5Pget_layout(how);
@@ -235,6 +330,7 @@ void Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::stri
       rows * width * sizeof(float) > kMostDeflated * (stored + 64))
     throw FileTrouble(damaged + " claims " + std::to_string(rows) +
                       " rows, more than are in the file");
+  return layout == H5D_CHUNKED ? chunk[0] : std::max<hsize_t>(1, rows);
 }
 
 Table Reader::table(const std::string& path, Eigen::Index width, Eigen::Index count) const {
@@ -259,12 +355,12 @@ Table Reader::table(const std::string& path, Eigen::Index width, Eigen::Index co
   if (kind == std::end(kinds)) throw FileTrouble(damaged + " has numbers of another type");
   table.stored = *kind;
   table.flat = rank == 1;
-  expect_room(set, size[0], size[1], path);
+  const hsize_t rows = expect_room(set, size[0], size[1], path);
   table.values.resize(static_cast<Eigen::Index>(size[0]), width);
   // Chunk by chunk, so that damage is found where it is.
-  for (hsize_t from = 0; from < size[0]; from += kChunk) {
+  for (hsize_t from = 0; from < size[0]; from += rows) {
     const hsize_t start[2] = {from, 0};
-    const hsize_t extent[2] = {std::min(kChunk, size[0] - from), size[1]};
+    const hsize_t extent[2] = {std::min(rows, size[0] - from), size[1]};
     const Handle memory(H5Screate_simple(rank, extent, nullptr), H5Sclose, damaged);
     check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, extent, nullptr), damaged);
     check(H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT,
@@ -272,6 +368,19 @@ Table Reader::table(const std::string& path, Eigen::Index width, Eigen::Index co
           damaged + " cannot be read at row " + std::to_string(from));
   }
   return table;
+}
+
+std::vector<std::string> Reader::labels(const std::string& path) const {
+  const std::string damaged = name_ + ": damaged: " + path;
+  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing");
+  const Handle space(H5Dget_space(set), H5Sclose, damaged);
+  const Handle type(H5Dget_type(set), H5Tclose, damaged);
+  const std::optional<std::size_t> count = length_of(space);
+  if (!count || H5Tget_class(type) != H5T_STRING) throw FileTrouble(damaged + " holds no texts");
+  expect_room(set, *count, 1, path);
+  return read_texts(
+      type, space, *count, size_,
+      [&](void* into) { return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, into); }, damaged);
 }
 
 Names Reader::names() const {

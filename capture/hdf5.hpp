@@ -43,16 +43,26 @@ struct Table {
   Matrix values;
   enum Stored { exact, single, whole } stored = exact;  // float64, float32, int64
   bool flat = false;                                    // (N) and not (N, 1)
+  // Of each dimension the path of its scale, a table or labels; none where it has none.
+  std::vector<std::string> scales{};
 };
 
-// All that is in a file. An attribute is a text, a double, or a whole number of 64 bits.
+// A data set of texts: the names along a dimension.
+struct Labels {
+  std::string path;
+  std::vector<std::string> texts;
+};
+
+// All that is in a file. An attribute is a text, a list of texts, a double, or a whole number of 64
+// bits.
 struct Content {
   // Of every group and data set, by its path; "/" is the root.
   std::map<std::string, std::map<std::string, Json>> attributes;
-  std::vector<Table> tables;  // compressed by chunks of rows
+  std::vector<Table> tables;  // compressed column by column
+  std::vector<Labels> labels;
 };
 
-// The bytes of a file with this content, always the same ones. `name` is that of the file, for
+// The bytes of a file with this content, always the same ones; for any thread, one after another. `name` is that of the file, for
 // messages. `progress` is called with the numbers compressed so far, and all. Throws FileTrouble.
 std::string image(const std::string& name, const Content& content,
                   const std::function<void(std::size_t, std::size_t)>& progress = {});
@@ -66,18 +76,21 @@ class Reader {
   Reader(const std::string& name, std::string what);
 
   bool has(const char* key) const { return H5Aexists(file_, key) > 0; }
+  // Texts may be of fixed or of variable length.
   Json attribute(const std::string& key, const std::string& place = "/") const;
   std::string text(const char* key) const;
   double number(const char* key) const;
   std::uint64_t whole(const char* key) const;
   // A data set of `width` columns and `count` rows, or any number of rows where `count` is -1.
   Table table(const std::string& path, Eigen::Index width, Eigen::Index count) const;
-  // Of every group and data set by its path, the names of its attributes.
+  std::vector<std::string> labels(const std::string& path) const;
+  // Of every group and data set by its path, the names of its attributes, but for those by which
+  // dimensions know their scales.
   std::map<std::string, std::set<std::string>> names() const;
 
  private:
   std::string trouble(const std::string& key) const;
-  void expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const;
+  hsize_t expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const;
 
   std::string name_, what_;
   hsize_t size_;  // of the file [bytes]

@@ -8,7 +8,9 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "insertion/loop.hpp"
 
@@ -68,6 +70,9 @@ inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kComma
 
 using RowVector = Eigen::Matrix<double, 1, kRowSize>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
+
+// The names of a block's columns, one each.
+std::vector<std::string> column_names(const Block& block);
 
 RowVector make_row(const Tick& tick) noexcept;
 

@@ -20,7 +20,7 @@ install(FILES ${PROJECT_BINARY_DIR}/ferrule-config.cmake
   COMPONENT libraries)
 
 install(TARGETS ferrule_app RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT program)
-install(DIRECTORY data/scenes data/devices DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule
+install(DIRECTORY data/scenes data/devices data/controllers DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule
   COMPONENT program)
 install(FILES data/controller.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/ferrule
   COMPONENT program)

@@ -6,7 +6,7 @@ string(REGEX MATCH "[0-9.]+" version "${version}")
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE ";" "," help "${help}") # of a CMake list
 string(REGEX REPLACE ".*\nSubcommands:\n" "" verbs "\n${help}")
-string(REGEX MATCHALL "(^|\n)  [a-z]+ +[^\n]+" verbs "${verbs}")
+string(REGEX MATCHALL "(^|\n)  [a-z-]+ +[^\n]+" verbs "${verbs}")
 
 function(page name command brief)
   # help2man runs one word: a small script that asks for the help of a verb.
@@ -22,7 +22,7 @@ endfunction()
 
 page(ferrule ${PROGRAM} "insertion of an optical fibre into a ferrule")
 foreach(line IN LISTS verbs)
-  string(REGEX MATCH "([a-z]+) +([^\n]+)" line "${line}")
+  string(REGEX MATCH "([a-z-]+) +([^\n]+)" line "${line}")
   page(ferrule-${CMAKE_MATCH_1} "${PROGRAM} ${CMAKE_MATCH_1}" "${CMAKE_MATCH_2}")
 endforeach()
 file(TOUCH ${OUT}/made)

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <string>
 
 #include "controller/observation.hpp"
 #include "controller/supervision.hpp"
@@ -24,6 +25,9 @@ class Controller {
   virtual double disagreement() const noexcept { return 0; }
   // What a supervisor did so far; null for a controller that has none.
   virtual const Supervision* supervision() const noexcept { return nullptr; }
+  // Why it cannot answer any more, where it is somebody else's program; empty while it can. Its
+  // commands are not finite then.
+  virtual std::string failure() const { return {}; }
 };
 
 // A new controller for trial `trial`; called from many threads at once.

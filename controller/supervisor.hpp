@@ -85,6 +85,7 @@ class Supervisor : public Controller {
   HandTwist command(const Observation& observation) noexcept override;
   double disagreement() const noexcept override { return inner_->disagreement(); }
   const Supervision* supervision() const noexcept override { return &supervision_; }
+  std::string failure() const override { return inner_->failure(); }
 
  private:
   enum class Phase { follow, retreat, shift, stop };

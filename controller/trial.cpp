@@ -23,12 +23,17 @@ void ControllerHand::render(const HandWrench& wrench) {
   velocity_ = limit_speed(controller_.command({wrench, hand_depth(pose_), time_}), speed_);
 }
 
+TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept {
+  const double loss = outcome == Outcome::inserted ? joint_loss_dB(summary.offset, summary.tilt)
+                                                   : std::numeric_limits<double>::quiet_NaN();
+  return {outcome, summary, loss, {}, {}};
+}
+
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
                       std::uint64_t seed, std::uint64_t trial, double period,
                       const OnTick& on_tick) {
-  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
-  if (!drawn) return {Outcome::infeasible, {}, kNone, {}};
+  if (!drawn) return trial_result(Outcome::infeasible, {});
   const Scene& scene = *drawn;
   const State start = draw_start(scene, seed, trial);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
@@ -36,10 +41,9 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
   const InsertionEnd end =
       run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
                     {.scaling = scaling, .period = period, .past_success = false}, on_tick);
-  TrialResult result{end.outcome, end.summary, kNone, {}};
+  TrialResult result = trial_result(end.outcome, end.summary);
   if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
-  if (end.outcome == Outcome::inserted)
-    result.loss_dB = joint_loss_dB(result.summary.offset, result.summary.tilt);
+  result.why = controller.failure();
   return result;
 }
 

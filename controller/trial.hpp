@@ -11,7 +11,11 @@ struct TrialResult {
   InsertionSummary summary;
   double loss_dB;  // predicted joint loss from the final offset and tilt; NaN unless inserted
   std::optional<Supervision> supervision;  // empty for a controller without supervisor
+  std::string why{};                       // the controller failed; empty where it did not
 };
+
+// Of an insertion that ended so, with the joint loss that follows.
+TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept;
 
 // Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
 // succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by

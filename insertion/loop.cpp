@@ -8,14 +8,16 @@ namespace {
 
 constexpr const char* kNotFinite = "the hand's pose is not a finite number";
 
-struct Held {
+}  // namespace
+
+struct Insertion::Held {
   HandSample sample;
   HandPose holder;
   bool trusted;
 };
 
 // The device's hand on the fibre's holder: by itself, or by way of force feedback.
-class Grip {
+class Insertion::Grip {
  public:
   Grip(const Scene& scene, Device& device, const LoopSettings& settings)
       : scene_(scene),
@@ -61,63 +63,121 @@ class Grip {
   HandPose holder_ = HandPose::Zero();
 };
 
-}  // namespace
+struct Insertion::Parts {
+  Parts(const Scene& of, const State& start, Device& hand, const ForceSensor& sensor,
+        const LoopSettings& with)
+      : scene(of),
+        settings(with),
+        watch(of, start),
+        sensed(with.scaling, sensor, with.period, scene_tare(of)),
+        grip(of, hand, settings),
+        state(start),
+        result(start),
+        now(grip.read(0, start)) {}
+
+  const std::optional<InsertionEnd>& ends(Outcome how, const char* why = "", bool lost = false) {
+    return ended = InsertionEnd{how, watch.summary(), why, lost, {}};
+  }
+  // Of what is over, by what was seen.
+  const std::optional<InsertionEnd>& ends_as_seen() {
+    if (!past) return ends(outcome);
+    ends(Outcome::inserted);
+    ended->why = std::string("past the success depth: ") + name(*seen);
+    ended->afterwards = seen;
+    return ended;
+  }
+  double time() const noexcept { return static_cast<double>(ticks) * settings.period; }
+
+  const Scene& scene;
+  const LoopSettings settings;
+  InsertionWatch watch;
+  SensedWrench sensed;
+  Grip grip;
+  State state;
+  StepResult result;
+  Held now;
+  HandTwist velocity = HandTwist::Zero();
+  std::int64_t ticks = 0;
+  Outcome outcome = Outcome::stopped_short;
+  std::optional<Outcome> seen;      // in this tick
+  bool past = false, over = false;  // what is seen now comes after success; ends the insertion
+  std::optional<InsertionEnd> ended;
+};
+
+Insertion::Insertion(const Scene& scene, const State& start, Device& hand,
+                     const ForceSensor& sensor, const LoopSettings& settings)
+    : parts_(std::make_unique<Parts>(scene, start, hand, sensor, settings)) {}
+Insertion::~Insertion() = default;
+
+double Insertion::time() const noexcept {
+  return parts_->time();
+}
+const StepResult& Insertion::result() const noexcept {
+  return parts_->result;
+}
+const SensedWrench& Insertion::sensed() const noexcept {
+  return parts_->sensed;
+}
+bool Insertion::over() const noexcept {
+  return parts_->over;
+}
+const std::optional<InsertionEnd>& Insertion::end() const noexcept {
+  return parts_->ended;
+}
+const InsertionSummary& Insertion::summary() const noexcept {
+  return parts_->watch.summary();
+}
+
+const std::optional<InsertionEnd>& Insertion::feel() {
+  Parts& p = *parts_;
+  if (!p.now.trusted) {
+    p.grip.let_go();
+    return p.ends(Outcome::interrupted, p.grip.fault());
+  }
+  p.result = step(p.scene.world, p.state, p.settings.scaling.motion_to_tip(p.now.holder),
+                  p.ticks == 0 ? 0.0 : p.settings.period);
+  if (p.result.status == StepStatus::bad_command)
+    return p.ends(Outcome::invalid_output, kNotFinite);
+  p.sensed.read(p.result.forces.holder, p.result.state.command[0]);
+  p.grip.render(p.time(), p.now.sample.age, p.result.forces.holder, p.sensed.relative());
+  if (p.grip.fault()) return p.ends(Outcome::interrupted, p.grip.fault());
+  p.state = p.result.state;
+  p.seen = p.watch.after(p.result);
+  p.past = p.outcome == Outcome::inserted;
+  if (p.seen && !p.past) p.outcome = *p.seen;
+  p.over = p.seen && !(p.settings.past_success && *p.seen == Outcome::inserted);
+  return p.ended;
+}
+
+const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
+  Parts& p = *parts_;
+  const double period = p.settings.period;
+  const Held next = p.grip.read(static_cast<double>(p.ticks + 1) * period, p.state);
+  if (!next.holder.allFinite())
+    return p.over ? p.ends_as_seen() : p.ends(Outcome::invalid_output, kNotFinite);
+  const HandTwist command = (next.holder - p.now.holder) / period;
+  const bool go_on = !on_tick || on_tick({p.time(), p.now.sample, p.now.holder, p.velocity, command,
+                                          p.result, p.sensed.absolute(), p.sensed.relative()});
+  if (p.over) return p.ends_as_seen();
+  if (next.sample.lost) return p.ends(Outcome::interrupted, "the device was lost", true);
+  if (!go_on) return p.ends(Outcome::interrupted);
+  if (p.settings.past_success && p.time() >= p.scene.limits.time) return p.ends(p.outcome);
+  p.velocity = command;
+  p.now = next;
+  ++p.ticks;
+  if (!next.sample.finished) return p.ended;
+  if (next.sample.gave_up && p.outcome == Outcome::stopped_short)
+    return p.ends(Outcome::gave_up, next.sample.gave_up);
+  return p.ends(p.outcome);
+}
 
 InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
                            const ForceSensor& sensor, const LoopSettings& settings,
                            const OnTick& on_tick) {
-  const double period = settings.period;
-  InsertionWatch watch(scene, start);
-  SensedWrench sensed(settings.scaling, sensor, period, scene_tare(scene));
-  Grip grip(scene, hand, settings);
-  const auto end = [&](Outcome outcome, const char* why = "", bool lost = false) {
-    return InsertionEnd{outcome, watch.summary(), why, lost, {}};
-  };
-  const auto past_success = [&](Outcome seen) {
-    InsertionEnd ended = end(Outcome::inserted);
-    ended.why = std::string("past the success depth: ") + name(seen);
-    ended.afterwards = seen;
-    return ended;
-  };
-  State state = start;
-  HandTwist velocity = HandTwist::Zero();
-  Outcome outcome = Outcome::stopped_short;
-  Held now = grip.read(0, state);
-  for (std::int64_t n = 0; n == 0 || !now.sample.finished; ++n) {
-    const double t = static_cast<double>(n) * period;
-    if (!now.trusted) {
-      grip.let_go();
-      return end(Outcome::interrupted, grip.fault());
-    }
-    const StepResult result =
-        step(scene.world, state, settings.scaling.motion_to_tip(now.holder), n == 0 ? 0.0 : period);
-    if (result.status == StepStatus::bad_command) return end(Outcome::invalid_output, kNotFinite);
-    sensed.read(result.forces.holder, result.state.command[0]);
-    grip.render(t, now.sample.age, result.forces.holder, sensed.relative());
-    if (grip.fault()) return end(Outcome::interrupted, grip.fault());
-    state = result.state;
-    const std::optional<Outcome> seen = watch.after(result);
-    const bool past = outcome == Outcome::inserted;  // what is seen now comes after success
-    if (seen && !past) outcome = *seen;
-    const bool over = seen && !(settings.past_success && *seen == Outcome::inserted);
-
-    const Held next = grip.read(static_cast<double>(n + 1) * period, state);
-    if (!next.holder.allFinite())
-      return over ? past ? past_success(*seen) : end(outcome)
-                  : end(Outcome::invalid_output, kNotFinite);
-    const HandTwist command = (next.holder - now.holder) / period;
-    const bool go_on = !on_tick || on_tick({t, now.sample, now.holder, velocity, command, result,
-                                            sensed.absolute(), sensed.relative()});
-    if (over) return past ? past_success(*seen) : end(outcome);
-    if (next.sample.lost) return end(Outcome::interrupted, "the device was lost", true);
-    if (!go_on) return end(Outcome::interrupted);
-    if (settings.past_success && t >= scene.limits.time) return end(outcome);
-    velocity = command;
-    now = next;
+  Insertion insertion(scene, start, hand, sensor, settings);
+  while (!insertion.feel() && !insertion.answer(on_tick)) {
   }
-  if (now.sample.gave_up && outcome == Outcome::stopped_short)
-    return end(Outcome::gave_up, now.sample.gave_up);
-  return end(outcome);
+  return *insertion.end();
 }
 
 }  // namespace ferrule

@@ -13,10 +13,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "haptic/device.hpp"
 #include "haptic/force_feedback.hpp"
+#include "insertion/sensed_wrench.hpp"
 #include "insertion/watch.hpp"
 #include "sim/scene/force_sensor.hpp"
 
@@ -59,6 +61,38 @@ struct InsertionEnd {
 // False ends the insertion as `interrupted`.
 using OnTick = std::function<bool(const Tick&)>;
 
+// One insertion from `start`, tick by tick, for who answers in between (a program of somebody else's
+// that steps it). All that it is given must outlive it.
+class Insertion {
+ public:
+  Insertion(const Scene& scene, const State& start, Device& hand, const ForceSensor& sensor,
+            const LoopSettings& settings);
+  ~Insertion();
+  Insertion(const Insertion&) = delete;
+  Insertion& operator=(const Insertion&) = delete;
+
+  // In turns, until one of them says why it ended:
+  // steps to where the hand is and lets it feel that,
+  const std::optional<InsertionEnd>& feel();
+  // lets it move on, and shows the tick. After what feel() saw to end it, too.
+  const std::optional<InsertionEnd>& answer(const OnTick& on_tick = {});
+
+  // What the last feel() came to.
+  double time() const noexcept;  // t_n [s]
+  const StepResult& result() const noexcept;
+  const SensedWrench& sensed() const noexcept;
+  // Whether that ends it: answer() will.
+  bool over() const noexcept;
+  const std::optional<InsertionEnd>& end() const noexcept;
+  const InsertionSummary& summary() const noexcept;
+
+ private:
+  struct Held;
+  class Grip;
+  struct Parts;
+  std::unique_ptr<Parts> parts_;
+};
+
 // Runs one insertion from `start` (which the hand must begin at) until it fails, succeeds (see
 // `past_success`) or the hand is finished, for the scene's longest trial at most, and shows every
 // tick to `on_tick`, if any; one at least. The outcome is the first that the watch sees, and where
@@ -67,7 +101,7 @@ using OnTick = std::function<bool(const Tick&)>;
 //   gave_up          the same, and says that this was giving up
 //   interrupted      `on_tick` ended it, the device was lost, or `feedback` did not trust it
 //   invalid_output   the hand's pose is not a finite number: no tick any more
-// Does not allocate while it runs. Throws what `hand` and `on_tick` throw.
+// Does not allocate while it runs, after its begin. Throws what `hand` and `on_tick` throw.
 InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
                            const ForceSensor& sensor, const LoopSettings& settings,
                            const OnTick& on_tick = {});

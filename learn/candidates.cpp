@@ -102,8 +102,10 @@ double ns_per_action(const Candidate& candidate, const Demonstration& demonstrat
   const std::unique_ptr<Controller> controller = candidate.make(1);
   Eigen::Index n = 0;
   return nanoseconds_per_call([&](long) {
-    n = n + 1 < demonstration.rows() ? n + 1 : 0;
-    keep(controller->command(demonstration.observed(n)));
+    for (std::uint64_t period = 0; period < candidate.periods; ++period) {
+      n = n + 1 < demonstration.rows() ? n + 1 : 0;
+      keep(controller->command(demonstration.observed(n)));
+    }
   });
 }
 

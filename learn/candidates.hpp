@@ -15,7 +15,8 @@ struct Candidate {
   std::size_t parameters = 0;  // numbers that were fitted; 0 where nothing was
   double fit_seconds = 0;
   std::optional<double> held_out{};  // root mean square velocity error, hand's world [m/s]
-  std::size_t rollouts = 0;  // labelled ones of its own, learned from beside the demonstrations
+  std::size_t rollouts = 0;   // labelled ones of its own, learned from beside the demonstrations
+  std::uint64_t periods = 1;  // from one answer of its own to the next, which it holds in between
 };
 
 // What an engineer sets without demonstrations: straight in at `speed` [m/s, hand's world], at half
@@ -40,7 +41,7 @@ Candidate learned(const Learner& learner, const Learner::Variant& variant,
 // The first `count` demonstrations of a set.
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count);
 
-// Time of one action [ns], on what was observed in a demonstration.
+// Time of one answer [ns], on what was observed in a demonstration.
 double ns_per_action(const Candidate& candidate, const Demonstration& demonstration);
 
 }  // namespace ferrule

@@ -1,5 +1,6 @@
 #include "learn/loaded_library.hpp"
 #include "learn/torch_policy.hpp"
+#include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
 namespace {
@@ -24,6 +25,22 @@ std::string torchscript_bytes(const Policy& policy) {
 
 Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs) {
   return torch().run(bytes, inputs);
+}
+
+std::unique_ptr<Controller> torchscript_controller(const std::string& bytes) {
+  return torch().controller(bytes);
+}
+
+MakeController load_torchscript(const std::string& file) {
+  const std::string bytes = read_text(file);
+  try {  // refused before any trial
+    const auto tried = torchscript_controller(bytes);
+    tried->command({HandWrench::Zero(), 0, 0});
+    if (!tried->failure().empty()) throw FileTrouble(tried->failure());
+  } catch (const FileTrouble& error) {
+    throw FileTrouble(file + ": " + printable(error.what(), 300));
+  }
+  return [bytes](std::uint64_t) { return torchscript_controller(bytes); };
 }
 
 }  // namespace ferrule

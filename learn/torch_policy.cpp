@@ -3,10 +3,13 @@
 #include <torch/script.h>
 #include <torch/torch.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <sstream>
+
+#include "sim/error.hpp"
 
 namespace ferrule {
 namespace {
@@ -188,11 +191,64 @@ Eigen::MatrixXd run(const std::string& bytes, const Eigen::MatrixXd& inputs) {
   return all;
 }
 
+// Its first line, for libtorch adds where it was thrown.
+std::string first_line(const std::string& text) {
+  return text.substr(0, std::min<std::size_t>(text.find('\n'), 200));
+}
+
+class ScriptController : public Controller {
+ public:
+  explicit ScriptController(torch::jit::Module module) : module_(std::move(module)) {
+    module_.eval();
+    if (module_.find_method("reset")) module_.get_method("reset")({});
+  }
+
+  HandTwist command(const Observation& observation) noexcept override {
+    HandTwist v = HandTwist::Constant(std::numeric_limits<double>::quiet_NaN());
+    if (!failure_.empty()) return v;
+    try {
+      const torch::NoGradGuard guard;
+      Tensor x = torch::empty({1, static_cast<std::int64_t>(kObservation.size())});
+      for (std::size_t i = 0; i < kObservation.size(); ++i)
+        x.data_ptr<float>()[i] = static_cast<float>(kObservation[i].value(observation));
+      const torch::jit::IValue answer = module_.forward({x});
+      const Tensor t = (answer.isTuple() ? answer.toTuple()->elements().at(0) : answer)
+                           .toTensor()
+                           .to(torch::kFloat64)
+                           .contiguous();
+      if (t.numel() != v.size() && t.numel() != 3) {
+        failure_ = "the network answered " + std::to_string(t.numel()) + " numbers, not 5";
+        return v;
+      }
+      v.setZero();
+      std::copy(t.data_ptr<double>(), t.data_ptr<double>() + t.numel(), v.data());
+    } catch (const std::exception& error) {
+      failure_ = "the network failed: " + first_line(error.what());
+    }
+    return v;
+  }
+  std::string failure() const override { return failure_; }
+
+ private:
+  torch::jit::Module module_;
+  std::string failure_;
+};
+
+std::unique_ptr<Controller> script_controller(const std::string& bytes) {
+  try {
+    torch::set_num_threads(1);
+    std::istringstream stream(bytes);
+    return std::make_unique<ScriptController>(torch::jit::load(stream));
+  } catch (const std::exception& error) {
+    throw FileTrouble("cannot be run as TorchScript: " + first_line(error.what()));
+  }
+}
+
 }  // namespace
 }  // namespace ferrule
 
 extern "C" {
 extern const ferrule::TorchFunctions ferrule_torch_functions;
 const ferrule::TorchFunctions ferrule_torch_functions = {ferrule::train, ferrule::script,
-                                                         ferrule::run};
+                                                         ferrule::run, ferrule::script_controller};
 }

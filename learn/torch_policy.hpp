@@ -58,11 +58,21 @@ std::string torchscript_bytes(const Policy& policy);
 // What libtorch answers when it runs these bytes, (9, rows). For tests. Throws as train_network.
 Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs);
 
+// A controller for TorchScript of anybody's: forward takes an observation, float32 (1, 7), in the
+// order of kObservation: Fx Fy Fz [N], My Mz [N m], depth [m], time [s] in the hand's world; and
+// returns a velocity, (1, 5) or (5): x y z [m/s], tilt_y tilt_z [rad/s], or the first three. Every
+// trial has a module of its own, so that it may remember; where it has a method `reset`, that is
+// called first. Throws FileTrouble where these bytes are none, and as train_network.
+std::unique_ptr<Controller> torchscript_controller(const std::string& bytes);
+// What makes it for each trial, of a file.
+MakeController load_torchscript(const std::string& file);
+
 // The same functions in the library of their own.
 struct TorchFunctions {
   decltype(&train_network) train;
   decltype(&torchscript_bytes) script;
   decltype(&run_torchscript) run;
+  decltype(&torchscript_controller) controller;
 };
 
 }  // namespace ferrule

@@ -2,11 +2,39 @@
 
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 #include <vector>
 
+#include "sim/error.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {
+namespace {
+
+template <class... Parts>
+[[noreturn]] void refuse_posture(const Parts&... parts) {
+  std::ostringstream text;
+  (text << ... << parts);
+  throw BadInput(text.str());
+}
+
+}  // namespace
+
+void expect_fits(const World& world, double gap_nm, double length_um, double tilt_mrad) {
+  const Laws& laws = world.laws;
+  const bool walls = std::holds_alternative<VanDerWaals>(laws.van_der_waals) ||
+                     std::holds_alternative<Electrostatic>(laws.electrostatic) ||
+                     std::holds_alternative<Capillary>(laws.capillary) || laws.drag;
+  const double clearance = 1e9 * world.annulus.clearance(), slack = 1e-9 * clearance;
+  if (!walls && tilt_mrad == 0) return;
+  if (gap_nm > clearance + slack)
+    refuse_posture("--gap-nm ", gap_nm, ": the smallest gap is at most the clearance, ", clearance,
+                   " nm");
+  if (gap_nm + 0.5 * length_um * tilt_mrad > clearance + slack)
+    refuse_posture("--tilt-mrad ", tilt_mrad, ": over ", length_um, " um a gap of ", gap_nm,
+                   " nm would not be the smallest; at most ", 2 * (clearance - gap_nm) / length_um,
+                   " mrad fit");
+}
 
 double mean_line_force(const std::function<double(double)>& law, const World& world, double reach,
                        const Posture& at) {

@@ -35,6 +35,11 @@ struct GapForces {
 // exceed the clearance, or the gap would not be the smallest.
 GapForces gap_forces(const World& world, const Posture& posture);
 
+// Throws BadInput unless a gap [nm] can be the smallest of a fibre that is so far in [um] and
+// tilted by so much [mrad]: that at its middle must not exceed the clearance. Worlds of printed
+// laws without tilt know no other wall: there any gap is right.
+void expect_fits(const World& world, double gap_nm, double length_um, double tilt_mrad);
+
 // Mean over the inserted length of a corrected force per length that ends at the gap `reach` [m].
 double mean_line_force(const std::function<double(double)>& law, const World& world, double reach,
                        const Posture& posture);

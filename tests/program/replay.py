@@ -14,10 +14,20 @@ class Replay(Case):
         self.done("replay", file)
         self.assertTrue(json.loads(self.done("replay", file, "--verify", "--json").stdout)["identical"])
         with h5py.File(file) as f:
-            names = []
+            names, labels = [], []  # of numbers, of the names of columns
             f["data/demo_0"].visititems(
-                lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+                lambda name, item: (labels if item.dtype.kind == "S" else names).append(name)
+                if isinstance(item, h5py.Dataset) else None)
         self.assertGreater(len(names), 14)
+        self.assertGreater(len(labels), 3)
+        for name in labels:
+            changed = self.path("changed.h5")
+            shutil.copy(file, changed)
+            with h5py.File(changed, "r+") as f:
+                f["data/demo_0/" + name][-1] = b"X"
+            run = ferrule("replay", changed, "--verify", "--json")
+            self.assertEqual(run.returncode, 1, (name, run.stderr))
+            self.assertIn(name, json.loads(run.stdout)["difference"]["column"])
         for name in names:
             for row in (0, 321, -1):
                 changed = self.path("changed.h5")

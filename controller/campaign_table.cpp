@@ -1,4 +1,4 @@
-#include "app/campaign_table.hpp"
+#include "controller/campaign_table.hpp"
 
 #include <fmt/format.h>
 
@@ -93,7 +93,7 @@ std::string to_text(const Comparison& c) {
 void add_trials(const std::string& controller, const std::vector<TrialResult>& results,
                 Json& rows) {
   for (std::size_t k = 0; k < results.size(); ++k) {
-    const auto& [outcome, summary, loss_dB, supervision] = results[k];
+    const auto& [outcome, summary, loss_dB, supervision, why] = results[k];
     Json& row = rows.emplace_back(Json{{"controller", controller},
                                        {"trial", k},
                                        {"outcome", name(outcome)},
@@ -103,6 +103,7 @@ void add_trials(const std::string& controller, const std::vector<TrialResult>& r
                                        {"offset_um", 1e6 * summary.offset},
                                        {"tilt_mrad", 1e3 * summary.tilt},
                                        {"loss_dB", number_or_null(loss_dB)}});
+    if (!why.empty()) row["why"] = why;
     if (!supervision) continue;
     row["gave_up"] = supervision->gave_up ? Json(name(*supervision->gave_up)) : Json();
     for (std::size_t i = 0; i < kInterventions; ++i)

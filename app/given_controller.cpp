@@ -1,0 +1,64 @@
+#include "app/given_controller.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "app/verb.hpp"
+#include "controller/held_controller.hpp"
+#include "controller/program_policy.hpp"
+#include "learn/torch_policy.hpp"
+#include "sim/error.hpp"
+
+namespace ferrule {
+
+void PolicyArguments::add_to(CLI::App& verb) {
+  verb.add_option("--policy", command,
+                  "A program that answers observations, a line of JSON each (controller/README.md)")
+      ->type_name("COMMAND");
+  verb.add_option("--policy-hz", hz, "How often it, or TorchScript, is asked a second")
+      ->capture_default_str()
+      ->check(number_between(1, 1000));
+  verb.add_option("--policy-timeout", timeout,
+                  "What it may take for an answer [s], six times that to begin with")
+      ->capture_default_str()
+      ->check(number_between(1e-3, 3600));
+}
+
+std::uint64_t PolicyArguments::periods() const {
+  const double periods = 1000 / hz;
+  if (std::abs(periods - std::round(periods)) > 1e-9 * periods)
+    throw BadInput(fmt::format("--policy-hz {:g}: 1000 must be a whole multiple of it", hz));
+  return static_cast<std::uint64_t>(std::lround(periods));
+}
+
+GivenController given_file(const std::string& file, const PolicyArguments& how) {
+  if (file.ends_with(".pt"))
+    return {file, held(load_torchscript(file), how.periods()), {}, how.periods()};
+  ControllerFile read = read_controller(file);
+  MakeController make = maker(read);
+  return {file, std::move(make), std::move(read)};
+}
+
+GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {
+  const MakeController make = program_policy({.command = how.command,
+                                              .start_timeout = 6 * how.timeout,
+                                              .timeout = how.timeout,
+                                              .control_hz = how.hz,
+                                              .seed = seed});
+  return {how.command, held(make, how.periods()), {}, how.periods()};
+}
+
+std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& results) {
+  std::map<std::string, std::size_t> reasons;
+  for (const TrialResult& r : results)
+    if (!r.why.empty()) ++reasons[printable(r.why, 300)];
+  return reasons;
+}
+
+void tell_failures(const std::string& name, const std::vector<TrialResult>& results) {
+  for (const auto& [why, count] : failures(results))
+    fmt::print(stderr, "note: {}: {} of {} trials: {}\n", name, count, results.size(), why);
+}
+
+}  // namespace ferrule

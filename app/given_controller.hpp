@@ -1,0 +1,42 @@
+// Controllers that a verb is given: files of any kind, and programs of somebody else's.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/controller_file.hpp"
+#include "controller/trial.hpp"
+
+namespace ferrule {
+
+// How policies of somebody else's are asked: --policy, --policy-hz, --policy-timeout.
+struct PolicyArguments {
+  std::string command;  // of a program; empty: none
+  double hz = 1000, timeout = 10;
+
+  void add_to(CLI::App& verb);
+  // Periods of the simulation from one question to the next. Throws BadInput where they are broken.
+  std::uint64_t periods() const;
+};
+
+struct GivenController {
+  std::string name;                    // the file or the command
+  MakeController make;                 // asked in every period
+  std::optional<ControllerFile> file;  // empty: somebody else's
+  std::uint64_t periods = 1;           // from one answer of its own to the next
+};
+
+// What fit wrote, or TorchScript (*.pt). Throws FileTrouble, BadInput.
+GivenController given_file(const std::string& file, const PolicyArguments& how);
+// The program of --policy, for trials under `seed`.
+GivenController given_program(const PolicyArguments& how, std::uint64_t seed);
+
+// Why trials ended in which somebody else's failed, and how many of each.
+std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& results);
+// Says that on stderr.
+void tell_failures(const std::string& name, const std::vector<TrialResult>& results);
+
+}  // namespace ferrule

@@ -1,0 +1,68 @@
+#include "bench/recording.hpp"
+
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <filesystem>
+
+#include "capture/recorder.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "sim/measure.hpp"
+#include "sim/scene/draw.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t kRecordingSeed = 1;
+constexpr int kRecordings = 3;  // of which the fastest counts
+
+using RecordingClock = std::chrono::steady_clock;
+double us_since(RecordingClock::time_point begin) {
+  return std::chrono::duration<double, std::micro>(RecordingClock::now() - begin).count();
+}
+
+RecordingRow measured_recording(const std::string& name) {
+  const Scene scene = load_scene(name);
+  const State start = draw_start(scene, kRecordingSeed, 1);
+  const double period = 1e-3;
+  RecordingRow best{name, 0, kNan, kNan, kNan};
+  const std::string folder =
+      (fs::temp_directory_path() / ("ferrule-bench-" + std::to_string(::getpid()))).string();
+  for (int i = 0; i < kRecordings; ++i) {
+    const auto hand = simulated_operator(scene, start, 0.8, period, kRecordingSeed, 1);
+    Recorder recorder(folder, 1, episode_info(scene, *hand, kRecordingSeed, 1));
+    double recorded = 0;
+    run_insertion(scene, start, *hand, ForceSensor(scene.sensor, kRecordingSeed, 1),
+                  {.scaling = scene_scaling(scene), .period = period, .past_success = true},
+                  [&](const Tick& tick) {
+                    const auto begin = RecordingClock::now();
+                    recorder.add(make_row(tick), tick.sample.counts);
+                    recorded += us_since(begin);
+                    return true;
+                  });
+    const auto begin = RecordingClock::now();
+    const std::string file = recorder.finish(Outcome::inserted);
+    const auto rows = static_cast<double>(recorder.rows());
+    best.rows = static_cast<long>(recorder.rows());
+    best.us_per_row = std::fmin(best.us_per_row, recorded / rows);
+    best.us_per_row_written = std::fmin(best.us_per_row_written, us_since(begin) / rows);
+    best.kB_per_s = 1e-3 * static_cast<double>(fs::file_size(file)) / (rows * period);
+    fs::remove_all(folder);
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<RecordingRow> bench_recording(const GoOn& go_on) {
+  Cases<RecordingRow> cases;
+  for (const char* name : {"bench", "paper"})
+    add_case(cases, [=] { return measured_recording(name); });
+  return rows_of(cases, go_on);
+}
+
+}  // namespace ferrule

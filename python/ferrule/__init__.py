@@ -1,0 +1,203 @@
+"""Insertion of an optical fibre into a ferrule: simulated, recorded, learned, evaluated.
+
+A thin layer over the program's own loop: what is stepped or evaluated here has the same bits as
+there. Velocities, wrenches and depths that controllers know are those of the hand's world
+(Scene.motion_scale, Scene.force_scale times the tip's); states and forces are the tip's.
+
+    import ferrule
+    simulator, controller = ferrule.Simulator("bench"), ferrule.load("controller.json")
+    observation = simulator.reset(seed=7, trial=0)
+    while not simulator.ended:
+        observation = simulator.step(controller(observation))
+    print(simulator.ended, simulator.summary)
+"""
+
+from __future__ import annotations
+
+import json as _json
+import os as _os
+from dataclasses import dataclass as _dataclass
+from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence, Union
+
+from . import _core
+from ._core import (
+    BadInput,
+    Controller,
+    FileTrouble,
+    Observation,
+    Scene,
+    load,
+    outcomes,
+    shipped_scenes,
+)
+
+from .registration import register_when_imported as _register_when_imported
+
+if TYPE_CHECKING:
+    import numpy as np
+
+_register_when_imported()
+__version__: str = _core.__version__
+#: Names of the force laws, in the order of Simulator.forces and of an episode's columns.
+terms: list[str] = list(_core._terms)
+
+#: The name of a scene that ships, a file, a document (a mapping), or a scene.
+SceneLike = Union[str, _os.PathLike, Mapping[str, Any], Scene]
+#: Dotted keys and their values, or texts "key=value" as after --set.
+Overrides = Union[Mapping[str, Any], Sequence[str], None]
+#: Answers an observation with a velocity: 5 numbers [m/s, rad/s], hand's world. Where it has a
+#: method `reset`, that is called before every trial.
+Policy = Callable[[Observation], Any]
+
+__all__ = [
+    "BadInput", "Controller", "Episode", "Evaluation", "FileTrouble", "Observation", "Scene",
+    "Simulator", "evaluate", "forces", "load", "load_scene", "outcomes", "shipped_scenes", "terms",
+    "validate",
+]
+
+
+def _settings(overrides: Overrides) -> list[str]:
+    if overrides is None:
+        return []
+    if isinstance(overrides, Mapping):
+        return [f"{key}={_json.dumps(value)}" for key, value in overrides.items()]
+    if isinstance(overrides, str):
+        return [overrides]
+    return list(overrides)
+
+
+def load_scene(scene: SceneLike = "demo", overrides: Overrides = None) -> Scene:
+    """The scene of a name, a file, a document or another scene, with some values changed.
+
+    ``overrides``: ``{"ferrule.bore_diameter_um": 125.5}`` or ``["ferrule.bore_diameter_um=125.5"]``;
+    None removes a law. Where the scene states an accuracy, what it does not need is left out, as
+    the program does; that takes some seconds. Raises BadInput with the program's text ("FILE: KEY
+    = VALUE: RULE") and FileTrouble.
+    """
+    return _load(scene, overrides, plan=True)
+
+
+def _load(scene: SceneLike, overrides: Overrides, plan: bool) -> Scene:
+    settings = _settings(overrides)
+    if isinstance(scene, Scene):
+        return _core._parse_scene(scene.json, scene.name, settings, plan) if settings else scene
+    if isinstance(scene, Mapping):
+        name = str(scene.get("name", "scene"))
+        return _core._parse_scene(_json.dumps(scene), name, settings, plan)
+    return _core._load_scene(_os.fspath(scene), settings, plan)
+
+
+def validate(scene: SceneLike, overrides: Overrides = None) -> None:
+    """Raises BadInput or FileTrouble with the program's text unless the scene is right."""
+    _load(scene, overrides, plan=False)
+
+
+class Simulator(_core._Simulator):
+    """One insertion, period by period, with the bits of a trial of the program.
+
+    ``scene``, ``overrides``: as for load_scene. ``period`` [s]: of control and simulation.
+    """
+
+    def __init__(
+        self, scene: SceneLike = "demo", overrides: Overrides = None, period: float = 1e-3
+    ) -> None:
+        super().__init__(load_scene(scene, overrides), period)
+
+
+class Episode(_core._Episode):
+    """A recorded insertion: NumPy views of its rows, not copied and not to be written to.
+
+    ``file``: what ``ferrule record`` wrote. Raises FileTrouble where it is none, or damaged.
+    """
+
+    def __init__(self, file: str | _os.PathLike) -> None:
+        super().__init__(_os.fspath(file))
+
+    @property
+    def scene(self) -> dict[str, Any]:
+        """The document of the scene it was recorded in."""
+        return _json.loads(self.scene_json)
+
+    def force(self, term: str) -> np.ndarray:
+        """The force of one of ferrule.terms on the fibre: x, y, z [N], shape (N, 3)."""
+        if term not in terms:
+            raise BadInput(f"there is no force {term}; there are {', '.join(terms)}")
+        first = 3 * terms.index(term)
+        return self.forces[:, first : first + 3]
+
+
+@_dataclass(frozen=True)
+class Evaluation:
+    """What a policy did in the trials 0 to N - 1 under one seed."""
+
+    statistics: dict[str, Any]  #: with the keys of ``ferrule evaluate --json``
+    outcome: list[str]  #: of each trial
+    time_s: np.ndarray  #: of each trial [s], shape (N,)
+    peak_force_N: np.ndarray  #: of each trial [N], shape (N,)
+    loss_dB: np.ndarray  #: of each trial; NaN unless inserted
+
+    @property
+    def success_rate(self) -> float:
+        """Of the feasible trials."""
+        return self.statistics["success_rate"]
+
+
+def evaluate(
+    policy: Controller | Policy | str | _os.PathLike,
+    scene: SceneLike | None = None,
+    trials: int = 1000,
+    seed: int = 7,
+    *,
+    overrides: Overrides = None,
+    supervise: bool = False,
+    threads: int = 0,
+) -> Evaluation:
+    """The trials and the statistics of ``ferrule evaluate``.
+
+    ``policy``: a controller, its file, "constant-velocity", or any callable from an Observation
+    to a velocity (5 numbers [m/s, rad/s], hand's world), called every millisecond of every trial,
+    on one thread; what it raises ends the evaluation. ``scene``: None takes that of the
+    controller's training, or ``demo``. ``threads``: 0 for all cores. Ctrl-C ends it.
+    """
+    if isinstance(policy, (str, _os.PathLike)) and policy != "constant-velocity":
+        policy = load(_os.fspath(policy))
+    if not callable(policy) and policy != "constant-velocity":
+        raise TypeError("policy: expected a controller, a file, or a callable")
+    if trials < 1:
+        raise ValueError("trials: must be at least 1")
+    if scene is None:
+        brought = policy.scene_json if isinstance(policy, Controller) else None
+        scene = _json.loads(brought) if brought else "demo"
+    found = _core._evaluate(policy, load_scene(scene, overrides), trials, seed, supervise, threads)
+    return Evaluation(_json.loads(found[0]), *found[1:])
+
+
+def forces(
+    scene: SceneLike = "demo",
+    gap_nm: Any = 10.0,
+    length_um: Any = 100.0,
+    depth_nm: Any = None,
+    *,
+    overrides: Overrides = None,
+    tilt_mrad: float = 0.0,
+    speed_um_s: float = 10.0,
+) -> dict[str, np.ndarray]:
+    """The forces between fibre and bore, as ``ferrule forces`` has them.
+
+    Arrays of smallest gaps [nm], inserted lengths [um] and penetrations [nm] (None: apart) are
+    broadcast; nothing of the scene is left out. Returns for each of ferrule.terms an array of that
+    shape [N], attraction negative, and "squeeze", the film's force at ``speed_um_s`` [um/s].
+    Raises BadInput where a gap cannot be.
+    """
+    import numpy as np
+
+    given = [gap_nm, length_um, np.nan if depth_nm is None else depth_nm]
+    arrays = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in given))
+    if any((a < 0).any() for a in arrays):
+        raise BadInput("gap_nm, length_um, depth_nm: must not be negative")
+    flat = [np.ascontiguousarray(a).ravel() for a in arrays]
+    rows = _core._forces(_load(scene, overrides, plan=False), *flat, tilt_mrad, speed_um_s)
+    return {
+        name: rows[:, column].reshape(arrays[0].shape)
+        for column, name in enumerate([*terms, "squeeze"])
+    }

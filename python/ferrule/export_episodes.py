@@ -1,0 +1,130 @@
+"""``ferrule export-episodes``: recorded episodes in the formats of others."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import shutil
+import sys
+from pathlib import Path
+from typing import Any, Callable
+
+from . import BadInput, FileTrouble, __version__, export_lerobot, export_robomimic, export_rows
+from .demonstrations import Demonstrations, load_demonstrations
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(prog="ferrule export-episodes", allow_abbrev=False)
+    parser.add_argument("folder", metavar="DIR")
+    for option in ("robomimic", "lerobot", "csv", "mcap"):
+        parser.add_argument(f"--{option}", default="")
+    parser.add_argument("--rate", type=float, default=None)
+    parser.add_argument("--relative", action="store_true")
+    parser.add_argument("--json", action="store_true")
+    return parser.parse_args()
+
+
+def _whole(place: str, write: Callable[[str], Any]) -> Any:
+    """What ``write`` makes beside ``place``, which gets its name when it is whole."""
+    target = Path(place)
+    beside = target.with_name(f".{target.name}.{os.getpid()}")
+    try:
+        made = write(str(beside))
+        os.replace(beside, target)
+        return made
+    except OSError as error:
+        if isinstance(error, FileTrouble):
+            raise
+        raise FileTrouble(f"{place}: cannot be written: {error.strerror or error}") from error
+    finally:
+        if beside.is_dir():
+            shutil.rmtree(beside, ignore_errors=True)
+        else:
+            beside.unlink(missing_ok=True)
+
+
+def _expect_places(a: argparse.Namespace) -> None:
+    if not (a.robomimic or a.lerobot or a.csv or a.mcap):
+        raise BadInput(
+            "export-episodes: give --robomimic FILE.h5, --lerobot DIR, --csv DIR or --mcap DIR"
+        )
+    for place in filter(None, (a.robomimic, a.lerobot, a.csv, a.mcap)):
+        parent = Path(place).absolute().parent
+        if not parent.is_dir():
+            raise FileTrouble(f"{place}: there is no folder {parent}")
+        if place != a.robomimic and Path(place).exists() and any(Path(place).iterdir()):
+            raise FileTrouble(f"{place}: is there, and not empty")
+
+
+def _into_folder(write: Callable[..., int], source: str, rate: float | None) -> Callable[[str], int]:
+    def make(folder: str) -> int:
+        Path(folder).mkdir()
+        return write(folder, source, rate)
+
+    return make
+
+
+def _facts(found: Demonstrations) -> dict[str, Any]:
+    return {
+        "demonstrations": len(found.demonstrations),
+        "rows": sum(len(d.action) for d in found.demonstrations),
+        "rate_hz": found.rate,
+        "left_out": found.left_out,
+        "action_scale": found.environment["action_scale"],
+    }
+
+
+def _export(a: argparse.Namespace) -> dict[str, Any]:
+    _expect_places(a)
+    result: dict[str, Any] = {"folder": a.folder, "written": []}
+    if a.robomimic or a.lerobot:
+        found = load_demonstrations(a.folder, 20 if a.rate is None else a.rate, a.relative, _tell)
+        result.update(_facts(found))
+        if a.robomimic:
+            _whole(a.robomimic, lambda place: export_robomimic.write(place, found))
+            result["written"].append(a.robomimic)
+        if a.lerobot:
+            _whole(a.lerobot, lambda place: export_lerobot.write(place, found))
+            result["written"].append(a.lerobot)
+    for place, write in ((a.csv, export_rows.write_csv), (a.mcap, export_rows.write_mcap)):
+        if place:
+            result["episodes"] = _whole(place, _into_folder(write, a.folder, a.rate))
+            result["written"].append(place)
+    return result
+
+
+def _tell(done: int, of: int) -> None:
+    if sys.stderr.isatty():
+        print(f"\rreading {done} of {of}", end="\n" if done == of else "", file=sys.stderr)
+
+
+def main() -> int:
+    a = _arguments()
+    try:
+        result = _export(a)
+    except BadInput as error:
+        print(f"ferrule: {error}", file=sys.stderr)
+        return 2
+    except (FileTrouble, ImportError) as error:
+        print(f"ferrule: {error}", file=sys.stderr)
+        return 3
+    except KeyboardInterrupt:
+        print("ferrule: stopped by Ctrl-C; nothing of it is kept", file=sys.stderr)
+        return 130
+    if a.json:
+        print(json.dumps({**result, "provenance": {"version": __version__}}))
+        return 0
+    if "rows" in result:
+        print(
+            f"{result['demonstrations']} demonstrations, {result['rows']} rows at "
+            f"{result['rate_hz']:g} Hz; {result['left_out']} episodes that were not inserted left "
+            f"out\nactions of 1: {result['action_scale']} (m/s, rad/s at the tip)"
+        )
+    for place in result["written"]:
+        print(f"wrote {place}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,135 @@
+"""The Gymnasium environment ferrule/Insertion-v0."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import gymnasium
+import numpy as np
+from gymnasium.error import ClosedEnvironmentError, DependencyNotInstalled, ResetNeeded
+
+from . import Overrides, SceneLike, Simulator, outcomes
+from .picture import picture
+from .task import PERIOD, TIMEOUT, Task
+
+
+class InsertionEnv(gymnasium.Env):
+    """A fibre is inserted into a bore by the velocity of the hand that holds it.
+
+    Arguments: ``scene`` and ``overrides`` as of ferrule.load_scene; ``control_hz``, how often it is
+    acted, of which 1000 is a whole multiple; ``action_scale``, the velocity at the tip for actions
+    of 1: x, y, z [m/s], tilts [rad/s], unless given the scene's speed limit and 1 mrad/s;
+    ``relative``, whether the observed wrench is relative to that at rest, as a controller's is.
+
+    Observation (7,), float32, what a controller gets to know, in the hand's world: wrench at the
+    holder as the force sensor reads it, Fx Fy Fz [N], My Mz [N m]; depth of the hand past the
+    entrance [mm]; time [s].
+    Action (5,) within [-1, 1], times ``action_scale``; more is cut, and a translation faster than
+    the scene's speed limit is slowed to it. One that is not a number ends the episode.
+    Reward: the tip's way into the bore, as part of all of it (which adds up to 1); 1 more where it
+    is inserted; -1 where the insertion fails.
+    Terminated by success and by failures (force limit, jam, missed, buckled, broken, an action that
+    is no number), truncated where the scene's time runs out.
+    ``info``: what no controller knows: tip (5,) [m, rad], inserted_length_m, peak_force_N, trial,
+    seed, and "outcome" (and "is_success") at the end.
+
+    ``reset(seed=N)`` begins with trial 0 of the trials that ``ferrule evaluate --seed N`` runs, and
+    every further reset takes the next one; ``options={"trial": K}`` takes trial K. Pairs of parts
+    that do not fit are passed over. Without any seed it is drawn.
+    """
+
+    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+
+    def __init__(
+        self,
+        scene: SceneLike = "bench",
+        overrides: Overrides = None,
+        control_hz: float = 50,
+        action_scale: Sequence[float] | None = None,
+        relative: bool = True,
+        render_mode: str | None = None,
+    ) -> None:
+        if render_mode == "human":
+            raise DependencyNotInstalled(
+                'render_mode "human": there is no window yet; "rgb_array" draws pictures'
+            )
+        if render_mode not in (None, "rgb_array"):
+            raise ValueError(f"render_mode {render_mode!r}: expected None or 'rgb_array'")
+        self.render_mode = render_mode
+        self.task = Task(scene, overrides, control_hz, action_scale, relative)
+        self.observation_space = self.task.observation_space
+        self.action_space = self.task.action_space
+        self.metadata = {**self.metadata, "render_fps": round(1 / (self.task.periods * PERIOD))}
+        self.simulator: Simulator | None = Simulator(self.task.scene)
+        self._seed: int | None = None
+        self._next = 0
+        self._running = False
+
+    def reset(
+        self, *, seed: int | None = None, options: dict[str, Any] | None = None
+    ) -> tuple[np.ndarray, dict[str, Any]]:
+        super().reset(seed=seed)
+        simulator = self._open("reset")
+        if seed is not None or self._seed is None:
+            self._seed = int(self.np_random.integers(2**31)) if seed is None else seed
+            self._next = 0
+        trial = self._next
+        if options and "trial" in options:
+            trial = options["trial"]
+            if not isinstance(trial, (int, np.integer)) or trial < 0:
+                raise ValueError(f"options['trial'] = {trial!r}: expected a whole number >= 0")
+        simulator.reset(seed=self._seed, trial=int(trial), feasible=True)
+        self._next = int(trial) + 1
+        self._running = True
+        self._tip = simulator.tip
+        return self._observation(), self._info()
+
+    def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
+        simulator = self._open("step")
+        if not self._running:
+            raise ResetNeeded("step: the episode has ended, or none has begun: call reset first")
+        action = np.asarray(action)
+        if action.shape != (5,):
+            raise ValueError(f"action: expected shape (5,), got {action.shape}")
+        simulator.step(self.task.velocity(action), self.task.periods)
+        before, self._tip = self._tip[0], simulator.tip
+        outcome = outcomes.index(simulator.ended) if simulator.ended else -1
+        self._running = outcome < 0
+        reward = float(self.task.reward(before, self._tip[0], outcome))
+        truncated = outcome == TIMEOUT
+        terminated = outcome >= 0 and not truncated
+        return self._observation(), reward, terminated, truncated, self._info()
+
+    def render(self) -> np.ndarray | None:
+        simulator = self._open("render")
+        if self.render_mode is None:
+            gymnasium.logger.warn("render: the environment was made without render_mode")
+            return None
+        return picture(self.task.scene, simulator.tip, simulator.observation)
+
+    def close(self) -> None:
+        self.simulator = None
+
+    def _open(self, what: str) -> Simulator:
+        if self.simulator is None:
+            raise ClosedEnvironmentError(f"{what}: the environment was closed")
+        return self.simulator
+
+    def _observation(self) -> np.ndarray:
+        simulator = self._open("observe")
+        return self.task.observation(simulator.observation.values, simulator.wrench)
+
+    def _info(self) -> dict[str, Any]:
+        simulator = self._open("info")
+        summary = simulator.summary
+        info: dict[str, Any] = {
+            "tip": self._tip,
+            "inserted_length_m": max(0.0, -float(self._tip[0])),
+            "peak_force_N": summary["peak_force_N"],
+            "trial": simulator.trial,
+            "seed": self._seed,
+        }
+        if simulator.ended:
+            info["outcome"] = simulator.ended
+            info["is_success"] = simulator.ended == "inserted"
+        return info

@@ -1,0 +1,73 @@
+"""What the single and the vector environment share: the spaces, the scale of actions, rewards."""
+
+from __future__ import annotations
+
+from typing import Any, Sequence
+
+import numpy as np
+from gymnasium import spaces
+
+from . import Scene, SceneLike, Overrides, load_scene, outcomes
+
+#: What an observation is, in units of order one; all in the hand's world.
+OBSERVATION = ("Fx [N]", "Fy [N]", "Fz [N]", "My [N m]", "Mz [N m]", "depth [mm]", "time [s]")
+#: In SI units to those.
+OBSERVATION_UNITS = np.array([1, 1, 1, 1, 1, 1e3, 1.0])
+INSERTED = outcomes.index("inserted")
+TIMEOUT = outcomes.index("timeout")
+PERIOD = 1e-3  # of the simulation [s]
+
+
+class Task:
+    """A scene as a task: see InsertionEnv for its arguments."""
+
+    def __init__(
+        self,
+        scene: SceneLike,
+        overrides: Overrides,
+        control_hz: float,
+        action_scale: Sequence[float] | None,
+        relative: bool,
+    ) -> None:
+        self.scene: Scene = load_scene(scene, overrides)
+        periods = 1 / (control_hz * PERIOD) if control_hz > 0 else 0
+        if abs(periods - round(periods)) > 1e-9 * max(periods, 1) or round(periods) < 1:
+            raise ValueError(f"control_hz = {control_hz}: 1000 must be a whole multiple of it")
+        self.periods = round(periods)
+        self.relative = relative
+        if action_scale is None:
+            action_scale = [self.scene.speed_limit] * 3 + [1e-3] * 2
+        scale = np.asarray(action_scale, dtype=float)
+        if scale.shape != (5,) or not np.all(np.isfinite(scale) & (scale > 0)):
+            raise ValueError("action_scale: expected 5 numbers above 0 (3 [m/s], 2 [rad/s])")
+        self.action_scale = scale
+        # Velocities of the hand for actions of 1.
+        self.hand_scale = scale * np.array([self.scene.motion_scale] * 3 + [1.0] * 2)
+        self.way = self.scene.start_distance + self.scene.success_depth
+        # A hundred times the force limit, at an arm of a metre; as deep as the hand can get in time.
+        force = 100 * self.scene.force_limit * self.scene.force_scale
+        moment = force * self.scene.motion_scale
+        depth = 1e3 * self.scene.motion_scale * self.scene.speed_limit * self.scene.time_limit
+        self._most = np.array([force] * 3 + [moment] * 2 + [depth, 2 * self.scene.time_limit])
+        self._least = np.where(np.arange(7) < 5, -self._most, 0.0)
+        self.observation_space = spaces.Box(
+            self._least.astype(np.float32), self._most.astype(np.float32), dtype=np.float32
+        )
+        self.action_space = spaces.Box(-1.0, 1.0, (5,), np.float32)
+
+    def velocity(self, action: Any) -> np.ndarray:
+        """Of the hand [m/s, rad/s]; what is not a number stays none."""
+        return np.clip(np.asarray(action, dtype=float), -1, 1) * self.hand_scale
+
+    def observation(self, values: np.ndarray, wrench: np.ndarray) -> np.ndarray:
+        """Of (..., 7) in SI units and the wrench that is not relative to rest (..., 5)."""
+        observed = values * OBSERVATION_UNITS
+        if not self.relative:
+            observed[..., :5] = wrench
+        return np.clip(observed, self._least, self._most).astype(np.float32)
+
+    def reward(self, before: Any, after: Any, outcome: Any) -> Any:
+        """Of tips at x [m] before and after, and of outcomes by their number, -1 where none."""
+        outcome = np.asarray(outcome)
+        failed = (outcome >= 0) & (outcome != INSERTED) & (outcome != TIMEOUT)
+        return (before - after) / self.way + (outcome == INSERTED) - 1.0 * failed

@@ -1,0 +1,84 @@
+// Recorded episodes, as views of their rows.
+#include "capture/episode.hpp"
+
+#include "bindings.hpp"
+
+namespace ferrule::python {
+namespace {
+
+struct ReadEpisode {
+  explicit ReadEpisode(const std::string& file) {
+    const nb::gil_scoped_release release;
+    episode = read_episode(file);
+    const Scene scene = recorded_scene(episode, file);
+    sensed = sensed_wrench(episode, scene);
+  }
+  Episode episode;
+  SensedRows sensed;
+};
+
+using View = nb::ndarray<nb::numpy, const double>;
+
+// Columns of a matrix, not copied: they keep the episode alive.
+View view(const double* first, Eigen::Index rows, int width, std::int64_t row_stride,
+          std::int64_t column_stride, nb::handle owner) {
+  const std::size_t shape[] = {static_cast<std::size_t>(rows), static_cast<std::size_t>(width)};
+  const std::int64_t strides[] = {row_stride, column_stride};
+  return {first, width == 1 ? 1U : 2U, shape, owner, strides};
+}
+
+View block_view(const ReadEpisode& e, const Block& b) {
+  const Rows& rows = e.episode.rows;
+  return view(rows.data() + b.begin, rows.rows(), b.width, kRowSize, 1, nb::find(e));
+}
+
+View sensed_view(const ReadEpisode& e, const Eigen::Matrix<double, Eigen::Dynamic, 5>& m) {
+  return view(m.data(), m.rows(), 5, 1, m.rows(), nb::find(e));
+}
+
+}  // namespace
+
+void add_episode(nb::module_& module) {
+  nb::class_<ReadEpisode> type(
+      module, "_Episode",
+      "A recorded insertion. Its arrays are views of its rows: not copied, not to be written to.");
+  type.def(nb::init<const std::string&>(), nb::arg("file"))
+      .def("__len__", [](const ReadEpisode& e) { return e.episode.rows.rows(); })
+      .def_prop_ro(
+          "scene_json", [](const ReadEpisode& e) { return e.episode.info.scene; },
+          "The scene it was recorded in, a JSON text.")
+      .def_prop_ro(
+          "operator", [](const ReadEpisode& e) { return e.episode.info.operator_; },
+          "Who held the fibre.")
+      .def_prop_ro("outcome",
+                   [](const ReadEpisode& e) { return std::string(name(e.episode.info.outcome)); })
+      .def_prop_ro("seed", [](const ReadEpisode& e) { return e.episode.info.seed; })
+      .def_prop_ro("trial", [](const ReadEpisode& e) { return e.episode.info.trial; })
+      .def_prop_ro(
+          "period", [](const ReadEpisode& e) { return e.episode.info.period; }, "[s]")
+      .def_prop_ro(
+          "wrench", [](const ReadEpisode& e) { return sensed_view(e, e.sensed.absolute); }, kOwned,
+          "As the force sensor read it: Fx, Fy, Fz [N], My, Mz [N m] in the hand's world; at rest "
+          "that is the weight. Shape (N, 5).")
+      .def_prop_ro(
+          "relative_wrench", [](const ReadEpisode& e) { return sensed_view(e, e.sensed.relative); },
+          kOwned,
+          "The same relative to that at rest at the start: what a controller observes. Shape "
+          "(N, 5).");
+  const auto add = [&](const char* name, const Block& b, const char* doc) {
+    type.def_prop_ro(
+        name, [&b](const ReadEpisode& e) { return block_view(e, b); }, kOwned, doc);
+  };
+  add("time", kTime, "t_n [s], shape (N,).");
+  add("hand_pose", kHandPose, "x, y, z [m], tilt_y, tilt_z [rad] in the hand's world; (N, 5).");
+  add("hand_velocity", kHandVelocity, "Over [t_n-1, t_n) [m/s, rad/s], hand's world; (N, 5).");
+  add("command", kCommand,
+      "Velocity of the hand over [t_n, t_n+1): what it answers to the force of the same row "
+      "[m/s, rad/s], hand's world; (N, 5).");
+  add("holder_wrench", kHolder, "Of the fibre on the hand [N, N m], at the tip's scale; (N, 5).");
+  add("forces", kForces, "x y z [N] of each of ferrule.terms, at the tip's scale; (N, 27).");
+  add("status", kStatus, "0 ok, 1 not converged, 2 bad command; (N,).");
+  add("states", kStates, "The simulator's state, at the tip's scale; (N, 41).");
+}
+
+}  // namespace ferrule::python

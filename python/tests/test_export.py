@@ -1,0 +1,143 @@
+"""Episodes in the formats of others, read back by others."""
+
+import json
+
+import gymnasium
+import h5py
+import numpy as np
+import pytest
+
+import ferrule
+from conftest import run
+
+csv = pytest.importorskip("pyarrow.csv")
+pq = pytest.importorskip("pyarrow.parquet")
+
+
+@pytest.fixture(scope="module")
+def robomimic(episodes):
+    file = episodes.parent / "all.h5"
+    run("export-episodes", episodes, "--robomimic", file, "--relative")
+    return file
+
+
+def test_robomimic_finds_what_it_needs(robomimic, episodes):
+    with h5py.File(robomimic) as f:
+        names = sorted(f["data"])
+        assert len(names) == len(list(episodes.glob("*.h5")))
+        assert f["data"].attrs["total"] == sum(f["data"][n].attrs["num_samples"] for n in names)
+        environment = json.loads(f["data"].attrs["env_args"])
+        assert environment["type"] == 2 and "/" not in environment["env_name"]
+        masks = [name.decode() for mask in ("train", "valid") for name in f["mask"][mask]]
+        assert sorted(masks) == names and len(f["mask/valid"]) == 1
+        for name in names:
+            demo, n = f["data"][name], f["data"][name].attrs["num_samples"]
+            assert demo["actions"].shape == (n, 5) and np.abs(demo["actions"][:]).max() <= 1
+            assert demo["obs/flat"].shape == demo["next_obs/flat"].shape == (n, 7)
+            assert (demo["obs/flat"][1:] == demo["next_obs/flat"][:-1]).all()
+            assert demo["dones"][:].tolist() == [0] * (n - 1) + [1]
+            assert abs(demo["rewards"][:].sum() - 2) < 0.01
+        peaks = np.max([np.abs(f["data"][n]["actions"][:]).max(axis=0) for n in names], axis=0)
+        assert (peaks[:3] > 0.9).all()  # each column is of order one
+
+
+def test_actions_are_the_mean_velocity_over_the_longer_period(robomimic, episodes):
+    episode = ferrule.Episode(sorted(episodes.glob("*.h5"))[0])
+    with h5py.File(robomimic) as f:
+        demo = f["data/demo_0"]
+        scale = demo["actions"].attrs["scale_m_s_rad_s"]
+        motion = ferrule.load_scene(episode.scene).motion_scale
+        tip = demo["actions"][:] * scale
+        way = (episode.hand_pose[50:5001:50, :3] - episode.hand_pose[:-50:50, :3][:100]) / motion
+        np.testing.assert_allclose(0.05 * tip[:100, :3], way, rtol=1e-6, atol=1e-12)
+        assert (demo["obs/flat"][:, :5] == episode.relative_wrench[::50][: len(tip)].astype("f4")).all()
+        np.testing.assert_allclose(demo["obs/flat"][:, 6], 0.05 * np.arange(len(tip)), rtol=1e-6)
+
+
+def test_the_environment_it_names_takes_its_actions_to_success(robomimic, episodes):
+    files = sorted(episodes.glob("*.h5"))
+    with h5py.File(robomimic) as f:
+        arguments = json.loads(f["data"].attrs["env_args"])["env_kwargs"]
+        arguments.pop("seed")
+        env = gymnasium.make("ferrule/Insertion-v0", **arguments).unwrapped
+        for number, file in enumerate(files[:3]):
+            episode, demo = ferrule.Episode(file), f[f"data/demo_{number}"]
+            observation, _ = env.reset(seed=episode.seed, options={"trial": episode.trial})
+            np.testing.assert_allclose(observation, demo["obs/flat"][0], atol=1e-6)
+            for action in demo["actions"]:
+                observation, _, terminated, _, info = env.step(action)
+                if terminated:
+                    break
+            assert info.get("outcome", "inserted") == "inserted"
+            assert info["inserted_length_m"] > 0.97 * env.task.scene.success_depth
+
+
+def test_lerobot_finds_what_it_needs(episodes, robomimic):
+    folder = episodes.parent / "lerobot"
+    run("export-episodes", episodes, "--lerobot", folder, "--relative")
+    info = json.loads((folder / "meta/info.json").read_text())
+    data = pq.read_table(folder / "data/chunk-000/file-000.parquet")
+    meta = pq.read_table(folder / "meta/episodes/chunk-000/file-000.parquet").to_pylist()
+    assert info["codebase_version"] == "v3.0" and info["fps"] == 20
+    assert info["total_frames"] == data.num_rows and info["total_episodes"] == len(meta)
+    assert set(info["features"]) == set(data.column_names)
+    with h5py.File(robomimic) as f:
+        for row in meta:
+            part = data.slice(row["dataset_from_index"], row["length"])
+            actions = np.array(part["action"].to_pylist(), dtype="f4")
+            demo = f[f"data/demo_{row['episode_index']}"]
+            assert (actions == demo["actions"][:].astype("f4")).all()
+            assert set(part["episode_index"].to_pylist()) == {row["episode_index"]}
+    stats = json.loads((folder / "meta/stats.json").read_text())
+    state = np.array(data["observation.state"].to_pylist())
+    np.testing.assert_allclose(stats["observation.state"]["mean"], state.mean(axis=0), rtol=1e-4, atol=1e-6)
+
+
+def test_csv_holds_every_bit(episodes):
+    folder = episodes.parent / "csv"
+    run("export-episodes", episodes, "--csv", folder)
+    for file in sorted(episodes.glob("*.h5"))[:1]:
+        episode = ferrule.Episode(file)
+        table = csv.read_csv(folder / f"{file.stem}.csv")
+        assert (table["force_friction_z_N"].to_numpy() == episode.force("friction")[:, 2]).all()
+        assert (table["wrench_My_Nm"].to_numpy() == episode.wrench[:, 3]).all()
+        assert (table["tip_tilt_y_rad"].to_numpy() == episode.states[:, 3]).all()
+
+
+def test_mcap_is_read_by_its_reader(episodes):
+    reader = pytest.importorskip("mcap.reader")
+    folder = episodes.parent / "mcap"
+    run("export-episodes", episodes, "--mcap", folder, "--rate", 10)
+    file = sorted(episodes.glob("*.h5"))[0]
+    episode = ferrule.Episode(file)
+    with open(folder / f"{file.stem}.mcap", "rb") as stream:
+        messages = list(reader.make_reader(stream).iter_messages(topics=["/relative_wrench"]))
+    assert len(messages) == len(episode.time[::100])
+    schema, channel, message = messages[7]
+    assert schema.encoding == "jsonschema" and channel.message_encoding == "json"
+    assert message.log_time == 700_000_000
+    assert json.loads(message.data)["Fy_N"] == episode.relative_wrench[700, 1]
+
+
+def test_what_cannot_be_exported_is_said(episodes, tmp_path):
+    said = run("export-episodes", episodes, "--robomimic", tmp_path / "x.h5", "--rate", 300, code=2)
+    assert "--rate 300" in said.stderr and list(tmp_path.iterdir()) == []
+    run("export-episodes", episodes, code=2)
+    run("export-episodes", tmp_path / "nowhere", "--csv", tmp_path / "x", code=3)
+    run("export-episodes", tmp_path, "--csv", tmp_path / "x", code=2)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "file").touch()
+    run("export-episodes", episodes, "--lerobot", tmp_path / "full", code=3)
+    (tmp_path / "broken").mkdir()
+    (tmp_path / "broken" / "episode_0001.h5").write_bytes(b"no episode")
+    said = run("export-episodes", tmp_path / "broken", "--robomimic", tmp_path / "x.h5", code=3)
+    assert "not a readable HDF5 file" in said.stderr
+
+
+def test_others_scenes_are_not_mixed(episodes, tmp_path):
+    both = tmp_path / "both"
+    run("record", "--scene", "demo", "--episodes", 1, "--out", both)
+    for number, file in enumerate(sorted(episodes.glob("*.h5"))[:2], start=2):
+        (both / f"episode_{number:04}.h5").write_bytes(file.read_bytes())
+    said = run("export-episodes", both, "--robomimic", tmp_path / "x.h5", code=2)
+    assert "another scene" in said.stderr

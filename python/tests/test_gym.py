@@ -1,0 +1,152 @@
+"""The Gymnasium environments."""
+
+import gymnasium
+import numpy as np
+import pytest
+from gymnasium.error import ClosedEnvironmentError, DependencyNotInstalled, ResetNeeded
+from gymnasium.utils.env_checker import check_env
+
+import ferrule
+from ferrule.insertion_env import InsertionEnv
+
+
+def make(**arguments):
+    return gymnasium.make("ferrule/Insertion-v0", scene="bench", **arguments).unwrapped
+
+
+def straight(speed=1.0):
+    return np.array([-speed, 0, 0, 0, 0], dtype=np.float32)
+
+
+def test_gymnasium_has_no_complaint():
+    check_env(make(control_hz=50, render_mode="rgb_array"))
+
+
+def test_straight_in_is_the_baseline_of_the_program():
+    env, baseline = make(control_hz=1000), ferrule.evaluate("constant-velocity", "bench", 5, seed=7)
+    observation, info = env.reset(seed=7)
+    for trial in range(5):
+        assert info["trial"] == trial
+        total, over = 0.0, False
+        while not over:
+            observation, reward, terminated, truncated, info = env.step(straight())
+            assert env.observation_space.contains(observation)
+            total, over = total + reward, terminated or truncated
+        assert info["outcome"] == baseline.outcome[trial]
+        assert info["peak_force_N"] == baseline.peak_force_N[trial]
+        assert terminated and not truncated
+        # The way into the bore adds up to 1, success to 2.
+        assert (total > 1.99) if info["is_success"] else (total < 0.9)
+        observation, info = env.reset()
+
+
+def test_time_that_runs_out_truncates():
+    env = make(overrides={"limits.time_s": 0.1})
+    env.reset(seed=1)
+    over = False
+    while not over:
+        _, reward, terminated, truncated, info = env.step(np.zeros(5, dtype=np.float32))
+        over = terminated or truncated
+    assert truncated and not terminated and info["outcome"] == "timeout" and abs(reward) < 0.1
+
+
+def test_seeds_and_options_choose_the_trial():
+    env = make()
+    tips = [env.reset(seed=3)[1]["tip"], env.reset()[1]["tip"]]
+    again = [env.reset(seed=3)[1]["tip"], env.reset(options={"trial": 1})[1]["tip"]]
+    assert (np.array(tips) == np.array(again)).all() and (tips[0] != tips[1]).any()
+    simulator = ferrule.Simulator("bench")
+    simulator.reset(seed=3, trial=1)
+    assert (simulator.tip == tips[1]).all()
+    with pytest.raises(ValueError, match="whole number"):
+        env.reset(options={"trial": -1})
+
+
+def test_pairs_that_do_not_fit_are_passed_over():
+    env = gymnasium.make("ferrule/Insertion-v0", scene="tolerance").unwrapped
+    env.reset(seed=7)
+    for _ in range(50):
+        env.reset()
+        assert not env.step(np.zeros(5, dtype=np.float32))[2]
+
+
+def test_actions_are_cut_and_checked():
+    env = make()
+    env.reset(seed=1)
+    env.step(straight(1.0))
+    once = env.simulator.tip
+    env.reset(seed=1)
+    env.step(straight(100.0))
+    assert (env.simulator.tip == once).all()
+    with pytest.raises(ValueError, match=r"expected shape \(5,\)"):
+        env.step(np.zeros(4))
+    _, reward, terminated, _, info = env.step(np.full(5, np.nan))
+    assert terminated and info["outcome"] == "invalid_output" and reward == -1
+    with pytest.raises(ResetNeeded):
+        env.step(straight())
+    env.close()
+    with pytest.raises(ClosedEnvironmentError):
+        env.reset()
+    for wrong in [dict(control_hz=300), dict(control_hz=0), dict(action_scale=[1, 1])]:
+        with pytest.raises(ValueError, match=next(iter(wrong))):
+            make(**wrong)
+    with pytest.raises(DependencyNotInstalled, match="window"):
+        InsertionEnv("bench", render_mode="human")
+
+
+def test_many_at_once_are_one_after_another():
+    many = gymnasium.make_vec("ferrule/Insertion-v0", num_envs=3, scene="bench", control_hz=20)
+    one = make(control_hz=20)
+    generator = np.random.default_rng(1)
+    observations, info = many.reset(seed=5)
+    rows = [[o] for o in observations]
+    actions = [[] for _ in range(3)]
+    ends = [None] * 3
+    while None in ends:
+        action = generator.uniform(-1, 0.2, (3, 5)).astype(np.float32)
+        observations, rewards, terminated, truncated, info = many.step(action)
+        for i in range(3):
+            if ends[i] is None:
+                rows[i].append(observations[i])
+                actions[i].append((action[i], rewards[i]))
+                if terminated[i] or truncated[i]:
+                    ends[i] = info["outcome"][i]
+    for i in range(3):
+        observation, _ = one.reset(seed=5, options={"trial": i})
+        assert (observation == rows[i][0]).all()
+        for (action, reward), expected in zip(actions[i], rows[i][1:]):
+            observation, found, _, _, info = one.step(action)
+            assert (observation == expected).all() and found == reward
+        assert info["outcome"] == ends[i]
+
+
+def test_an_ended_one_begins_anew_in_the_next_step():
+    many = gymnasium.make_vec(
+        "ferrule/Insertion-v0", num_envs=2, scene="bench", overrides={"limits.time_s": 0.05}
+    )
+    many.reset(seed=1)
+    action = np.zeros((2, 5), dtype=np.float32)
+    for _ in range(10):
+        _, _, _, truncated, _ = many.step(action)
+        if truncated.any():
+            break
+    observations, rewards, terminated, truncated, info = many.step(action)
+    assert (observations[:, 6] == 0).all() and (rewards == 0).all() and not truncated.any()
+    assert info["trial"].tolist() == [2, 3]
+    with pytest.raises(ValueError, match=r"expected shape \(2, 5\)"):
+        many.step(np.zeros((3, 5)))
+    many.close()
+    with pytest.raises(ClosedEnvironmentError):
+        many.reset()
+
+
+def test_the_picture_shows_the_fibre():
+    env = make(render_mode="rgb_array")
+    env.reset(seed=1)
+    first = env.render()
+    for _ in range(300):
+        env.step(straight(0.5))
+    later = env.render()
+    assert first.shape == (360, 480, 3) and first.dtype == np.uint8
+    fibre = (np.array([70, 130, 200]) == first).all(axis=2)
+    assert 0.1 < fibre.mean() < 0.9 and (first != later).any()

@@ -1,0 +1,62 @@
+#include "controller/stepped_trial.hpp"
+
+#include <gtest/gtest.h>
+
+#include "controller/insertion_law.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "tests/scenes.hpp"
+
+namespace ferrule {
+namespace {
+
+const InsertionLaw kLaw({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
+
+std::shared_ptr<const Scene> noisy() {
+  return std::make_shared<Scene>(testing::paper({"start.lateral_sd_um=6", "start.distance_um=20",
+                                                 "success.depth_um=10", "limits.force_uN=3",
+                                                 "sensor={\"noise_uN\":0.01,\"bias_uN\":0.01,"
+                                                 "\"bandwidth_Hz\":200,\"resolution_uN\":0.001}"}));
+}
+
+// Whoever answers, the trial is the same, to the last bit.
+TEST(SteppedTrial, HasTheBitsOfATrialThatItsControllerRuns) {
+  const auto scene = noisy();
+  for (std::uint64_t trial = 0; trial < 6; ++trial) {
+    InsertionLaw inside = kLaw, outside = kLaw;
+    const TrialResult run = run_trial(*scene, scene_scaling(*scene), inside, 5, trial);
+    SteppedTrial stepped(scene, 5, trial);
+    while (!stepped.ended()) stepped.step(outside.command(stepped.observation()));
+    EXPECT_EQ(stepped.ended()->outcome, run.outcome);
+    EXPECT_EQ(stepped.ended()->summary.time, run.summary.time);
+    EXPECT_EQ(stepped.ended()->summary.peak_force, run.summary.peak_force);
+    EXPECT_EQ(stepped.ended()->summary.friction_work, run.summary.friction_work);
+    EXPECT_EQ(stepped.ended()->summary.offset, run.summary.offset);
+  }
+}
+
+TEST(SteppedTrial, IsCutToTheSpeedLimitAndStaysAsItEnded) {
+  const auto scene = noisy();
+  SteppedTrial trial(scene, 1, 1);
+  HandTwist fast = HandTwist::Zero();
+  fast[0] = -1;
+  const double start = trial.result().state.command[0];
+  trial.step(fast);
+  EXPECT_NEAR(trial.result().state.command[0], start - 1e-3 * scene->limits.speed, 1e-18);
+  trial.step(HandTwist::Constant(std::numeric_limits<double>::quiet_NaN()));
+  ASSERT_TRUE(trial.ended());
+  EXPECT_EQ(trial.ended()->outcome, Outcome::invalid_output);
+  const double ended = trial.time();
+  trial.step(fast);
+  EXPECT_EQ(trial.time(), ended);
+}
+
+TEST(SteppedTrial, OfPartsThatDoNotFitHasEndedAsInfeasible) {
+  const auto scene = std::make_shared<Scene>(
+      testing::paper({"tolerance={\"fibre_diameter_sd_um\":0,\"bore_diameter_um\":[120,121]}"}));
+  const SteppedTrial trial(scene, 1, 1);
+  ASSERT_TRUE(trial.ended());
+  EXPECT_EQ(trial.ended()->outcome, Outcome::infeasible);
+}
+
+}  // namespace
+}  // namespace ferrule
