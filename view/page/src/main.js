@@ -21,7 +21,8 @@ import {colours, watchTheme} from './theme.js';
 
 const kStripSeconds = 8;
 const kStripPeriod = 100;  // between pictures of the strips while they run [ms]; of software twice that
-const kSolidPeriod = 66;   // and of 3-D where software renders it
+const kSolidPeriods = [66, 400];  // and of 3-D where software renders it, as it can
+const kLate = 30;          // a picture that comes so long after the one before is late
 const kHandPeriod = 16;    // between words of the hand [ms]
 const kBends = [1, 10, 100, 1000];
 
@@ -54,6 +55,8 @@ class Page {
     /** @type {(() => void) | null} draws the strips of a replay */
     this.restrip = null;
     this.solidDrawn = 0;
+    this.solidPeriod = kSolidPeriods[0];
+    this.late = {pictures: 0, any: false};  // since 3-D was drawn
     /** @type {{read: Read, other: Read | null} | null} what 3-D does not show yet */
     this.solidDue = null;
     this.rumbled = 0;
@@ -267,6 +270,7 @@ class Page {
     this.before = now;
     if (this.replay) this.frameReplay(elapsed);
     else if (this.live) this.frameLive(now);
+    this.pace(1e3 * elapsed);
     this.drawSolid(now);
     this.count(now);
     requestAnimationFrame((next) => this.frame(next));
@@ -334,10 +338,18 @@ class Page {
     this.redraw();
   }
 
+  /** 3-D is drawn less often while pictures are late after it. @param {number} since the picture before [ms] */
+  pace(since) {
+    const {late} = this, [least, most] = kSolidPeriods;
+    late.any ||= since > kLate;
+    if (++late.pictures === 3) this.solidPeriod = Math.max(least, Math.min(most, (late.any ? 1.3 : 0.95) * this.solidPeriod));
+  }
+
   /** 3-D, at its own pace. @param {number} now */
   drawSolid(now) {
-    if (!this.solid || !this.solidDue || (software && now - this.solidDrawn < kSolidPeriod)) return;
+    if (!this.solid || !this.solidDue || (software && now - this.solidDrawn < this.solidPeriod)) return;
     this.solidDrawn = now;
+    this.late = {pictures: 0, any: false};
     if (this.solid.draw(this.solidDue.read, this.solidDue.other, this.bend)) this.drawn.solid ||= performance.now();
     this.solidDue = null;
   }
