@@ -11,8 +11,8 @@ const kHold = 3000;     // how an insertion ended is shown so long, before the n
 const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
 
 export class Live {
-  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean) => void}} on */
-  constructor(on) {
+  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean) => void}} on @param {WebSocket} socket that is being opened */
+  constructor(on, socket) {
     this.on = on;
     /** @type {WebSocket | null} */
     this.socket = null;
@@ -35,13 +35,19 @@ export class Live {
     this.batches = 0;
     this.retry = 250;
     this.said = 0;
-    this.connect();
+    this.connect(socket);
   }
 
-  connect() {
+  /** A connection to the program that served the page. */
+  static socket() {
     const here = new URL('live', location.href);
     here.protocol = 'ws:';
-    const socket = new WebSocket(here);
+    here.hash = '';
+    return new WebSocket(here);
+  }
+
+  /** @param {WebSocket} socket */
+  connect(socket) {
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     socket.addEventListener('open', () => {
@@ -54,7 +60,7 @@ export class Live {
     });
     socket.addEventListener('close', () => {
       this.on.connected(false);
-      setTimeout(() => this.connect(), this.retry);
+      setTimeout(() => this.connect(Live.socket()), this.retry);
       this.retry = Math.min(4000, 2 * this.retry);
     });
   }

@@ -227,7 +227,8 @@ class Page {
     else this.replay.say('There is nothing recorded here.');
   }
 
-  startLive() {
+  /** @param {WebSocket} socket that is being opened */
+  startLive(socket) {
     document.body.dataset.mode = 'live';
     choose(byId('tab-session', HTMLElement));
     const live = this.live = new Live({
@@ -255,7 +256,7 @@ class Page {
         byId('connection', HTMLElement).dataset.good = String(is);
         if (is) byId('said', HTMLElement).textContent = '';
       },
-    });
+    }, socket);
     const session = this.session = new Session((message) => live.send(message));
     // Not with the pictures: where they are slow the hand is not silent.
     setInterval(() => {
@@ -374,7 +375,7 @@ class Page {
     this.frames.since = now;
     if (this.live) this.live.states = 0;
     const text = `${fixed(this.frames.rate, 0)} pictures/s` + (this.live ? `, ${fixed(states, 0)} states/s, hand to picture ${fixed(this.live.medianLatency(), 0)} ms (median of ${this.live.latencies.length})` : '');
-    byId('health', HTMLElement).textContent = text;
+    byId('health', HTMLElement).textContent = `${text}; first picture after ${fixed(this.drawn.first, 0)} ms`;
   }
 }
 
@@ -405,15 +406,17 @@ function choose(tab) {
 }
 
 async function main() {
+  const recorded = embedded();
+  // The program answers while the page is put together.
+  const socket = !recorded && location.protocol.startsWith('http') ? Live.socket() : null;
   const page = new Page();
   Object.assign(globalThis, {ferrule: page});  // for a console
-  const recorded = embedded();
   if (recorded === 'served') {
     const answer = await fetch('recorded');
     if (answer.ok) page.startReplay(await answer.json());
     else byId('said', HTMLElement).textContent = await answer.text();
   } else if (recorded) page.startReplay(recorded);
-  else if (location.protocol.startsWith('http')) page.startLive();
+  else if (socket) page.startLive(socket);
   else byId('said', HTMLElement).textContent = 'This file holds no recording.';
   page.frame(performance.now());
 }
