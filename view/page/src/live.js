@@ -20,6 +20,8 @@ export class Live {
     this.history = null;
     /** @type {Table | null} the newest row */
     this.newest = null;
+    /** @type {Message[]} wanted before there was a connection */
+    this.unsent = [];
     this.seq = 0;
     /** @type {Map<number, number>} when a word of the hand was sent [ms] */
     this.sent = new Map();
@@ -53,6 +55,7 @@ export class Live {
     socket.addEventListener('open', () => {
       this.retry = 250;
       this.on.connected(true);
+      for (const message of this.unsent.splice(0)) this.send(message);
     });
     socket.addEventListener('message', (event) => {
       if (typeof event.data === 'string') this.text(event.data);
@@ -67,8 +70,11 @@ export class Live {
 
   /** @param {string} text */
   text(text) {
-    /** @type {Message} */
-    const message = JSON.parse(text);
+    this.take(JSON.parse(text));
+  }
+
+  /** @param {Message} message */
+  take(message) {
     if (message.type !== 'hello') return this.on.message(message);
     const hello = /** @type {Hello} */ (/** @type {unknown} */ (message));
     if (hello.protocol !== kProtocol) return this.on.message({type: 'error', text: 'this page is of another version of the program: load it again'});
@@ -105,6 +111,14 @@ export class Live {
     }
   }
 
+  /** What the page came with. @param {import('./recording.js').FirstPicture} picture */
+  begin(picture) {
+    this.take(picture.hello);
+    this.take(picture.state);
+    this.newest?.append(Float32Array.from(picture.frame, (x) => x ?? NaN));
+    ++this.arrived;
+  }
+
   /** For a while the newest row stays what it is. */
   hold() {
     this.held = new ArrayBuffer(0);
@@ -121,6 +135,7 @@ export class Live {
 
   /** @param {Message} message */
   send(message) {
+    if (this.socket?.readyState === WebSocket.CONNECTING && message.type !== 'hand') this.unsent.push(message);
     if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
   }
 

@@ -227,8 +227,8 @@ class Page {
     else this.replay.say('There is nothing recorded here.');
   }
 
-  /** @param {WebSocket} socket that is being opened */
-  startLive(socket) {
+  /** @param {WebSocket} socket that is being opened @param {import('./recording.js').FirstPicture} picture */
+  startLive(socket, picture) {
     document.body.dataset.mode = 'live';
     choose(byId('tab-session', HTMLElement));
     const live = this.live = new Live({
@@ -258,6 +258,7 @@ class Page {
       },
     }, socket);
     const session = this.session = new Session((message) => live.send(message));
+    live.begin(picture);
     // Not with the pictures: where they are slow the hand is not silent.
     setInterval(() => {
       if (this.hand.started()) session.toggle();
@@ -408,15 +409,17 @@ function choose(tab) {
 async function main() {
   const recorded = embedded();
   // The program answers while the page is put together.
-  const socket = !recorded && location.protocol.startsWith('http') ? Live.socket() : null;
+  const socket = recorded !== 'served' && recorded?.mode === 'live' && location.protocol.startsWith('http') ? Live.socket() : null;
   const page = new Page();
   Object.assign(globalThis, {ferrule: page});  // for a console
   if (recorded === 'served') {
     const answer = await fetch('recorded');
     if (answer.ok) page.startReplay(await answer.json());
     else byId('said', HTMLElement).textContent = await answer.text();
+  } else if (recorded?.mode === 'live') {
+    if (socket) page.startLive(socket, recorded);
+    else byId('said', HTMLElement).textContent = 'This page shows a program that runs, and was saved: nothing is recorded in it.';
   } else if (recorded) page.startReplay(recorded);
-  else if (socket) page.startLive(socket);
   else byId('said', HTMLElement).textContent = 'This file holds no recording.';
   page.frame(performance.now());
 }
