@@ -68,7 +68,8 @@ SessionDevice session_device(const OpenDevice& device, const HandSettings& setti
 int replay_in_browser(const ViewArguments& a) {
   const std::string page = self_contained(load_page(), kServed);
   const RecordedView recorded(a.recorded, a.scene);
-  Server server(a.port, {page, [&recorded](const std::string& file) { return recorded.json(file); },
+  Server server(a.port, {[&page] { return page; },
+                         [&recorded](const std::string& file) { return recorded.json(file); },
                          [] { return std::vector<SharedPayload>(); },
                          [](std::uint64_t, std::string_view) {}});
   fmt::print("{}{}\n", recorded.provenance().head(), server.address());
@@ -110,12 +111,15 @@ int live_verb(const ViewArguments& a) {
   Session session(std::move(settings), [&server](SharedPayload payload) {
     if (server) server->send(std::move(payload));
   });
+  self_contained(page, session.first_picture());  // throws now where it is not our page
   server = std::make_unique<Server>(
-      a.port, Server::Served{page, [](const std::string&) { return std::optional<std::string>(); },
-                             [&session] { return session.greeting(); },
-                             [&session](std::uint64_t client, std::string_view text) {
-                               session.message(client, text);
-                             }});
+      a.port,
+      Server::Served{[&page, &session] { return self_contained(page, session.first_picture()); },
+                     [](const std::string&) { return std::optional<std::string>(); },
+                     [&session] { return session.greeting(); },
+                     [&session](std::uint64_t client, std::string_view text) {
+                       session.message(client, text);
+                     }});
   fmt::print("{}{}\n", provenance.head(), server->address());
   std::fflush(stdout);
   if (!a.no_open) open_in_browser(server->address());

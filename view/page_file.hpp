@@ -17,7 +17,7 @@ std::string load_page();
 extern const char* const kNoPage;
 
 // `page` with what it is to replay (view/recorded.hpp) inside, needing nothing beside it; or with
-// kServed, which has it ask the program for that.
+// kServed, which has it ask the program for that; or with Session::first_picture, to begin with.
 std::string self_contained(const std::string& page, const Json& recorded);
 inline constexpr const char* kServed = "served";
 

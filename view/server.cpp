@@ -300,7 +300,7 @@ class Server::Work::Connection : public std::enable_shared_from_this<Connection>
     if (path == "/recorded") return recorded(file_of(query));
     if (path == "/") {
       Response page =
-          respond(request, http::status::ok, work_.served_.page, "text/html; charset=utf-8");
+          respond(request, http::status::ok, work_.served_.page(), "text/html; charset=utf-8");
       page.set("Content-Security-Policy", content_policy(work_.port_));
       return write(std::move(page));
     }

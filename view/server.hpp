@@ -43,7 +43,7 @@ class Server {
 
   // What it serves. All but `recorded` are called in the server's thread.
   struct Served {
-    std::string page;  // HTML
+    std::function<std::string()> page;  // HTML, for one who asks now
     // `file` is what the request says, empty where it says none. Empty: there is nothing. Called in
     // a thread that may take its time; throws BadInput, FileTrouble.
     std::function<std::optional<std::string>(const std::string& file)> recorded;

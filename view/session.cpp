@@ -143,6 +143,17 @@ std::vector<SharedPayload> Session::greeting() {
   return all;
 }
 
+Json Session::first_picture() {
+  const std::lock_guard lock(mutex_);
+  Json frame = Json::array();
+  if (!recent_.empty())
+    for (const float x : recent_.back()) frame.push_back(number_or_null(x));
+  return {{"mode", "live"},
+          {"hello", Json::parse(said_.at("hello")->bytes)},
+          {"state", Json::parse(said_.at("state_of_session")->bytes)},
+          {"frame", frame}};
+}
+
 void Session::message(std::uint64_t client, std::string_view text) {
   Message message = parse_message(text);
   if (const auto* hand = std::get_if<HandMessage>(&message)) {

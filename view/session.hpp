@@ -53,6 +53,9 @@ class Session {
 
   // For Server::Served, in its thread.
   std::vector<SharedPayload> greeting();
+  // What a page draws before it has heard anything: {"mode": "live", "hello", "state" (as they were
+  // said), "frame": the newest row, null where a number is none}.
+  Json first_picture();
   void message(std::uint64_t client, std::string_view text);
 
   // The episode of the folder with that name. Throws BadInput where there is none, and while an

@@ -18,6 +18,9 @@ SHORT = ["--scene", "demo", "--set", "start.distance_um=15", "--set", "success.d
          "--set", "start.lateral_sd_um=3"]
 
 
+ELEMENT = '<script type="application/json" id="recorded">'
+
+
 class View(Case):
     def setUp(self):
         super().setUp()
@@ -27,7 +30,7 @@ class View(Case):
         shutil.copy(PROGRAM, self.program)
         shutil.copytree(SOURCE + "/data", self.path("share/ferrule"))
         with open(self.path("share/ferrule/page.html"), "w") as page:
-            page.write("<!doctype html><title>a page</title>")
+            page.write(f"<!doctype html><title>a page</title>{ELEMENT}</script>")
         self.out = self.path("out")
 
     def view(self, *arguments):
@@ -78,7 +81,19 @@ class View(Case):
 
     def test_what_a_page_inserts_is_recorded_scored_fitted_and_inserted_again(self):
         process, address = self.view(*SHORT, "--trainee", "Ada", "--seed", 5)
-        self.assertIn(b"a page", urllib.request.urlopen(address).read())
+        page = urllib.request.urlopen(address).read().decode()
+        self.assertIn("a page", page)
+        # It comes with what is to be drawn first.
+        first, window = json.loads(page.split(ELEMENT)[1].split("</script>")[0]), Window(address)
+        self.assertEqual(first["hello"], window.hear_of("hello"))
+        self.assertFalse(first["state"]["running"])
+        heard = window.hear()
+        while isinstance(heard, dict) or heard[0] != 1:
+            heard = window.hear()
+        for shown, said in zip(first["frame"], heard[2][0], strict=True):
+            self.assertEqual(None if shown is None else numpy.float32(shown),
+                             numpy.float32(said) if numpy.isfinite(said) else None)
+        window.close()
         window = Window(address)
         for number in range(1, 4):
             history, ended = self.insert(window)

@@ -79,7 +79,7 @@ class ServerTest : public ::testing::Test {
 
   std::atomic<int> messages = 0;
   Server server{0,
-                {"<title>the page</title>",
+                {[] { return std::string("<title>the page</title>"); },
                  [](const std::string& file) -> std::optional<std::string> {
                    if (file.empty()) return std::nullopt;
                    if (file == "trouble") throw BadInput("no such episode");

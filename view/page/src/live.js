@@ -11,8 +11,8 @@ const kHold = 3000;     // how an insertion ended is shown so long, before the n
 const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
 
 export class Live {
-  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean) => void}} on */
-  constructor(on) {
+  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean) => void}} on @param {WebSocket} socket that is being opened */
+  constructor(on, socket) {
     this.on = on;
     /** @type {WebSocket | null} */
     this.socket = null;
@@ -20,6 +20,8 @@ export class Live {
     this.history = null;
     /** @type {Table | null} the newest row */
     this.newest = null;
+    /** @type {Message[]} wanted before there was a connection */
+    this.unsent = [];
     this.seq = 0;
     /** @type {Map<number, number>} when a word of the hand was sent [ms] */
     this.sent = new Map();
@@ -35,18 +37,25 @@ export class Live {
     this.batches = 0;
     this.retry = 250;
     this.said = 0;
-    this.connect();
+    this.connect(socket);
   }
 
-  connect() {
+  /** A connection to the program that served the page. */
+  static socket() {
     const here = new URL('live', location.href);
     here.protocol = 'ws:';
-    const socket = new WebSocket(here);
+    here.hash = '';
+    return new WebSocket(here);
+  }
+
+  /** @param {WebSocket} socket */
+  connect(socket) {
     socket.binaryType = 'arraybuffer';
     this.socket = socket;
     socket.addEventListener('open', () => {
       this.retry = 250;
       this.on.connected(true);
+      for (const message of this.unsent.splice(0)) this.send(message);
     });
     socket.addEventListener('message', (event) => {
       if (typeof event.data === 'string') this.text(event.data);
@@ -54,15 +63,18 @@ export class Live {
     });
     socket.addEventListener('close', () => {
       this.on.connected(false);
-      setTimeout(() => this.connect(), this.retry);
+      setTimeout(() => this.connect(Live.socket()), this.retry);
       this.retry = Math.min(4000, 2 * this.retry);
     });
   }
 
   /** @param {string} text */
   text(text) {
-    /** @type {Message} */
-    const message = JSON.parse(text);
+    this.take(JSON.parse(text));
+  }
+
+  /** @param {Message} message */
+  take(message) {
     if (message.type !== 'hello') return this.on.message(message);
     const hello = /** @type {Hello} */ (/** @type {unknown} */ (message));
     if (hello.protocol !== kProtocol) return this.on.message({type: 'error', text: 'this page is of another version of the program: load it again'});
@@ -99,6 +111,14 @@ export class Live {
     }
   }
 
+  /** What the page came with. @param {import('./recording.js').FirstPicture} picture */
+  begin(picture) {
+    this.take(picture.hello);
+    this.take(picture.state);
+    this.newest?.append(Float32Array.from(picture.frame, (x) => x ?? NaN));
+    ++this.arrived;
+  }
+
   /** For a while the newest row stays what it is. */
   hold() {
     this.held = new ArrayBuffer(0);
@@ -115,6 +135,7 @@ export class Live {
 
   /** @param {Message} message */
   send(message) {
+    if (this.socket?.readyState === WebSocket.CONNECTING && message.type !== 'hand') this.unsent.push(message);
     if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
   }
 

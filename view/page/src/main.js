@@ -21,7 +21,8 @@ import {colours, watchTheme} from './theme.js';
 
 const kStripSeconds = 8;
 const kStripPeriod = 100;  // between pictures of the strips while they run [ms]; of software twice that
-const kSolidPeriod = 66;   // and of 3-D where software renders it
+const kSolidPeriods = [66, 400];  // and of 3-D where software renders it, as it can
+const kLate = 30;          // a picture that comes so long after the one before is late
 const kHandPeriod = 16;    // between words of the hand [ms]
 const kBends = [1, 10, 100, 1000];
 
@@ -54,6 +55,8 @@ class Page {
     /** @type {(() => void) | null} draws the strips of a replay */
     this.restrip = null;
     this.solidDrawn = 0;
+    this.solidPeriod = kSolidPeriods[0];
+    this.late = {pictures: 0, any: false};  // since 3-D was drawn
     /** @type {{read: Read, other: Read | null} | null} what 3-D does not show yet */
     this.solidDue = null;
     this.rumbled = 0;
@@ -224,7 +227,8 @@ class Page {
     else this.replay.say('There is nothing recorded here.');
   }
 
-  startLive() {
+  /** @param {WebSocket} socket that is being opened @param {import('./recording.js').FirstPicture} picture */
+  startLive(socket, picture) {
     document.body.dataset.mode = 'live';
     choose(byId('tab-session', HTMLElement));
     const live = this.live = new Live({
@@ -252,8 +256,9 @@ class Page {
         byId('connection', HTMLElement).dataset.good = String(is);
         if (is) byId('said', HTMLElement).textContent = '';
       },
-    });
+    }, socket);
     const session = this.session = new Session((message) => live.send(message));
+    live.begin(picture);
     // Not with the pictures: where they are slow the hand is not silent.
     setInterval(() => {
       if (this.hand.started()) session.toggle();
@@ -267,6 +272,7 @@ class Page {
     this.before = now;
     if (this.replay) this.frameReplay(elapsed);
     else if (this.live) this.frameLive(now);
+    this.pace(1e3 * elapsed);
     this.drawSolid(now);
     this.count(now);
     requestAnimationFrame((next) => this.frame(next));
@@ -334,10 +340,18 @@ class Page {
     this.redraw();
   }
 
+  /** 3-D is drawn less often while pictures are late after it. @param {number} since the picture before [ms] */
+  pace(since) {
+    const {late} = this, [least, most] = kSolidPeriods;
+    late.any ||= since > kLate;
+    if (++late.pictures === 3) this.solidPeriod = Math.max(least, Math.min(most, (late.any ? 1.3 : 0.95) * this.solidPeriod));
+  }
+
   /** 3-D, at its own pace. @param {number} now */
   drawSolid(now) {
-    if (!this.solid || !this.solidDue || (software && now - this.solidDrawn < kSolidPeriod)) return;
+    if (!this.solid || !this.solidDue || (software && now - this.solidDrawn < this.solidPeriod)) return;
     this.solidDrawn = now;
+    this.late = {pictures: 0, any: false};
     if (this.solid.draw(this.solidDue.read, this.solidDue.other, this.bend)) this.drawn.solid ||= performance.now();
     this.solidDue = null;
   }
@@ -362,7 +376,7 @@ class Page {
     this.frames.since = now;
     if (this.live) this.live.states = 0;
     const text = `${fixed(this.frames.rate, 0)} pictures/s` + (this.live ? `, ${fixed(states, 0)} states/s, hand to picture ${fixed(this.live.medianLatency(), 0)} ms (median of ${this.live.latencies.length})` : '');
-    byId('health', HTMLElement).textContent = text;
+    byId('health', HTMLElement).textContent = `${text}; first picture after ${fixed(this.drawn.first, 0)} ms`;
   }
 }
 
@@ -393,15 +407,19 @@ function choose(tab) {
 }
 
 async function main() {
+  const recorded = embedded();
+  // The program answers while the page is put together.
+  const socket = recorded !== 'served' && recorded?.mode === 'live' && location.protocol.startsWith('http') ? Live.socket() : null;
   const page = new Page();
   Object.assign(globalThis, {ferrule: page});  // for a console
-  const recorded = embedded();
   if (recorded === 'served') {
     const answer = await fetch('recorded');
     if (answer.ok) page.startReplay(await answer.json());
     else byId('said', HTMLElement).textContent = await answer.text();
+  } else if (recorded?.mode === 'live') {
+    if (socket) page.startLive(socket, recorded);
+    else byId('said', HTMLElement).textContent = 'This page shows a program that runs, and was saved: nothing is recorded in it.';
   } else if (recorded) page.startReplay(recorded);
-  else if (location.protocol.startsWith('http')) page.startLive();
   else byId('said', HTMLElement).textContent = 'This file holds no recording.';
   page.frame(performance.now());
 }

@@ -16,6 +16,7 @@ import {Table} from './table.js';
  * @typedef {{title: string, command: string, points: MapPoint[]}} MapJson
  * @typedef {{mode: 'replay', title?: string, scene: Scene, columns: string[], phases: string[],
  *   runs: RunJson[], maps?: MapJson[], over?: number}} RecordedJson
+ * @typedef {{mode: 'live', hello: import('./live.js').Message, state: import('./live.js').Message, frame: (number | null)[]}} FirstPicture
  */
 
 /** One insertion that is over. */
@@ -64,7 +65,10 @@ export async function unpacked(base64, columns) {
   return new Float32Array(bits.buffer);
 }
 
-/** What an exported file holds; 'served' where the program has it; null where there is nothing. @returns {RecordedJson | 'served' | null} */
+/**
+ * What an exported file holds; 'served' where the program has it; null where there is nothing; of a running program what is drawn first.
+ * @returns {RecordedJson | FirstPicture | 'served' | null}
+ */
 export function embedded() {
   const text = document.getElementById('recorded')?.textContent?.trim();
   return text ? JSON.parse(text) : null;
