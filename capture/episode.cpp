@@ -24,7 +24,7 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-constexpr std::int64_t kFormatVersion = 1;
+constexpr std::int64_t kFormatVersion = 2;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 constexpr const char* kInputsHash = "inputs_sha1";
@@ -109,7 +109,8 @@ void add_derived(Content& content, const Episode& episode, const Scene& scene) {
   add(content, {demo + "/dones", dones, Table::whole, true}, "1", "1 in the last row");
 
   const Matrix wrench = sensed_wrench(episode, scene).absolute;
-  const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
+  const double entrance = registered_entrance(scene);
+  const Matrix depth = 1e3 * (entrance - rows.col(kHandPose.begin).array()).max(0.0).matrix();
   const Matrix time = rows.middleCols(kTime.begin, 1);
   for (const std::string& group : {demo + "/obs", demo + "/next_obs"}) {
     content.attributes[group];

@@ -18,7 +18,8 @@ double friction_radius(const World& world, double depth, int branch) noexcept {
   if (std::holds_alternative<printed::Friction>(world.laws.friction))
     return printed::contact_radius(depth);
   if (present(world.laws.adhesion)) return adhesion_force(world.laws, depth, branch).radius;
-  return std::sqrt(std::max(0.0, depth) * world.annulus.fibre_radius);
+  const double radius = world.laws.wall ? world.laws.wall->radius : world.annulus.fibre_radius;
+  return std::sqrt(std::max(0.0, depth) * radius);
 }
 
 AdhesionForce adhesion_force(const Laws& laws, double depth, int branch) noexcept {
