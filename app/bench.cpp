@@ -239,27 +239,33 @@ Json capture_json(const CaptureRow& r) {
           {"direction_deg", r.direction_deg},
           {"speed_um_s", r.speed_um_s},
           {"step_s", r.step_s},
+          {"edge_um", r.edge_um},
+          {"cleave_deg", r.cleave_deg},
           {"lead_in", r.lead_in},
           {"inserted", r.inserted}};
 }
 
 void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
-  // By lead-in, offset and what must be: how many went in, of how many.
-  std::map<std::tuple<bool, double, bool>, std::pair<std::size_t, std::size_t>> counts;
+  // By lead-in, edge, cleave, offset and what must be: how many went in, of how many.
+  std::map<std::tuple<bool, double, double, double, bool>, std::pair<std::size_t, std::size_t>>
+      counts;
   for (const CaptureRow& r : rows) {
-    auto& [in, all] = counts[{r.lead_in, r.offset_clearances, r.expected()}];
+    auto& [in, all] =
+        counts[{r.lead_in, r.edge_um, r.cleave_deg, r.offset_clearances, r.expected()}];
     in += r.inserted;
     ++all;
   }
-  fmt::print("{:<12} {:>10} {:>12} {:>12}\n", "mouth", "offset", "must go in", "inserted");
+  fmt::print("{:<12} {:>10} {:>12} {:>10} {:>12} {:>12}\n", "mouth", "edge [um]", "cleave [deg]",
+             "offset", "must go in", "inserted");
   for (const auto& [key, count] : counts)
-    fmt::print("{:<12} {:>10.5g} {:>12} {:>12}\n", std::get<0>(key) ? "lead-in" : "sharp",
-               std::get<1>(key), std::get<2>(key) ? "yes" : "no",
+    fmt::print("{:<12} {:>10g} {:>12g} {:>10.5g} {:>12} {:>12}\n",
+               std::get<0>(key) ? "lead-in" : "sharp", std::get<1>(key), std::get<2>(key),
+               std::get<3>(key), std::get<4>(key) ? "yes" : "no",
                fmt::format("{} of {}", count.first, count.second));
-  fmt::print("offsets in clearances; a sharp bore takes those below 1");
-  if (!rows.empty() && rows.back().lead_in)
-    fmt::print(", a lead-in those below {:.5g}, its rim", rows.back().capture_clearances);
-  fmt::print("\n{} of {} wrong\n", wrong, rows.size());
+  fmt::print(
+      "offsets in clearances; a sharp bore takes those below 1, a lead-in those below its rim; a "
+      "rounded end its radius more\n{} of {} wrong\n",
+      wrong, rows.size());
 }
 
 int capture(const BenchArguments& a) {

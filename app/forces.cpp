@@ -46,7 +46,8 @@ void print_table(const std::vector<ForceRow>& rows, const Laws& laws) {
     fmt::print("\n");
   }
   fmt::print(
-      "forces in uN; attraction negative; friction, meniscus and drag magnitudes; \"-\": not in "
+      "forces in uN; attraction negative; friction, meniscus, drag and flow magnitudes; \"-\": not "
+      "in "
       "contact\n");
 }
 
@@ -134,6 +135,13 @@ int forces_of_recording(const ForcesArguments& a) {
   return kDone;
 }
 
+// What is no force at a gap: of the fibre's curl.
+Json curl_json(const FreeCurl& curl) {
+  return {{"aside_um", 1e6 * curl.aside},
+          {"tilt_mrad", 1e3 * curl.tilt},
+          {"straightening_uN", 1e6 * curl.force}};
+}
+
 int forces_verb(const ForcesArguments& a) {
   if (!a.episode.empty()) return forces_of_recording(a);
   const Scene scene = scene_in_form(a);
@@ -141,18 +149,24 @@ int forces_verb(const ForcesArguments& a) {
   const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
   if (!a.plot.empty() && !interrupted())
     write_plot(a.plot, force_plot(rows, swept(asked), scene.name));
+  const auto curl = free_curl(scene.parameters);
   Provenance provenance;
   provenance.in({scene, scene_file(a.scene.name())});
   if (interrupted()) provenance.partial(fmt::format("{} rows", rows.size()));
   if (a.output.text()) {
     fmt::print("{}", provenance.head());
     print_table(rows, scene.world.laws);
+    if (curl)
+      fmt::print(
+          "curl: the free end lies {:.4g} um aside and tilts by {:.4g} mrad; {:.4g} uN across "
+          "it hold it straight\n",
+          1e6 * curl->aside, 1e3 * curl->tilt, 1e6 * curl->force);
     fmt::print("{}", provenance.foot());
   }
-  print_result(a.output,
-               {{"scene", scene.name},
-                {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}},
-               "rows", provenance);
+  Json json = {{"scene", scene.name},
+               {"rows", json_list(rows, [](const ForceRow& r) { return to_json(r); })}};
+  if (curl) json["curl"] = curl_json(*curl);
+  print_result(a.output, json, "rows", provenance);
   return interrupted() ? kInterrupted : kDone;
 }
 
@@ -180,8 +194,9 @@ void add_forces(CLI::App& app, Run& run) {
                    "Angle between the axes; the gap is the smallest then")
       ->capture_default_str()
       ->check(number_between(0, 100));
-  verb->add_option("--speed-um-s", a->speed_um_s,
-                   "Speed that drag is given for: along the bore, and towards the wall (squeeze)")
+  verb->add_option(
+          "--speed-um-s", a->speed_um_s,
+          "Speed that drag and flow are given for: along the bore, and towards the wall (squeeze)")
       ->capture_default_str()
       ->check(number_between(0, 1e9));
   add_output(*verb, a->output);

@@ -136,7 +136,7 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   const std::unique_ptr<Controller> controller = holding.make(drawn.trial);
   ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
-                      1.1 * scaling.motion * scene.success.depth);
+                      1.1 * scaling.motion * scene.success.depth, registered_entrance(scene));
   return record_one(scene, start, hand, std::move(place));
 }
 

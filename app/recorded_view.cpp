@@ -33,9 +33,8 @@ MakeController against(const std::string& which, const Scene& scene, std::uint64
     return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
     constexpr double kPeriod = 1e-3;
-    return std::make_unique<DeviceController>(
-        simulated_operator(scene, draw_start(scene, seed, trial), skill, kPeriod, seed, trial),
-        kPeriod);
+    return std::make_unique<DeviceController>(operator_of_trial(scene, skill, kPeriod, seed, trial),
+                                              kPeriod);
   };
 }
 

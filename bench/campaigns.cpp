@@ -30,7 +30,7 @@ Recorded record(const Scene& toleranced, std::uint64_t trial, double period) {
   recorded.start = draw_start(scene, kSeed, trial);
   InsertionLaw law = tuned_by_hand(scaling.motion * scene.limits.speed);
   ControllerHand hand(law, scaling.motion_to_hand(recorded.start.command),
-                      scaling.motion * scene.limits.speed, INFINITY);
+                      scaling.motion * scene.limits.speed, INFINITY, registered_entrance(scene));
   run_insertion(scene, recorded.start, hand, ForceSensor(scene.sensor, kSeed, trial),
                 {.scaling = scaling, .period = period, .past_success = false},
                 [&](const Tick& tick) {

@@ -13,12 +13,15 @@ namespace {
 // Lowers a fibre from above the mouth at `offset` from the axis. Does it get deeper than `depth`
 // into the bore?
 bool goes_in(const World& world, const Vector2d& offset, double speed, double dt) {
-  constexpr double above = 0.5e-6, depth = 2.5e-6;
+  // A cleaved rim leads; a rounded one slides round the edge as the hand presses by its radius.
+  const double edge = world.end.edge;
+  const double above = 0.5e-6 + world.annulus.fibre_radius * world.end.cleave.norm();
+  const double depth = 2.5e-6 + edge;
   const double aside = std::max(0.0, offset.norm() - world.annulus.clearance());
   const double tangent = world.profile.lead_in_tangent;
   // The mouth's height there; a cone as steep takes the soft hand `aside` times its tangent deeper.
   const double height = tangent > 0 ? std::min(world.profile.lead_in_length, aside / tangent) : 0;
-  const double travel = above + height + aside * tangent + depth + 0.5e-6;
+  const double travel = above + height + aside * tangent + depth + 0.5e-6 + edge;
   Pose hand = Pose::Zero();
   hand[0] = above + height;
   hand.segment<2>(1) = offset;
@@ -43,11 +46,29 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
       (cone.profile.mouth_radius() - cone.annulus.fibre_radius) / cone.annulus.clearance();
   const std::vector<double> offsets = {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0};
 
+  // Ends as they are, with what catches them in the sharp bore and in the cone.
+  struct End {
+    double edge_um, cleave_deg;
+    World sharp, cone;
+  };
+  std::vector<End> ends;
+  for (const double edge : {1.0, 5.0, 10.0})
+    for (const double cleave : {0.0, 1.0}) {
+      const auto with = [&](std::vector<std::string> settings) {
+        settings.push_back("fibre.edge_um=" + std::to_string(edge));
+        settings.push_back("fibre.cleave_deg=" + std::to_string(cleave));
+        return load_scene("paper", settings).world;
+      };
+      ends.push_back({edge, cleave, with(sharp_edge), with(rigid)});
+    }
+
   Cases<CaptureRow> cases;
-  const auto lower = [&](const World& world, double capture, double offset) {
+  const auto lower = [&](const World& world, double capture, double offset, double edge_um = 0,
+                         double cleave_deg = 0) {
     for (int k = 0; k < 8; ++k)
       for (const double speed : {5e-6, 50e-6})
-        for (const double dt : {1e-4, 1e-3, 1e-2})
+        for (const double dt : {1e-4, 1e-3, 1e-2}) {
+          if (edge_um > 0 && dt < 1e-3) continue;
           add_case(cases, [=, &world] {
             const double angle = k * std::numbers::pi / 4;
             const Vector2d at =
@@ -57,13 +78,24 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
                               45.0 * k,
                               1e6 * speed,
                               dt,
+                              edge_um,
+                              cleave_deg,
                               world.profile.has_lead_in(),
                               goes_in(world, at, speed, dt)};
           });
+        }
   };
   for (const double offset : offsets) lower(sharp, 1, offset);
   for (const double offset : offsets) lower(cone, range, offset);
   for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0}) lower(cone, range, part * range);
+  for (const End& end : ends)
+    for (const World* world : {&end.sharp, &end.cone}) {
+      const double caught =
+          (world->profile.mouth_radius() - world->annulus.fibre_radius + 1e-6 * end.edge_um) /
+          world->annulus.clearance();
+      for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0})
+        lower(*world, caught, part * caught, end.edge_um, end.cleave_deg);
+    }
   return rows_of(cases, go_on);
 }
 

@@ -8,9 +8,12 @@
 namespace ferrule {
 
 struct CaptureRow {
-  double offset_clearances;   // start offset over the radial clearance
-  double capture_clearances;  // offsets below this are caught: 1, with a lead-in that of its rim
+  double offset_clearances;  // start offset over the radial clearance
+  // Offsets below this are caught: 1, with a lead-in that of its rim, with a rounded rim of the end
+  // its radius more.
+  double capture_clearances;
   double direction_deg, speed_um_s, step_s;
+  double edge_um, cleave_deg;
   bool lead_in;
   bool inserted;  // it went in
   bool expected() const { return offset_clearances < capture_clearances; }
@@ -19,7 +22,9 @@ struct CaptureRow {
 // No surface forces, no friction, tilt fixed; lowered straight along -x at 5 and 50 um/s in steps
 // of 0.1, 1 and 10 ms from offsets of 0.5 to 30 clearances in eight directions. A sharp bore must
 // take exactly those below 1 clearance. With a lead-in the same, and offsets of 0.9 to 3 times its
-// geometric capture range, mouth radius - fibre radius; it must take exactly those below that.
+// geometric capture range, mouth radius - fibre radius; it must take exactly those below that. The
+// same with ends as they are: rims rounded to 1, 5 and 10 um, square or cleaved at 1 degree, at 0.9
+// to 3 times clearance + radius over a sharp bore, mouth radius - fibre radius + radius over a cone.
 std::vector<CaptureRow> bench_capture(const GoOn& go_on = {});
 
 }  // namespace ferrule

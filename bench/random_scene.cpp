@@ -121,6 +121,36 @@ Json draw_document(Chance& chance) {
   return d;
 }
 
+// What real parts have: curl, cleave, a fluid ahead of the end. Its own stream of chance, so that the
+// scenes are the same but for it.
+void add_real_parts(Json& d, Chance& chance) {
+  if (chance.with(0.25)) {
+    const Json& h = d["holder"];
+    const double free = h.contains("free_length_mm")
+                            ? h["free_length_mm"].get<double>()
+                            : d["fibre"]["manipulated_length_mm"].get<double>();
+    d["fibre"]["curl_radius_m"] = std::max(chance.number(1, 100, 1e-2, 1e6), 0.011 * free);
+  }
+  if (chance.with(0.3)) {
+    d["fibre"]["cleave_deg"] = chance.with(0.2) ? 0 : chance.number(0.1, 3, 1e-4, 10);
+    d["fibre"]["cleave_direction_deg"] = chance.between(0, 360);
+  }
+  if (chance.with(0.3)) {
+    const double most = 0.25 * d["fibre"]["diameter_um"].get<double>();
+    d["fibre"]["edge_um"] = std::clamp(chance.number(0.1, 10, 0.05, 100), 0.05, most);
+  }
+  if (chance.with(0.25)) {
+    const bool gas = chance.with(0.5);
+    d["laws"]["flow"] = {{"form", "corrected"},
+                         {"bore", chance.with(0.6) ? "blind" : "open"},
+                         {"fluid", gas ? "gas" : "liquid"},
+                         {"viscosity_Pa_s", gas ? chance.number(1e-6, 1e-4, 1e-30, 1e6)
+                                                : chance.number(1e-3, 10, 1e-30, 1e6)}};
+    if (!gas) d["laws"]["flow"]["vapour_pressure_kPa"] = chance.between(0, 100);
+  }
+  if (chance.with(0.2)) d["sensor"]["entrance_sd_um"] = chance.number(1, 20, 1e-3, 1e3);
+}
+
 // From 0 to 1, at rest at both ends.
 double smooth(double p) {
   p = std::clamp(p, 0.0, 1.0);
@@ -218,9 +248,11 @@ std::vector<Pose> in_parts(const std::vector<Pose>& hand, long parts) {
 }  // namespace
 
 Scene random_scene(std::uint64_t seed, std::uint64_t k) {
-  Chance chance(seed, k, Draw::parts);
+  Chance chance(seed, k, Draw::parts), of_parts(seed, k, Draw::roll);
   for (;;) try {
-      return parse_scene(draw_document(chance), "random scene");
+      Json document = draw_document(chance);
+      add_real_parts(document, of_parts);
+      return parse_scene(document, "random scene");
     } catch (const BadInput&) {
     }
 }

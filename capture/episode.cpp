@@ -24,7 +24,8 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales. Files of before are read, and held against what they were.
+// 1: columns as one text, no scales, no flow and air. Files of before are read, and held against what
+// they were.
 constexpr std::int64_t kFormatVersion = 2;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
@@ -151,7 +152,8 @@ void add_derived(Content& content, std::int64_t version, const Episode& episode,
       {"1", "1 in the last row", {"done"}});
 
   const Matrix wrench = sensed_wrench(episode, scene).absolute;
-  const Matrix depth = 1e3 * (-rows.col(kHandPose.begin)).cwiseMax(0.0);
+  const double entrance = registered_entrance(scene);
+  const Matrix depth = 1e3 * (entrance - rows.col(kHandPose.begin).array()).max(0.0).matrix();
   const Matrix time = rows.middleCols(kTime.begin, 1);
   for (const std::string& group : {demo + "/obs", demo + "/next_obs"}) {
     content.attributes[group];
@@ -181,6 +183,24 @@ std::string inputs_sha1(const Content& content) {
   return sha1(all);
 }
 
+// A block as files of a format have it: the first knew no flow ahead of the end and no air there.
+Block block_of(Block block, std::int64_t version) {
+  if (version > 1) return block;
+  const auto without = [](const Block& of, const std::string& last) {
+    const std::string text = of.columns;
+    return text.substr(0, text.size() - last.size());
+  };
+  static const std::string forces = without(kForces, " flow"), states = without(kStates, "; air");
+  if (block.begin == kForces.begin) {
+    block.width -= 3;
+    block.columns = forces.c_str();
+  } else if (block.begin == kStates.begin) {
+    block.width -= 1;
+    block.columns = states.c_str();
+  }
+  return block;
+}
+
 Content content_of(const Episode& episode, const Scene& scene,
                    std::int64_t version = kFormatVersion) {
   const EpisodeInfo& info = episode.info;
@@ -196,10 +216,12 @@ Content content_of(const Episode& episode, const Scene& scene,
   content.attributes["/data"] = {{"total", count}, {"env_args", environment(info).dump()}};
   content.attributes[kDemo] = {{"num_samples", count}};
   content.attributes[kDemo + std::string("/rows")];
-  for (const Block& b : kBlocks)
+  for (const Block& block : kBlocks) {
+    const Block b = block_of(block, version);
     add(content, version,
         {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
-        {b.unit, b.columns, column_names(b)});
+        {b.unit, b.columns, column_names(block)});
+  }
   if (!info.mapping.empty()) {
     content.attributes[kDemo + std::string("/raw")];
     add(content, version, {kCountsPath, episode.counts.cast<double>(), Table::whole},
@@ -273,8 +295,9 @@ Episode read_in_child(const std::string& file) {
   const Matrix times = read_times(in, episode.info.period, file);
   const Eigen::Index count = times.rows();
   allow_rows(count);
-  episode.rows.resize(count, Eigen::NoChange);
-  for (const Block& b : kBlocks) {
+  episode.rows.setZero(count, kRowSize);
+  for (const Block& block : kBlocks) {
+    const Block b = block_of(block, static_cast<std::int64_t>(in.whole("format_version")));
     const Matrix values = in.table(rows_path(b), b.width, count).values;
     for (Eigen::Index n = 0; n < count; ++n)
       if (!values.row(n).allFinite())

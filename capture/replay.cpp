@@ -52,7 +52,7 @@ Eigen::RowVectorXd row_scale(const Rows& rows) {
     scale.segment(b.begin, b.width) = largest_by_unit(
         rows.middleCols(b.begin, b.width),
         b.begin == kStates.begin
-            ? pose + pose + " s 1 1" + contact + contact + rates + pose + rates + " s"
+            ? pose + pose + " s 1 1" + contact + contact + rates + pose + rates + " s J"
             : b.unit);
   return scale;
 }

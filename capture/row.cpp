@@ -31,7 +31,7 @@ std::vector<std::string> state_names() {
   for (const char* place : {"end_", "side_"})
     add(place, "closed depth stuck_x stuck_y stuck_z branch");
   for (const char* part : {"velocity_", "tip_before_", "velocity_before_"}) add(part, kPoseNames);
-  add("", "period_before");
+  add("", "period_before air");
   return all;
 }
 

@@ -63,7 +63,7 @@ inline constexpr Block kStates{
     "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "
     "bridge; "
     "end contact: closed depth stuck_x stuck_y stuck_z branch; side contact: the same; "
-    "velocity (5); tip before (5); velocity before (5); period before"};
+    "velocity (5); tip before (5); velocity before (5); period before; air"};
 inline constexpr int kRowSize = kStates.begin + kStateSize;
 inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,
                                        kHolder, kForces,   kStatus,       kStates};

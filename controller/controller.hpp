@@ -53,9 +53,9 @@ class ConstantVelocity : public Controller {
   double speed_;
 };
 
-// Depth of the hand past the entrance [m].
-inline double hand_depth(const HandPose& hand) noexcept {
-  return hand[0] < 0 ? -hand[0] : 0.0;
+// Depth of the hand past the entrance, which is at x = `entrance` [m].
+inline double hand_depth(const HandPose& hand, double entrance = 0) noexcept {
+  return hand[0] < entrance ? entrance - hand[0] : 0.0;
 }
 
 // Cuts the translation of `velocity` to `speed` [m/s], direction kept.

@@ -12,8 +12,9 @@ namespace ferrule {
 
 struct Observation {
   HandWrench wrench;  // at the holder, relative to that at rest at the start [N, N m]
-  double depth;       // of the hand past the bore's entrance, as its encoder has it [m], >= 0
-  double time;        // since the start [s], >= 0
+  // Of the hand past where the bore's entrance is taken to be, as its encoder has it [m], >= 0.
+  double depth;
+  double time;  // since the start [s], >= 0
 };
 
 // What a learned policy (controller/policy.hpp) takes in of a channel. With `past`: its value at

@@ -8,19 +8,24 @@
 namespace ferrule {
 
 ControllerHand::ControllerHand(Controller& controller, const HandPose& start, double speed,
-                               double end_depth)
-    : controller_(controller), pose_(start), speed_(speed), end_depth_(end_depth) {}
+                               double end_depth, double entrance)
+    : controller_(controller),
+      pose_(start),
+      speed_(speed),
+      end_depth_(end_depth),
+      entrance_(entrance) {}
 
 HandSample ControllerHand::read(double t) {
   pose_ += velocity_ * (t - time_);
   time_ = t;
   const Supervision* supervision = controller_.supervision();
   if (supervision && supervision->gave_up) return {pose_, true, name(*supervision->gave_up)};
-  return {pose_, hand_depth(pose_) >= end_depth_};
+  return {pose_, hand_depth(pose_, entrance_) >= end_depth_};
 }
 
 void ControllerHand::render(const HandWrench& wrench) {
-  velocity_ = limit_speed(controller_.command({wrench, hand_depth(pose_), time_}), speed_);
+  velocity_ =
+      limit_speed(controller_.command({wrench, hand_depth(pose_, entrance_), time_}), speed_);
 }
 
 TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept {
@@ -37,7 +42,8 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
   const Scene& scene = *drawn;
   const State start = draw_start(scene, seed, trial);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
-                      scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity());
+                      scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),
+                      scaling.motion * scene.sensor.entrance_error);
   const InsertionEnd end =
       run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
                     {.scaling = scaling, .period = period, .past_success = false}, on_tick);

@@ -29,8 +29,10 @@ TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& co
 class ControllerHand : public Device {
  public:
   // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world],
-  // and when its supervisor gives up.
-  ControllerHand(Controller& controller, const HandPose& start, double speed, double end_depth);
+  // and when its supervisor gives up. Depths are from where it takes the entrance to be (x [m,
+  // hand's world]).
+  ControllerHand(Controller& controller, const HandPose& start, double speed, double end_depth,
+                 double entrance = 0);
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;
 
@@ -38,7 +40,7 @@ class ControllerHand : public Device {
   Controller& controller_;
   HandPose pose_;
   HandTwist velocity_ = HandTwist::Zero();
-  double speed_, end_depth_, time_ = 0;
+  double speed_, end_depth_, entrance_, time_ = 0;
 };
 
 }  // namespace ferrule

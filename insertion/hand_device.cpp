@@ -32,7 +32,8 @@ class FakeHand : public Device {
     const DeviceRange range = device_range(scene, gain);
     // In free flight the end follows the hand.
     aligned_.tail<4>() -= scaling.motion_to_hand(start.tip).tail<4>();
-    const double way = scaling.motion * (start.tip[0] + scene.success.depth + overshoot(scene));
+    const double way = scaling.motion * (start.tip[0] - scene.sensor.entrance_error +
+                                         scene.success.depth + overshoot(scene));
     inserted_ = aligned_;
     inserted_[0] -= way;
     const double speed = kBriskness * scaling.motion * scene.limits.speed;

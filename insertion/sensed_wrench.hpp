@@ -26,9 +26,10 @@ struct Tare {
   double free_beyond = std::numeric_limits<double>::infinity();  // x of the holder's pose [m]
 };
 inline Tare scene_tare(const Scene& scene) noexcept {
-  constexpr double margin = 2e-6;  // for a tilted end [m]
+  constexpr double margin = 2e-6;  // for a tilted end [m]; besides, for what registration misses
   return {scene.sensor.tare_time, scene.sensor.dead_band, scene.sensor.arm,
-          scene.world.profile.lead_in_length - scene.world.holder.sag[0] + margin};
+          scene.world.profile.lead_in_length - scene.world.holder.sag[0] + margin +
+              scene.sensor.entrance_error + 3 * scene.sensor.entrance_sd};
 }
 
 class SensedWrench {

@@ -6,6 +6,7 @@
 #include <charconv>
 
 #include "insertion/scene_scaling.hpp"
+#include "sim/scene/draw.hpp"
 #include "sim/scene/random.hpp"
 
 namespace ferrule {
@@ -19,7 +20,8 @@ constexpr std::string_view kSimulated = "simulated, skill ";
 
 TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept {
   const Scaling scaling = scene_scaling(scene);
-  const double distance = scene.start.distance + scene.success.depth + overshoot(scene);
+  const double distance =
+      scene.start.distance - scene.sensor.entrance_error + scene.success.depth + overshoot(scene);
   return {scaling.motion_to_hand(start.command), scaling.motion * distance,
           scaling.motion * scene.limits.speed, kPress, period};
 }
@@ -31,6 +33,13 @@ std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& star
       [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
         return random.uniform();
       });
+}
+
+std::unique_ptr<Device> operator_of_trial(const Scene& toleranced, double skill, double period,
+                                          std::uint64_t seed, std::uint64_t trial) {
+  const auto drawn = draw_scene(toleranced, seed, trial);
+  const Scene& scene = drawn ? *drawn : toleranced;
+  return simulated_operator(scene, draw_start(scene, seed, trial), skill, period, seed, trial);
 }
 
 std::string simulated_operator_name(double skill) {

@@ -12,14 +12,18 @@
 
 namespace ferrule {
 
-// To push the fibre of `start` a tenth (2 um at least) deeper than the scene's success depth at the
-// scene's speed limit.
+// To push the fibre of `start` a tenth (2 um at least) deeper than the scene's success depth, from
+// where the entrance is taken to be, at the scene's speed limit.
 TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept;
 
 // A trainee of `skill` (0 to 1) whose hand holds the fibre of `start`, with that task. Its chance
 // is that of (seed, trial).
 std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
                                            double period, std::uint64_t seed, std::uint64_t trial);
+
+// The same of trial `trial`, in the scene and at the start that are drawn for it.
+std::unique_ptr<Device> operator_of_trial(const Scene& scene, double skill, double period,
+                                          std::uint64_t seed, std::uint64_t trial);
 
 // What a recording calls its operator where he is simulated: "simulated, skill 0.8"; and the skill
 // of an operator of that name, empty for any other.

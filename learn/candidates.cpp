@@ -67,9 +67,8 @@ std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set
           {"simulated operator",
            [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
              constexpr double kPeriod = 1e-3;
-             const State start = draw_start(scene, seed, trial);
              return std::make_unique<DeviceController>(
-                 simulated_operator(scene, start, skill, kPeriod, seed, trial), kPeriod);
+                 operator_of_trial(scene, skill, kPeriod, seed, trial), kPeriod);
            }}};
 }
 

@@ -22,8 +22,10 @@ Demonstration demonstration(const Episode& episode, const Scene& scene, const st
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
   const auto wrench = sensed_wrench(episode, scene).relative;
   d.velocity = rows.middleCols<3>(kCommand.begin);
+  const double entrance = registered_entrance(scene);
   for (Eigen::Index n = 0; n < rows.rows(); ++n)
-    d.observations.push_back({wrench.row(n).transpose(), std::max(0.0, -rows(n, kHandPose.begin)),
+    d.observations.push_back({wrench.row(n).transpose(),
+                              std::max(0.0, entrance - rows(n, kHandPose.begin)),
                               rows(n, kTime.begin)});
   return d;
 }

@@ -7,14 +7,16 @@
 
 namespace ferrule {
 
-Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double skill,
-                               double reaction, std::uint64_t seed, std::uint64_t trial) {
+Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, double skill,
+                               double reaction, std::uint64_t seed, std::uint64_t first) {
+  const auto [drawn, trial, infeasible] = feasible_trial(toleranced, seed, first);
+  const Scene& scene = *drawn;
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
   PolicyController controller(policy);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
-                      1.1 * scaling.motion * scene.success.depth);
+                      1.1 * scaling.motion * scene.success.depth, registered_entrance(scene));
   TraineeTraits traits = trainee_traits(skill);
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
@@ -28,7 +30,8 @@ Demonstration relabelled_trial(const Scene& scene, const Policy& policy, double 
           scene, start, hand, ForceSensor(scene.sensor, seed, trial),
           {.scaling = scaling, .period = policy.period, .past_success = true},
           [&](const Tick& tick) {
-            d.observations.push_back({tick.relative, hand_depth(tick.hand), tick.time});
+            d.observations.push_back(
+                {tick.relative, hand_depth(tick.hand, registered_entrance(scene)), tick.time});
             answers.push_back(trainee.answer(tick.time, tick.hand, tick.relative).head<3>());
             return true;
           })

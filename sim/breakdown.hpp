@@ -24,7 +24,7 @@ struct PointForce {
 
 // Two points per term: the ends of the inserted length for surface forces, which together carry the
 // moment; the places of contact (ContactPlace) for adhesion, wall and friction; two arms that
-// together carry its moment for drag; the first alone for gravity and meniscus.
+// together carry its moment for drag; the first alone for gravity, meniscus and flow.
 using TermForces = std::array<PointForce, 2>;
 static_assert(kContactPlaces == 2);
 

@@ -5,6 +5,11 @@
 namespace ferrule {
 namespace {
 
+// Slope of the end's face against the ferrule's.
+Vector2d face_slope(const World& world, const PoseVector& tip) noexcept {
+  return tip.t + world.end.cleave;
+}
+
 // How far the rim of the fibre's end is in bore and cone, each at the point of the rim that is
 // deepest there: |e| + r against the bore, and against the cone of half angle beta, as the rim lies
 // r (n.t) ahead in the direction n, |e + r tan(beta) t| + r.
@@ -14,10 +19,11 @@ struct RimDepths {
 
   RimDepths(const World& world, const PoseVector& tip) noexcept
       : bore(tip.e, world.annulus.clearance()),
-        cone(eccentricity(tip, world.annulus.fibre_radius * world.profile.lead_in_tangent),
+        cone(tip.e + world.annulus.fibre_radius * world.profile.lead_in_tangent *
+                         face_slope(world, tip),
              world.annulus.clearance()) {
     const double r = world.annulus.fibre_radius;
-    const double x_rim = tip.x - r * cone.normal.dot(tip.t);
+    const double x_rim = tip.x - r * cone.normal.dot(face_slope(world, tip));
     depth = edge_depth(world.profile, x_rim, bore.eccentricity + r);
     depth.cone = edge_depth(world.profile, tip.x, cone.eccentricity + r).cone;
   }
@@ -40,14 +46,33 @@ struct RoundedEdge {
   }
 };
 
-// The end on the front face, where it is farthest from the bore.
+// The end on the front face, where it is lowest.
+void rest_on_face(const World& world, const ContactSide& side, const PoseVector& tip,
+                  ContactDepth& depth) noexcept {
+  depth.point = tip.position();
+  if (!side.support.any()) return;
+  const FaceSupport::Rest rest = side.support.rest(face_slope(world, tip));
+  depth.value = world.profile.lead_in_length - tip.x + rest.ahead;
+  depth.lean = -rest.point;
+  depth.slope = -Vector3d::UnitX();
+  depth.curve.setZero();
+  depth.rests = true;
+  depth.tilt_curve = rest.turning;
+  depth.point.tail<2>() += rest.point;
+}
+
+// The same, where it is farthest from the bore.
 ContactDepth face_depth(const World& world, const ContactSide& side,
                         const PoseVector& tip) noexcept {
+  ContactDepth depth;
+  if (world.end.rests_lowest) {
+    rest_on_face(world, side, tip, depth);
+    return depth;
+  }
   const double r = world.annulus.fibre_radius;
   const Radial radial(tip.e, world.annulus.clearance());
   const EdgeDepth d =
       edge_depth(world.profile, tip.x - r * side.outward.dot(tip.t), radial.eccentricity + r);
-  ContactDepth depth;
   depth.point << tip.x, tip.e + r * radial.normal;
   if (d.throat() <= 0) return depth;
   depth.value = d.face;
@@ -57,12 +82,123 @@ ContactDepth face_depth(const World& world, const ContactSide& side,
   return depth;
 }
 
+// A rounded rim on bore, cone and the edges between bore, cone and face (sim/contact_depth.hpp).
+class RoundRim {
+ public:
+  RoundRim(const World& world, const PoseVector& tip) noexcept
+      : clearance_(world.annulus.clearance()),
+        rho_(world.end.edge),
+        lever_(world.annulus.fibre_radius - rho_),
+        high_(tip.x + rho_),
+        across_(eccentricity(tip, rho_)),
+        slope_(face_slope(world, tip)) {
+    const FerruleProfile& profile = world.profile;
+    const double tangent = profile.lead_in_tangent;
+    const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+    const Vector2d bore(1, 0), face(kLeastCosine, 1), cone(cosine, tangent * cosine);
+    look(bore, profile.has_lead_in() ? cone : face, 0, clearance_ + rho_);
+    if (profile.has_lead_in())
+      look(cone, face, profile.lead_in_length,
+           profile.mouth_radius() - world.annulus.fibre_radius + rho_);
+  }
+
+  // cos and sin of alpha.
+  const Vector2d& normal() const noexcept { return normal_; }
+  Vector2d outward() const noexcept { return deepest(normal_).normal; }
+
+  void set(const PoseVector& tip, ContactDepth& d) const noexcept {
+    const double c = normal_[0], s = normal_[1];
+    const Radial radial = deepest(normal_);
+    const Vector2d& n = radial.normal;
+    d.value = depth_;
+    d.arm.length = rho_;
+    d.lean = -lever_ * n;
+    d.slope << -s, c * n;
+    d.point << tip.x + rho_, tip.e + lever_ * n;
+    if (s == 0) {
+      d.curve = radial.curving;
+      return;
+    }
+    d.curve.setZero();
+    d.cone_arm = rho_ + lever_ * s / c;
+    d.cone_curve = c * c * radial.curving;
+    if (bend_ > 0) {
+      d.edge = 1 / bend_;
+      d.over_edge << c, s * n;
+    }
+  }
+
+ private:
+  static constexpr double kLeastCosine = 1e-4;  // of 90 degrees
+  static constexpr int kTurns = 40;             // of the angle, until it does not change
+
+  static double cross(const Vector2d& a, const Vector2d& b) noexcept {
+    return a.x() * b.y() - a.y() * b.x();
+  }
+  static Vector2d within(const Vector2d& v, const Vector2d& from, const Vector2d& to) noexcept {
+    if (!(cross(from, v) > 0)) return from;
+    return cross(v, to) > 0 ? v.normalized() : to;
+  }
+  // What adds to the depth across the bore: |m|, with derivatives by m.
+  Radial deepest(const Vector2d& at) const noexcept {
+    return {at[0] * across_ + at[1] * lever_ * slope_, clearance_};
+  }
+
+  // What the depth changes by with the angle, and that again.
+  struct Slope {
+    double first, second;
+  };
+  Slope slope_at(const Vector2d& at, double high, double wide) const noexcept {
+    const Radial radial = deepest(at);
+    const Vector2d turned = -at[1] * across_ + at[0] * lever_ * slope_;
+    return {
+        wide * at[1] - high * at[0] + radial.normal.dot(turned),
+        high * at[1] + wide * at[0] - radial.eccentricity + turned.dot(radial.curving * turned)};
+  }
+
+  // At the angles between `from` and `to`, that have the edge `x` high, and wide by `wide`: by
+  // Newton's method within bounds, as the depth has one minimum where it is less than rho.
+  void look(const Vector2d& from, const Vector2d& to, double x, double wide) noexcept {
+    const double high = high_ - x;
+    Vector2d low = from, most = to;
+    Vector2d at = within({wide - across_.norm(), high}, from, to);
+    for (int turn = 0; turn < kTurns; ++turn) {
+      const Slope slope = slope_at(at, high, wide);
+      if (slope.first == 0) break;
+      (slope.first > 0 ? most : low) = at;
+      const double by = slope.second > 0 ? -slope.first / slope.second : 0;
+      Vector2d next = (at + by * Vector2d(-at[1], at[0])).normalized();
+      if (!(std::abs(by) < 0.5) || by == 0 || cross(low, next) < 0 || cross(next, most) < 0)
+        next = (low + most).normalized();
+      const bool same = (next - at).squaredNorm() < 1e-24;
+      at = next;
+      if (same) break;
+    }
+    for (const Vector2d& v : {from, at, to}) {
+      const double d = rho_ - high * v[1] - wide * v[0] + deepest(v).eccentricity;
+      if (!(d < depth_)) continue;
+      depth_ = d;
+      normal_ = v;
+      bend_ = v == from || v == to ? 0 : slope_at(v, high, wide).second;
+    }
+  }
+
+  double clearance_, rho_, lever_, high_;
+  Vector2d across_, slope_;
+  double depth_ = INFINITY, bend_ = 0;  // bend: second derivative by alpha where it is free
+  Vector2d normal_ = Vector2d::UnitX();
+};
+
 // The rim of the fibre's end on the bore wall or the cone.
 ContactDepth throat_depth(const World& world, const PoseVector& tip) noexcept {
+  ContactDepth depth;
+  if (world.end.edge > 0) {
+    RoundRim(world, tip).set(tip, depth);
+    return depth;
+  }
   const double r = world.annulus.fibre_radius, tangent = world.profile.lead_in_tangent;
   const RimDepths rim(world, tip);
   const RoundedEdge edge(rim.depth);
-  ContactDepth depth;
   const Vector2d& outward = edge.cone > 0 ? rim.cone.normal : rim.bore.normal;
   depth.point << tip.x, tip.e + r * outward;
   if (rim.depth.face <= 0) return depth;
@@ -96,6 +232,18 @@ ContactDepth side_depth(const World& world, const ContactSide& side,
   return depth;
 }
 
+// Which side a rounded rim is on: the face where its circle's centre is over it.
+EdgeSide round_side(const World& world, const PoseVector& tip, const ContactSide& at,
+                    EdgeSide before) noexcept {
+  const double rho = world.end.edge, lever = world.annulus.fibre_radius - rho;
+  if (!at.support.any()) return EdgeSide::throat;
+  const double ahead = at.support.rest(face_slope(world, tip)).ahead;
+  if (world.profile.lead_in_length - tip.x + ahead <= rho) return EdgeSide::face;
+  // Deeper than its own radius: in front of a wall, or pressed into the face.
+  const EdgeDepth centre = edge_depth(world.profile, tip.x + rho, tip.e.norm() + lever);
+  return centre.throat() <= 0 ? EdgeSide::throat : before;
+}
+
 }  // namespace
 
 ContactSide contact_side(const World& world, const State& state) noexcept {
@@ -106,13 +254,25 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
   Vector2d out = tip.e;
   EdgeDepth depth = rim.depth;
   if (state.side == EdgeSide::throat)
-    out += RoundedEdge(rim.depth).cone * world.profile.lead_in_tangent * r * tip.t;
+    out += RoundedEdge(rim.depth).cone * world.profile.lead_in_tangent * r * face_slope(world, tip);
   if (out.norm() > 0) at.outward = out.normalized();
   if (state.side == EdgeSide::face)
     depth = edge_depth(world.profile, tip.x - r * at.outward.dot(tip.t), tip.e.norm() + r);
-  at.side = edge_side(depth, state.side);
+  if (world.end.rests_lowest) {
+    at.support = FaceSupport(r - world.end.edge, world.profile.mouth_radius(), tip.e);
+    if (at.support.any())
+      depth.face =
+          world.profile.lead_in_length - tip.x + at.support.rest(face_slope(world, tip)).ahead;
+  }
+  at.side =
+      world.end.edge > 0 ? round_side(world, tip, at, state.side) : edge_side(depth, state.side);
+  if (world.end.edge > 0 && at.side == EdgeSide::throat) {
+    const Vector2d rounded = RoundRim(world, tip).outward();
+    if (rounded.norm() > 0) at.outward = rounded.normalized();
+  }
   const Vector2d at_mouth = eccentricity(tip, -tip.x);
   if (at_mouth.norm() > 0) at.mouth_outward = at_mouth.normalized();
+  at.side_ahead = r * at.mouth_outward.dot(world.end.cleave) - world.end.edge;
   return at;
 }
 

@@ -2,14 +2,24 @@
 //
 // The end's rim meets the bore wall, the lead-in cone or the front face (sim/ferrule_profile.hpp);
 // its side meets the rim of the bore's mouth. First order in the tilts: the rim of the end lies r
-// (outward.tilt) ahead of the end's centre. On bore and cone it touches where it is deepest, on the
-// face where it is farthest from the bore.
+// (outward.tilt) ahead of the end's centre; that of a cleaved end r (outward.(tilt + cleave)). On
+// bore and cone it touches where it is deepest, on the face where it is farthest from the bore, or,
+// in a world where it rests lowest, where it is lowest (sim/face_support.hpp).
+//
+// A rim that is rounded to rho is as deep as its circle in the half plane, centre (x + rho, r - rho),
+// is in the solid: touching it at the angle alpha, 0 on the bore and 90 degrees on the face, with the
+// edge at (x_v, R_v) that has such a tangent,
+//   d = min over alpha of rho - (x + rho - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
+//                         + |(e + rho tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
+// the last term being what the direction adds in which the rim is deepest. So the end goes round the
+// edges of bore and cone, and an upright one into a sharp bore from within c + rho of its axis.
 #pragma once
 
 #include <array>
 #include <cmath>
 
 #include "sim/energy.hpp"
+#include "sim/face_support.hpp"
 #include "sim/world.hpp"
 
 namespace ferrule {
@@ -62,6 +72,9 @@ struct ContactDepth {
   // On the edge between bore and cone it bends also by -edge u u^T, u = `over_edge` [1/m].
   double edge = 0;
   Vector3d over_edge;
+  // Where the end rests on the face it turns with the tilts: d bends by them [m].
+  bool rests = false;
+  Matrix2d tilt_curve;
   // Where it acts, to first order in the tilts: so that the wrench of its normal there is minus the
   // gradient of its depth [m].
   Vector3d point;
@@ -88,6 +101,10 @@ struct ContactDepth {
       k.bottomRightCorner<2, 2>() += force * curve;
       if (edge > 0) k -= force * edge * over_edge * over_edge.transpose();
       total.add_point(arm.length, lean, force * slope, k);
+      if (rests) {
+        total.hessian.tt += force * tilt_curve;
+        return;
+      }
       const Matrix2d turn = force * cone_curve;
       total.hessian.ee += turn;
       total.hessian.et += cone_arm * turn;
@@ -102,11 +119,14 @@ struct ContactSide {
   // Unit directions to where the fibre is nearest to the ferrule: from the centre of its end, and
   // from the bore's axis at the mouth.
   Vector2d outward = Vector2d::UnitX(), mouth_outward = Vector2d::UnitX();
+  double side_ahead = 0;  // of an upright end's centre is the side's begin at mouth_outward [m]
+  FaceSupport support;    // on the face, where the end rests lowest
 
   // Length of the side [m] that is past the mouth where it is nearest to the mouth's rim: there the
   // rim of the end is r mouth_outward.tilt ahead of its centre. <= 0 outside.
   double past_mouth(const PoseVector& tip, double fibre_radius) const noexcept {
-    return side == EdgeSide::face ? 0 : fibre_radius * mouth_outward.dot(tip.t) - tip.x;
+    return side == EdgeSide::face ? 0
+                                  : fibre_radius * mouth_outward.dot(tip.t) + side_ahead - tip.x;
   }
 };
 

@@ -22,7 +22,7 @@ struct Posture {
 };
 
 // Term by term along the line of the smallest gap, attraction negative [N]; friction, the meniscus'
-// pull into the bore and drag are magnitudes. Zero for what the world does not model.
+// pull into the bore, drag and flow ahead are magnitudes. Zero for what the world does not model.
 struct GapForces {
   std::array<double, kTerms> terms{};
   double squeeze = 0;  // of the film between fibre and near wall

@@ -114,6 +114,11 @@ struct AxialDrag {
   }
 };
 
+// Of the fluid ahead of the end, over the step.
+AxialForce flow_ahead(const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
+  return tip.x < 0 ? frozen.flow.at(-tip.x) : AxialForce{};
+}
+
 void add_frictions(Energy& total, const World& world, const FrozenCoefficients& frozen,
                    const PoseVector& tip) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
@@ -142,6 +147,14 @@ void add_step(Energy& total, const World& world, const FrozenCoefficients& froze
     total.gradient.x -= axial.force;
     total.hessian.xx += axial.stiffness;
   }
+  if (frozen.flow.acts()) {
+    const AxialForce ahead = flow_ahead(frozen, tip);
+    total.value += ahead.energy;
+    total.value_scale += std::abs(ahead.energy);
+    total.force_scale += std::abs(ahead.force);
+    total.gradient.x -= ahead.force;
+    total.hessian.xx += ahead.stiffness;
+  }
   add_frictions(total, world, frozen, tip);
 }
 
@@ -164,6 +177,17 @@ void freeze_drag(const World& world, double dt, FrozenCoefficients& frozen) noex
   frozen.stiffness.ee += both;
   frozen.stiffness.et += middle * both;
   frozen.stiffness.tt += (middle * middle + spread * spread) * both;
+}
+
+void freeze_flow(const World& world, const State& state, double dt,
+                 FrozenCoefficients& frozen) noexcept {
+  if (!world.laws.flow || frozen.contact.side == EdgeSide::face) return;
+  const double c = world.annulus.clearance() + world.annulus.roughness, l = frozen.length;
+  // The mean of the square along the straight axis.
+  const Vector2d from = state.tip.segment<2>(1), to = from + l * state.tip.tail<2>();
+  const double square = (from.squaredNorm() + from.dot(to) + to.squaredNorm()) / (3 * c * c);
+  frozen.flow = FlowStep(*world.laws.flow, world.annulus, world.profile.length, l,
+                         std::min(1.0, square), state.air, dt);
 }
 
 void freeze_inertia(const World& world, const State& state, double dt,
@@ -225,6 +249,7 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
   frozen.contact = contact_side(world, state);
   frozen.bridge = state.bridge;
   freeze_drag(world, dt, frozen);
+  freeze_flow(world, state, dt, frozen);
   freeze_inertia(world, state, dt, frozen);
   for (std::size_t place = 0; place < kContactPlaces; ++place)
     frozen.branch[place] = state.contact[place].branch;
@@ -269,6 +294,11 @@ Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
     const AxialDrag axial(frozen, tip);
     total.gradient.x -= axial.force;
     total.hessian.xx += axial.stiffness;
+  }
+  if (frozen.flow.acts()) {
+    const AxialForce ahead = flow_ahead(frozen, tip);
+    total.gradient.x -= ahead.force;
+    total.hessian.xx += ahead.stiffness;
   }
   return total;
 }
@@ -433,6 +463,7 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
       b[Term::drag][i] = {{axial, sideways.x(), sideways.y()}, {tip.x + arm, e.x(), e.y()}};
     }
   }
+  if (frozen.flow.acts()) b[Term::flow][0] = {{flow_ahead(frozen, tip).force, 0, 0}, end};
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = there.depth[at];

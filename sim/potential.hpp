@@ -64,6 +64,8 @@ struct FrozenCoefficients {
   Matrix2d drag_per_move = Matrix2d::Zero();
   std::array<double, 2> drag_arm{};  // [m]
 
+  FlowStep flow;  // of the fluid ahead of the end
+
   bool inertial = false;
   bool second_order = false;  // this step is one of BDF2
 };

@@ -114,10 +114,14 @@ Release slide(const World& world, double length, int places, double speed) {
   const int count = shared ? 1 : places;
   if (const Friction* law = friction_law(world.laws))
     at(r.terms, Term::friction) = count * friction(*law, loaded_radius(world, load / count));
-  for (const Term term : {Term::meniscus, Term::drag})
+  for (const Term term : {Term::meniscus, Term::drag, Term::flow})
     if (info(term).present(world.laws))
       at(r.terms, term) =
           info(term).at_gap(world, {.gap = 0, .length = length, .depth = {}, .speed = speed});
+  // What is ahead pulls no more than a vacuum.
+  if (const auto& flow = world.laws.flow)
+    at(r.terms, Term::flow) = std::min(
+        at(r.terms, Term::flow), flow_area(world.annulus) * (kAtmosphere - flow->vapour_pressure));
   r.force = sum(r.terms);
   return r;
 }

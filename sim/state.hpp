@@ -36,6 +36,8 @@ struct State {
   double time = 0;              // [s]
   EdgeSide side = EdgeSide::throat;
   bool bridge = false;  // a liquid bridge spans the gap
+  // Of a gas shut in ahead of the end, p V - p_0 V [J] (sim/laws/flow.hpp).
+  double air = 0;
   std::array<ContactState, kContactPlaces> contact;
   // Of the step before, for inertia and second order; dt_before is 0 where there was none.
   Pose velocity = Pose::Zero();                // of the end [m/s, rad/s]
@@ -49,13 +51,13 @@ struct State {
 };
 
 // A state as a row of numbers: for files and for comparing bit for bit.
-inline constexpr int kStateSize = 41;
+inline constexpr int kStateSize = 42;
 using StateRow = Eigen::Matrix<double, kStateSize, 1>;
 
 inline StateRow to_row(const State& s) noexcept {
   StateRow row;
   row << s.tip, s.command, s.time, s.side == EdgeSide::face ? 1.0 : 0.0, s.bridge ? 1.0 : 0.0,
-      StateRow::Zero().head<12>(), s.velocity, s.tip_before, s.velocity_before, s.dt_before;
+      StateRow::Zero().head<12>(), s.velocity, s.tip_before, s.velocity_before, s.dt_before, s.air;
   for (int place = 0; place < kContactPlaces; ++place) {
     const ContactState& c = s.contact[place];
     row.segment<6>(13 + 6 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck,
@@ -80,6 +82,7 @@ inline State state_of(const StateRow& row) noexcept {
   s.tip_before = row.segment<5>(30);
   s.velocity_before = row.segment<5>(35);
   s.dt_before = row[40];
+  s.air = row[41];
   return s;
 }
 

@@ -186,9 +186,10 @@ void update_velocity(const FrozenCoefficients& frozen, const Pose& tip, double d
 // alone.
 bool flies_free(const World& world, const State& state, const Pose& command) noexcept {
   if (world.dynamics == Dynamics::inertial) return false;
-  const double reach = world.profile.lead_in_length + world.annulus.clearance();
-  if (!(std::min(state.tip[0], state.command[0]) > reach)) return false;
   const double lever = world.annulus.fibre_radius;
+  const double reach =
+      world.profile.lead_in_length + world.annulus.clearance() + lever * world.end.cleave.norm();
+  if (!(std::min(state.tip[0], state.command[0]) > reach)) return false;
   const Pose goal = command + world.holder.sag;
   const auto tilt = [](const Pose& p) { return std::abs(p[3]) + std::abs(p[4]); };
   return std::min({state.tip[0], state.command[0], goal[0]}) -
@@ -216,8 +217,9 @@ double first_part(const World& world, const State& state, const Pose& command) n
   if (travel <= 0.5 * clearance) return 1;
   // Clear of the ferrule before and after: nothing on the way.
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
-  const double nearest = std::min({state.tip[0], state.command[0], command[0]}) -
-                         lever * (state.tip.tail<2>().norm() + command.tail<2>().norm());
+  const double nearest =
+      std::min({state.tip[0], state.command[0], command[0]}) -
+      lever * (state.tip.tail<2>().norm() + command.tail<2>().norm() + world.end.cleave.norm());
   if (nearest > world.profile.lead_in_length + clearance) return 1;
   return std::max(0.5 * clearance / travel, 1.0 / kMostAtOnce);
 }
@@ -229,7 +231,7 @@ double part_to_edge(const World& world, const State& state, double way) noexcept
   if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0))
     return INFINITY;
   const PoseVector tip(state.tip);
-  const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t) / tip.e.norm() : 0.0;
+  const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t + world.end.cleave) / tip.e.norm() : 0.0;
   const double reach = kEdgeRounding * std::sqrt(1 + 1 / (tangent * tangent)) + kEdgeStep;
   const double rim = (way > 0 ? 1 : -1) * (tip.x - world.annulus.fibre_radius * out);
   if (rim > reach) return INFINITY;
@@ -372,6 +374,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.side = frozen.contact.side;
   update_contacts(world, frozen, found.tip, found.there, now, state);
   state.bridge = now.bridge;
+  state.air = tip[0] < 0 ? frozen.flow.air_at(-tip[0]) : 0;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
   if (result.substeps > 0) result.forces = {};

@@ -19,8 +19,9 @@ ContactRadius friction_radius(const World& world, double depth,
   if (std::holds_alternative<printed::Friction>(world.laws.friction))
     return {printed::contact_radius(depth), printed::contact_radius_slope(depth)};
   if (present(world.laws.adhesion)) return {pull.radius, pull.radius_slope};
-  const double radius = std::sqrt(std::max(0.0, depth) * world.annulus.fibre_radius);
-  return {radius, radius > 0 ? 0.5 * world.annulus.fibre_radius / radius : 0};
+  const double curvature = world.laws.wall ? world.laws.wall->radius : world.annulus.fibre_radius;
+  const double radius = std::sqrt(std::max(0.0, depth) * curvature);
+  return {radius, radius > 0 ? 0.5 * curvature / radius : 0};
 }
 
 ContactRadius friction_radius(const World& world, double depth, int branch) noexcept {

@@ -14,8 +14,20 @@ namespace ferrule {
 // Whether the fibre's inertia is modelled.
 enum class Dynamics { quasi_static, inertial };
 
+// The fibre's end as it is cleaved and its edge is worn or polished.
+struct FibreEnd {
+  // Slope of its face against the fibre's cross-section [rad]: the rim at the direction n lies
+  // r (n.cleave) ahead.
+  Vector2d cleave = Vector2d::Zero();
+  double edge = 0;  // radius that its rim is rounded to, rho [m]; 0: sharp
+  // Whether it rests on the front face where it is lowest (sim/face_support.hpp), or as if it were
+  // upright where it is farthest from the bore.
+  bool rests_lowest = false;
+};
+
 struct World {
   Annulus annulus;
+  FibreEnd end;
   FerruleProfile profile;
   FibreMass fibre;
   double fibre_young;  // E_o [Pa]

@@ -55,7 +55,7 @@ inline ControllerHand controller_hand(const Scene& scene, const State& start,
                                       Controller& controller) {
   const Scaling scaling = scene_scaling(scene);
   return {controller, scaling.motion_to_hand(start.command), scaling.motion * scene.limits.speed,
-          1.1 * scaling.motion * scene.success.depth};
+          1.1 * scaling.motion * scene.success.depth, registered_entrance(scene)};
 }
 
 // Records trial `trial` into `folder`; a simulated operator unless a controller is given.

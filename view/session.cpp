@@ -385,7 +385,8 @@ void Session::let_it_insert(bool (*stopped)() noexcept) {
   const std::unique_ptr<Controller> controller = controller_(now.trial);
   ControllerHand hand(*controller, scaling.motion_to_hand(now.start.command),
                       scaling.motion * now.scene->limits.speed,
-                      1.1 * scaling.motion * now.scene->success.depth);
+                      1.1 * scaling.motion * now.scene->success.depth,
+                      registered_entrance(*now.scene));
   running_ = "insert";
   bool discard = false;
   const TimedEpisode timed = run_shown(

@@ -13,6 +13,7 @@
 #include "sim/laws/capillary.hpp"
 #include "sim/laws/drag.hpp"
 #include "sim/laws/electrostatic.hpp"
+#include "sim/laws/flow.hpp"
 #include "sim/laws/friction.hpp"
 #include "sim/laws/gravity.hpp"
 #include "sim/laws/meniscus.hpp"
@@ -38,12 +39,13 @@ enum class Term {
   wall,
   friction,
   drag,
-  meniscus
+  meniscus,
+  flow
 };
-inline constexpr std::size_t kTerms = 9;
+inline constexpr std::size_t kTerms = 10;
 inline constexpr std::array<const char*, kTerms> kTermNames = {
     "van_der_waals", "electrostatic", "gravity", "capillary", "adhesion",
-    "wall",          "friction",      "drag",    "meniscus"};
+    "wall",          "friction",      "drag",    "meniscus",  "flow"};
 
 // All of them, in order.
 inline constexpr std::array<Term, kTerms> kAllTerms = [] {
@@ -67,6 +69,7 @@ struct Laws {
   EitherForm<printed::Friction, Friction> friction;
   std::optional<Drag> drag;          // the paper prints none
   std::optional<Meniscus> meniscus;  // nor this
+  std::optional<Flow> flow;          // nor this
 };
 
 // Is the law there, in one form or the other?
@@ -77,6 +80,11 @@ bool present(const EitherForm<Printed, Corrected>& law) noexcept {
 template <class Law>
 bool present(const std::optional<Law>& law) noexcept {
   return law.has_value();
+}
+
+// Does a force depend on how fast the fibre moves?
+inline bool depends_on_speed(const Laws& laws) noexcept {
+  return laws.drag || laws.flow;
 }
 
 // The friction law in either form; null without friction.

@@ -95,7 +95,7 @@ Reference::Reference(const Scene& full, Runs& watched)
     sticks = sticks || snaps(runs.back(), p.hand, clearance);
   }
   sticks = sticks || extreme(Term::friction).force > 0 ||
-           world.laws.drag;  // drag slows a snap down and hides it
+           depends_on_speed(world.laws);  // drag slows a snap down and hides it
   force_scale = std::max(force_scale, clearance / compliance);
 }
 
@@ -217,7 +217,7 @@ struct Budget {
 // What is left out where that is good enough, else with every term; then the longest step.
 Choice choose(const Reference& reference, const Budget& budget) {
   const World& world = reference.scene.world;
-  const double measured = world.laws.drag ? kMeasuredWithDrag : kMeasured;
+  const double measured = depends_on_speed(world.laws) ? kMeasuredWithDrag : kMeasured;
   const double enough = measured * budget.tolerance;
   const auto share = [&](double part) {
     return (reference.sticks ? kShareWhereItSticks : part) * budget.tolerance;
@@ -325,6 +325,18 @@ Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& s
   return full;
 }
 
+// Curl is a matter of where an insertion starts: what leaving it out changes is how far aside the end
+// would lie, and what holds it straight.
+PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, double enough) {
+  PlannedTerm planned{"curl", true, "offset and tilt of the free end", curl.force, 0, State()};
+  const double change = std::max(curl.aside / reference.clearance, reference.changes(curl.force));
+  if (change > enough) return planned;
+  planned.kept = false;
+  planned.fidelity = "none";
+  planned.relative_error = change;
+  return planned;
+}
+
 }  // namespace
 
 Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) {
@@ -333,9 +345,9 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) 
   const Inertia inertia(scene);
   const bool rings = !inertia.stated && inertia.change > kShareOfInertia * tolerance;
   const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
-  const std::vector<double>& steps = inertial                ? kInertialSteps
-                                     : scene.world.laws.drag ? kDragSteps
-                                                             : kTimeless;
+  const std::vector<double>& steps = inertial                             ? kInertialSteps
+                                     : depends_on_speed(scene.world.laws) ? kDragSteps
+                                                                          : kTimeless;
   const Scene full = full_model(scene, inertial, steps);
   const double left = inertia.stated || rings ? tolerance : tolerance - inertia.change;
   const Budget budget{left, inertial && inertia.stated, steps};
@@ -354,6 +366,11 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) 
                choice.left_out.change +
                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
   plan.terms = planned_terms(reference, choice, reduced_world(full, choice.model));
+  if (const auto curl = free_curl(full.parameters)) {
+    plan.terms.push_back(planned_curl(
+        *curl, reference, (reference.sticks ? kShareWhereItSticks : kShare) * tolerance));
+    plan.error_bound += plan.terms.back().relative_error;
+  }
   if (plan.partial) plan.error_bound = INFINITY;
   if (!inertia.stated || inertial) {
     // Where the scene has it, what leaving it out changes is measured.
@@ -364,6 +381,8 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) 
     if (!inertia.stated) plan.error_bound += change;
   }
   plan.document = reduced_document(full, choice.model);
+  for (const PlannedTerm& term : plan.terms)
+    if (term.name == "curl" && !term.kept) plan.document["fibre"].erase("curl_radius_m");
   plan.document["planned_accuracy"] = tolerance;
   plan.document["planned_error_bound"] = plan.error_bound;
   return plan;

@@ -35,7 +35,7 @@
 namespace ferrule {
 
 struct PlannedTerm {
-  std::string name;  // as in the table of terms, or "inertia"
+  std::string name;  // as in the table of terms, "curl" or "inertia"
   bool kept;
   std::string fidelity;   // how it is computed; "none" where left out
   double max_force;       // largest in any probe [N]
@@ -45,8 +45,8 @@ struct PlannedTerm {
 
 struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves without one
   double tolerance;
-  // Those of the scene, in the order of the table of terms, then inertia, unless the scene says
-  // that it is quasi-static.
+  // Those of the scene, in the order of the table of terms, then curl, if it has it, and inertia,
+  // unless the scene says that it is quasi-static.
   std::vector<PlannedTerm> terms;
   Dynamics dynamics;
   double step;         // longest step in time [s]

@@ -22,13 +22,13 @@ constexpr double kMouth = 2e-6;     // so far outside, a fibre is out of the bor
 
 double deepest(const World& world) noexcept {
   return world.dynamics == Dynamics::inertial ? kDepthInertial
-         : world.laws.drag                    ? kDepthWithDrag
+         : depends_on_speed(world.laws)       ? kDepthWithDrag
                                               : kDepth;
 }
 
 double longest(const World& world) noexcept {
   return world.dynamics == Dynamics::inertial ? kLongestInertial
-         : world.laws.drag                    ? kLongestWithDrag
+         : depends_on_speed(world.laws)       ? kLongestWithDrag
                                               : kLongest;
 }
 
@@ -98,7 +98,8 @@ std::vector<Pose> from_wall_to_wall(const Scene& scene, bool at_mouth, RandomStr
 std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k) {
   RandomStream random(kProbeSeed, k, Draw::plan);
   const World& world = scene.world;
-  const bool misaligned = k % 4 == 3, across = world.laws.drag && k % 2 == 1 && !misaligned;
+  const bool misaligned = k % 4 == 3,
+             across = depends_on_speed(world.laws) && k % 2 == 1 && !misaligned;
   // Half of them lean as the scene's starts do, half as much as the bore allows.
   const double lean = k % 2 ? scene.start.tilt_sd : kMostLean;
   const std::vector<Pose> tips = across ? from_wall_to_wall(scene, k % 8 == 5, random)
@@ -112,7 +113,7 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
   // Where nothing depends on time the hand may as well be faster than the scene's.
   double speed = scene.limits.speed, all = 0;
   for (std::size_t i = 1; i < tips.size(); ++i) all += way_to(i);
-  if (!world.laws.drag && world.dynamics == Dynamics::quasi_static)
+  if (!depends_on_speed(world.laws) && world.dynamics == Dynamics::quasi_static)
     speed = std::max(speed, kPeakOfMinimumJerk * all / (0.75 * kLongest));
   std::vector<Pose> hand = {tips.front() - world.holder.sag};
   for (std::size_t i = 1; i < tips.size(); ++i) {

@@ -1,35 +1,90 @@
 #include "sim/scene/draw.hpp"
 
+#include <algorithm>
+#include <numbers>
+
+#include "sim/curl.hpp"
+#include "sim/elementary.hpp"
 #include "sim/scene/random.hpp"
+#include "sim/scene/units.hpp"
 
 namespace ferrule {
+namespace {
 
-std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
-                                        std::uint64_t trial) {
-  if (!scene.tolerance) return {std::shared_ptr<const Scene>(), &scene};
-  RandomStream random(seed, trial, Draw::parts);
-  const Tolerance& t = *scene.tolerance;
+// Diameters of a pair of parts, and what a recording states of them; false: they interfere.
+bool draw_diameters(Scene& drawn, RandomStream random) {
+  const Tolerance t = *drawn.tolerance;
   double deviation = random.normal();
   while (std::abs(deviation) > 3) deviation = random.normal();
-  const double fibre = 2 * scene.world.annulus.fibre_radius + t.fibre_sd * deviation;
+  const double fibre = 2 * drawn.world.annulus.fibre_radius + t.fibre_sd * deviation;
   const double bore = t.bore_low + (t.bore_high - t.bore_low) * random.uniform();
-  if (fibre >= bore) return nullptr;
-  const auto drawn = std::make_shared<Scene>(scene);
-  drawn->tolerance.reset();
-  WorldParameters& p = drawn->parameters;
+  if (fibre >= bore) return false;
+  drawn.tolerance.reset();
+  WorldParameters& p = drawn.parameters;
   p.fibre.diameter_um = 1e6 * fibre;
   p.ferrule.bore_diameter_um = 1e6 * bore;
   if (const auto found = inconsistency(p))
-    throw BadInput(scene.name + ": tolerance: " + found->key + " " + found->rule);
-  drawn->world = make_world(p);
-  // What a recording states of its scene.
-  Json& document = drawn->document;
+    throw BadInput(drawn.name + ": tolerance: " + found->key + " " + found->rule);
+  Json& document = drawn.document;
   document["drawn_from"] = {{"tolerance", document["tolerance"]},
                             {"fibre_diameter_um", document["fibre"]["diameter_um"]},
                             {"ferrule_bore_diameter_um", document["ferrule"]["bore_diameter_um"]}};
   document.erase("tolerance");
   document["fibre"]["diameter_um"] = p.fibre.diameter_um;
   document["ferrule"]["bore_diameter_um"] = p.ferrule.bore_diameter_um;
+  return true;
+}
+
+// Has the fibre's roll angle, or that of its cleave to it, an effect that chance decides?
+bool rolls(const FibreParameters& fibre) noexcept {
+  return (fibre.curl_radius_m || fibre.cleave_deg) && !fibre.roll_deg;
+}
+bool cleaves(const FibreParameters& fibre) noexcept {
+  return fibre.cleave_deg && !fibre.cleave_direction_deg;
+}
+
+// States a number that chance decided.
+void add_number(Json& document, const char* object, const char* key, double value) {
+  document[object][key] = value;
+  document["drawn_from"]["added"].push_back(std::string(object) + "." + key);
+}
+
+double roll_deg(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
+  const FibreParameters& fibre = scene.parameters.fibre;
+  return fibre.roll_deg ? *fibre.roll_deg : 360 * RandomStream(seed, trial, Draw::roll).uniform();
+}
+
+}  // namespace
+
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
+                                        std::uint64_t trial) {
+  const bool roll = rolls(scene.parameters.fibre);
+  const bool entrance =
+      scene.sensor.entrance_sd > 0 && !scene.document["sensor"].contains("entrance_error_um");
+  const bool cleave = cleaves(scene.parameters.fibre);
+  if (!scene.tolerance && !roll && !cleave && !entrance)
+    return {std::shared_ptr<const Scene>(), &scene};
+  const auto drawn = std::make_shared<Scene>(scene);
+  if (scene.tolerance && !draw_diameters(*drawn, {seed, trial, Draw::parts})) return nullptr;
+  if (roll) {
+    drawn->parameters.fibre.roll_deg = roll_deg(scene, seed, trial);
+    add_number(drawn->document, "fibre", "roll_deg", *drawn->parameters.fibre.roll_deg);
+  }
+  if (cleave) {
+    RandomStream random(seed, trial, Draw::roll);
+    random.uniform();  // the roll angle
+    drawn->parameters.fibre.cleave_direction_deg = 360 * random.uniform();
+    add_number(drawn->document, "fibre", "cleave_direction_deg",
+               *drawn->parameters.fibre.cleave_direction_deg);
+  }
+  if (entrance) {
+    const double um =
+        RandomStream(seed, trial, Draw::entrance).normal() * 1e6 * scene.sensor.entrance_sd;
+    drawn->sensor.entrance_error = micro * um;
+    add_number(drawn->document, "sensor", "entrance_error_um", um);
+  }
+  if (scene.tolerance) drawn->world = make_world(drawn->parameters);
+  drawn->world.end = fibre_end(drawn->parameters.fibre);
   return drawn;
 }
 
@@ -49,9 +104,17 @@ Json undrawn(Json document) {
   if (!document.contains("drawn_from")) return document;
   const Json from = document["drawn_from"];
   document.erase("drawn_from");
-  document["tolerance"] = from["tolerance"];
-  document["fibre"]["diameter_um"] = from["fibre_diameter_um"];
-  document["ferrule"]["bore_diameter_um"] = from["ferrule_bore_diameter_um"];
+  if (from.contains("tolerance")) {
+    document["tolerance"] = from["tolerance"];
+    document["fibre"]["diameter_um"] = from["fibre_diameter_um"];
+    document["ferrule"]["bore_diameter_um"] = from["ferrule_bore_diameter_um"];
+  }
+  for (const Json& key : from.value("added", Json::array())) {
+    std::string path = "/" + key.get<std::string>();
+    std::replace(path.begin(), path.end(), '.', '/');
+    const Json::json_pointer at(path);
+    if (document.contains(at)) document[at.parent_pointer()].erase(at.back());
+  }
   return document;
 }
 
@@ -63,6 +126,11 @@ State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) no
   tip[2] = scene.start.lateral_mean.y() + scene.start.lateral_sd * random.normal();
   tip[3] = scene.start.tilt_sd * random.normal();
   tip[4] = scene.start.tilt_sd * random.normal();
+  if (const auto& radius = scene.parameters.fibre.curl_radius_m) {
+    const double roll = degree * roll_deg(scene, seed, trial);
+    tip += curl(*radius, free_length(scene.parameters),
+                {elementary::cos(roll), elementary::sin(roll)});
+  }
   return at_rest(scene.world, tip);
 }
 

@@ -8,9 +8,9 @@
 
 namespace ferrule {
 
-// The scene of trial `trial` under `seed`: `scene` itself, or where its parts are toleranced one
-// with the diameters of a pair that was drawn; null where that pair interferes. It must not outlive
-// `scene`. Throws BadInput if the scene cannot be with these diameters.
+// The scene of trial `trial` under `seed`: `scene` itself, or where chance decides about its parts
+// (toleranced diameters, the roll angle of a curled or cleaved fibre) or about where the entrance is taken to be,
+// one with what was drawn; null where that pair interferes. It must not outlive `scene`. Throws BadInput if the scene cannot be with these diameters.
 std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
                                         std::uint64_t trial);
 
@@ -26,7 +26,8 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
 // The document of the scene that a drawn one was drawn from; of any other scene, `document` itself.
 Json undrawn(Json document);
 
-// Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says.
+// Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says, and with it
+// the same whether `scene` was drawn or not.
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
 
 }  // namespace ferrule

@@ -39,6 +39,10 @@ struct ForceSensorModel {
   // Of who reads it (insertion/sensed_wrench.hpp).
   double tare_time = 0;  // of the mean that is the tare in free air [s], >= 0; 0: the first reading
   double dead_band = 0;  // below which a force relative to the tare counts as none [N], >= 0
+  // Of who looks for the bore (no part of a reading): where it takes its entrance to be, along x,
+  // and the standard deviation of that [m]. What counts as inserted does not depend on it.
+  double entrance_error = 0;
+  double entrance_sd = 0;  // >= 0
 
   bool ideal() const noexcept {
     return noise == 0 && resolution == 0 && gain_error == 0 && cross_talk == 0 && !biased() &&

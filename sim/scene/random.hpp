@@ -14,7 +14,9 @@ enum class Draw : std::uint32_t {
   split = 2,
   plan = 3,
   sensor = 4,
-  parts = 5
+  parts = 5,
+  roll = 6,
+  entrance = 7
 };
 
 class RandomStream {

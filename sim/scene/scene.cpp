@@ -26,6 +26,18 @@ void read_fibre(JsonFields f, FibreParameters& fibre) {
   f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), fibre.poisson);
   f.number("shear_GPa", positive(1e-6, 1e4), fibre.shear_GPa);
   f.number("manipulated_length_mm", positive(1e-3, 1e4), fibre.manipulated_length_mm);
+  if (f.present("curl_radius_m"))
+    f.number("curl_radius_m", positive(1e-2, 1e9), fibre.curl_radius_m.emplace());
+  if (f.present("roll_deg"))
+    f.number("roll_deg", rule::between(-360, 360, "must be from -360 to 360"),
+             fibre.roll_deg.emplace());
+  if (f.present("cleave_deg"))
+    f.number("cleave_deg", rule::between(0, 10, "must be from 0 to 10"),
+             fibre.cleave_deg.emplace());
+  if (f.present("edge_um")) f.number("edge_um", positive(0.05, 1e4), fibre.edge_um.emplace());
+  if (f.present("cleave_direction_deg"))
+    f.number("cleave_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
+             fibre.cleave_direction_deg.emplace());
   f.finish();
 }
 
@@ -135,12 +147,18 @@ void read_tolerance(JsonFields f, Tolerance& t) {
   f.finish();
 }
 
-// What is only said: where the diameters of a recorded pair were drawn from.
+// What is only said: what the numbers that chance decided of a recorded pair were drawn from.
 void read_drawn_from(JsonFields f) {
-  Tolerance tolerance{};
-  read_tolerance(f.object("tolerance"), tolerance);
-  for (const char* key : {"fibre_diameter_um", "ferrule_bore_diameter_um"})
-    f.number(key, positive(1, 1e5));
+  if (f.present("tolerance")) {
+    Tolerance tolerance{};
+    read_tolerance(f.object("tolerance"), tolerance);
+    for (const char* key : {"fibre_diameter_um", "ferrule_bore_diameter_um"})
+      f.number(key, positive(1, 1e5));
+  }
+  if (f.present("added"))
+    for (const Json& key : f.raw("added"))
+      if (std::find(kDrawnKeys.begin(), kDrawnKeys.end(), key) == kDrawnKeys.end())
+        f.refuse("added", "must be a list of keys that chance may add");
   f.finish();
 }
 
@@ -162,6 +180,9 @@ void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   number("vibration_Hz", 1, positive(1e-3, 1e9), sensor.vibration_frequency);
   number("tare_s", 1, not_negative(1e3), sensor.tare_time);
   number("dead_band_uN", micro, not_negative(1e9), sensor.dead_band);
+  number("entrance_sd_um", micro, not_negative(1e6), sensor.entrance_sd);
+  number("entrance_error_um", micro, rule::between(-1e7, 1e7, "must be from -1e7 to 1e7"),
+         sensor.entrance_error);
   f.finish();
 }
 

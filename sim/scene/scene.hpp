@@ -2,6 +2,7 @@
 // the hand to the tip. One JSON file (data/README.md describes every key); SI inside.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <optional>
 #include <string>
@@ -14,7 +15,8 @@
 namespace ferrule {
 
 // Where the fibre's end rests at the start of a trial: `distance` outside the bore, with normally
-// distributed misalignment.
+// distributed misalignment. That of a curled fibre (fibre.curl_radius_m) lies aside and tilts
+// besides: this is where that of a straight one would be.
 struct StartDistribution {
   double distance;        // x of the end [m], >= 0
   Vector2d lateral_mean;  // mean of y and of z [m]
@@ -49,6 +51,10 @@ struct ScalingRanges {
 
 // The form of a force law: as the paper prints it, or corrected (sim/laws/laws.hpp).
 enum class Form { printed, corrected };
+
+// Keys that a drawn scene states where the one it was drawn from does not.
+inline constexpr std::array kDrawnKeys = {"fibre.roll_deg", "fibre.cleave_direction_deg",
+                                          "sensor.entrance_error_um"};
 
 struct Scene {
   std::string name;

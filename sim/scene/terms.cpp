@@ -106,6 +106,19 @@ void read_meniscus(JsonFields f, Laws& laws) {
   f.finish();
 }
 
+void read_flow(JsonFields f, Laws& laws) {
+  f.choice("form", {"corrected"});
+  Flow& law = laws.flow.emplace();
+  f.number("viscosity_Pa_s", rule::positive(1e-30, 1e6), law.viscosity);
+  law.blind = f.choice("bore", {"open", "blind"}) == 1;
+  law.gas = f.choice("fluid", {"liquid", "gas"}) == 1;
+  if (!law.gas)
+    f.number("vapour_pressure_kPa",
+             rule::between(0, 1e-3 * kAtmosphere, "must be from 0 to 101.325"), law.vapour_pressure,
+             1e3);
+  f.finish();
+}
+
 std::string nodes(const World& world) {
   const int order = world.numerics.quadrature.order;
   return order == 1 ? "annulus, parallel axes"
@@ -209,6 +222,21 @@ double meniscus_at_gap(const World& world, const Posture& at) {
   return at.length > 0 ? meniscus(*world.laws.meniscus, world.annulus.fibre_radius) : 0;
 }
 
+// Of a gas as if it were not compressed, which is the most that it can be.
+double flow_at_gap(const World& world, const Posture& at) {
+  const double c = world.annulus.clearance() + world.annulus.roughness;
+  const double near = world.annulus.clearance() - at.gap, far = near - at.rise();
+  const double square = (near * near + near * far + far * far) / (3 * c * c);
+  const double area = flow_area(world.annulus);
+  return area * area * at.speed *
+         flow_resistance(*world.laws.flow, world.annulus, world.profile.length, at.length,
+                         std::min(1.0, square));
+}
+
+std::string flow_fidelity(const World& world) {
+  return world.laws.flow->cushions() ? "cushion with leak" : "slit and tube flow";
+}
+
 // The columns of the table that say where a law is kept.
 template <auto member>
 bool is_present(const Laws& laws) noexcept {
@@ -256,6 +284,7 @@ constexpr std::array<TermInfo, kTerms> kTable = {
     row<&Laws::drag>(Term::drag, "drag", false, read_drag, always<kBearing>, drag_at_gap),
     row<&Laws::meniscus>(Term::meniscus, "meniscus", false, read_meniscus, always<kClosed>,
                          meniscus_at_gap),
+    row<&Laws::flow>(Term::flow, "flow ahead", false, read_flow, flow_fidelity, flow_at_gap),
 };
 
 }  // namespace

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
+#include "sim/curl.hpp"
 #include "sim/elementary.hpp"
 #include "sim/scene/units.hpp"
 
@@ -19,20 +21,28 @@ FerruleProfile profile(const FerruleParameters& ferrule, const Annulus& annulus)
   return profile;
 }
 
+// R_s of the contacts: the fibre's radius, or for a rounded rim, curved by rho one way and by r the
+// other, that of the sphere with the same pull-off (Johnson and Greenwood 2005), sqrt(rho r).
+double contact_radius(const FibreParameters& fibre) noexcept {
+  const double r = 0.5 * fibre.diameter_um;
+  return micro * (fibre.edge_um ? std::sqrt(*fibre.edge_um * r) : r);
+}
+
 // The laws with what follows for them from geometry and materials.
 Laws complete(Laws laws, const WorldParameters& p, const Annulus& annulus) {
   const double modulus = reduced_modulus(giga * p.fibre.young_GPa, p.fibre.poisson,
                                          giga * p.ferrule.young_GPa, p.ferrule.poisson);
   if (auto* law = std::get_if<Capillary>(&laws.capillary)) *law = prepare(*law, annulus);
-  laws.wall = Wall{modulus, annulus.fibre_radius, 0};
+  const double radius = contact_radius(p.fibre);
+  laws.wall = Wall{modulus, radius, 0};
   if (auto* law = std::get_if<printed::Adhesion>(&laws.adhesion)) {
     law->reduced_modulus = modulus;
-    law->radius = annulus.fibre_radius;
+    law->radius = radius;
     *law = prepare(*law);
     laws.wall->begins = printed::kDeepest;
   } else if (auto* self_consistent = std::get_if<Adhesion>(&laws.adhesion)) {
     self_consistent->reduced_modulus = modulus;
-    if (std::isnan(self_consistent->radius)) self_consistent->radius = annulus.fibre_radius;
+    if (std::isnan(self_consistent->radius)) self_consistent->radius = radius;
     *self_consistent = prepare(*self_consistent);
     laws.wall.reset();
   }
@@ -54,11 +64,26 @@ Holder make_holder(const WorldParameters& p, const World& world) {
                        world.fibre_young, world.laws.gravity);
 }
 
+constexpr double kLeastCurl = 10;  // radius over free length: a slope of 0.1
+
 std::string shown(double x) {
   return nlohmann::json(x).dump();
 }
 
 }  // namespace
+
+double free_length(const WorldParameters& p) noexcept {
+  const auto* elastic = std::get_if<ElasticFibre>(&p.holder);
+  return milli * (elastic ? elastic->free_length_mm : p.fibre.manipulated_length_mm);
+}
+
+std::optional<FreeCurl> free_curl(const WorldParameters& p) noexcept {
+  if (!p.fibre.curl_radius_m) return std::nullopt;
+  const double length = free_length(p), r = 0.5 * micro * p.fibre.diameter_um;
+  const Pose end = curl(*p.fibre.curl_radius_m, length, Vector2d::UnitX());
+  const double bending = giga * p.fibre.young_GPa * 0.25 * std::numbers::pi * r * r * r * r;
+  return FreeCurl{end[1], -end[3], 1.5 * bending / (*p.fibre.curl_radius_m * length)};
+}
 
 std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
   if (!(p.ferrule.bore_diameter_um > p.fibre.diameter_um))
@@ -71,13 +96,29 @@ std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
   const auto* liquid = std::get_if<Capillary>(&p.laws.capillary);
   if (liquid && !(liquid->rupture > 2 * liquid->film))
     return {{"laws.capillary.rupture_nm", "must be more than twice film_nm, where a bridge forms"}};
+  if (p.fibre.edge_um && !(*p.fibre.edge_um <= 0.25 * p.fibre.diameter_um))
+    return {{"fibre.edge_um", "must be at most a quarter of the fibre's diameter (" +
+                                  shown(p.fibre.diameter_um) + ")"}};
+  if (p.fibre.curl_radius_m && !(*p.fibre.curl_radius_m >= kLeastCurl * free_length(p)))
+    return {{"fibre.curl_radius_m", "must be at least ten times the length that is free (" +
+                                        shown(free_length(p)) + " m)"}};
   return std::nullopt;
+}
+
+FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
+  if (!fibre.cleave_deg && !fibre.edge_um) return {};
+  const double direction =
+      degree * (fibre.roll_deg.value_or(0) + fibre.cleave_direction_deg.value_or(0));
+  const double slope = elementary::tan(degree * fibre.cleave_deg.value_or(0));
+  return {slope * Vector2d(elementary::cos(direction), elementary::sin(direction)),
+          micro * fibre.edge_um.value_or(0), true};
 }
 
 World make_world(const WorldParameters& p) {
   World world{};
   world.annulus = {0.5 * micro * p.fibre.diameter_um, 0.5 * micro * p.ferrule.bore_diameter_um,
                    nano * p.roughness_nm};
+  world.end = fibre_end(p.fibre);
   world.profile = profile(p.ferrule, world.annulus);
   world.fibre = {world.annulus.fibre_radius, p.fibre.density_kg_m3,
                  milli * p.fibre.manipulated_length_mm};

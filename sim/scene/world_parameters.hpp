@@ -12,6 +12,14 @@ namespace ferrule {
 // computed from a number is the same whether it was read, drawn or varied.
 struct FibreParameters {
   double diameter_um, density_kg_m3, young_GPa, poisson, shear_GPa, manipulated_length_mm;
+  std::optional<double> curl_radius_m;  // of its natural curvature; none: straight
+  // How it lies in the gripper, turned about its axis from y to z; none: chance decides.
+  std::optional<double> roll_deg;
+  // Angle of its end's face to the cross-section; none: square, and it rests on the front face as
+  // if it were upright. Its leading rim point lies at that direction from the roll angle; none:
+  // chance decides.
+  std::optional<double> cleave_deg, cleave_direction_deg;
+  std::optional<double> edge_um;  // radius that its rim is rounded to; none: sharp
 };
 
 struct LeadIn {
@@ -43,12 +51,27 @@ struct WorldParameters {
   Numerics numerics;
 };
 
+// Length of fibre between its end and what holds it [m].
+double free_length(const WorldParameters& parameters) noexcept;
+
+// What its curl does to a fibre that is free of load (sim/curl.hpp).
+struct FreeCurl {
+  double aside;  // of its end [m]
+  double tilt;   // [rad]
+  double force;  // across the end that holds it straight, free to tilt: 3 E I/(2 R L) [N]
+};
+// Empty for a straight fibre.
+std::optional<FreeCurl> free_curl(const WorldParameters& parameters) noexcept;
+
 // Why two of these numbers cannot be together.
 struct Inconsistency {
   std::string key;   // dotted, of the number that must change
   std::string rule;  // what it must be
 };
 std::optional<Inconsistency> inconsistency(const WorldParameters& parameters);
+
+// The fibre's end, as it lies.
+FibreEnd fibre_end(const FibreParameters& fibre) noexcept;
 
 // The parameters are consistent and each in its range (data/README.md).
 World make_world(const WorldParameters& parameters);

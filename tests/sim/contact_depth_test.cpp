@@ -6,6 +6,9 @@
 
 #include "sim/scene/random.hpp"
 #include "sim/scene/scene.hpp"
+#include "sim/step.hpp"
+#include "tests/compare.hpp"
+#include "tests/scenes.hpp"
 
 namespace ferrule {
 namespace {
@@ -37,6 +40,155 @@ TEST(ContactDepth, OnTheConeIsThatOfTheDeepestPointOfTheRim) {
     EXPECT_NEAR(depth.value, deepest, 1e-12);
   }
   EXPECT_GT(on_cone, 50);
+}
+
+Scene rounded(double edge_um, std::vector<std::string> more = {}) {
+  std::vector<std::string> settings = {"fibre.edge_um=" + std::to_string(edge_um)};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return testing::bare(settings);
+}
+constexpr const char* kCone = "ferrule.lead_in={\"angle_deg\":60,\"diameter_um\":250}";
+
+// Distance of a point outside a convex solid, by its boundary point after point.
+double distance_to(const FerruleProfile& profile, double x, double rho) {
+  const double L = profile.lead_in_length, R = profile.bore_radius, R_o = profile.mouth_radius();
+  const auto to_segment = [&](double x0, double r0, double x1, double r1) {
+    const Vector2d a(x0, r0), along = Vector2d(x1, r1) - a, to = Vector2d(x, rho) - a;
+    const double part = std::clamp(to.dot(along) / along.squaredNorm(), 0.0, 1.0);
+    return (to - part * along).norm();
+  };
+  double least = std::min(to_segment(-1e-3, R, 0, R), to_segment(L, R_o, L, R_o + 1e-3));
+  if (L > 0) least = std::min(least, to_segment(0, R, L, R_o));
+  return least;
+}
+
+// The rim's circle at every direction, against the solid's boundary.
+TEST(ContactDepth, OfARoundedRimIsThatOfItsDeepestCircle) {
+  RandomStream random(5, 0, Draw::plan);
+  int on_edge = 0, on_cone = 0, in_bore = 0;
+  for (int n = 0; n < 400; ++n) {
+    const double edge = std::pow(10.0, -6.3 + 1.3 * random.uniform());
+    const bool lead_in = n % 2;
+    std::vector<std::string> more = {"fibre.cleave_deg=" + std::to_string(random.uniform())};
+    if (lead_in) more.emplace_back(kCone);
+    const World world = rounded(1e6 * edge, more).world;
+    const FerruleProfile& profile = world.profile;
+    const double r = world.annulus.fibre_radius, angle = 2 * std::numbers::pi * random.uniform();
+    const double off = world.annulus.clearance() + 1.3 * edge * random.uniform() +
+                       (lead_in ? 40e-6 * random.uniform() * random.uniform() : 0);
+    State state;
+    state.tip << -edge + (lead_in ? 60e-6 : 1.5 * edge) * random.uniform() * random.uniform(),
+        off * std::cos(angle), off * std::sin(angle), 5e-4 * random.normal(),
+        5e-4 * random.normal();
+    const PoseVector tip(state.tip);
+    const ContactSide side = contact_side(world, state);
+    if (side.side == EdgeSide::face) continue;
+    const ContactDepth depth = contact_depths(world, side, tip)[kEnd];
+    // Only where its circles are outside the solid, and touch or nearly do.
+    if (!(depth.value > -3 * edge && depth.value < 0.7 * edge)) continue;
+    double deepest = -INFINITY;
+    constexpr int kPoints = 20000;
+    for (int i = 0; i < kPoints; ++i) {
+      const double at = 2 * std::numbers::pi * i / kPoints;
+      const Vector2d u(std::cos(at), std::sin(at));
+      const double x = tip.x + edge - (r - edge) * u.dot(tip.t + world.end.cleave);
+      const double rho = r - edge + u.dot(tip.e + edge * tip.t);
+      deepest = std::max(deepest, edge - distance_to(profile, x, rho));
+    }
+    EXPECT_LE(std::abs(depth.value - deepest), 1e-3 * edge + 2e-10) << n << " " << lead_in;
+    on_edge += depth.edge > 0;
+    on_cone += lead_in && depth.edge == 0 && depth.slope[0] < 0;
+    in_bore += depth.slope[0] == 0;
+  }
+  EXPECT_GT(on_edge, 30);
+  EXPECT_GT(on_cone, 10);
+  EXPECT_GT(in_bore, 2);
+}
+
+TEST(ContactDepth, OfARoundedRimHasTheDerivativesThatItSays) {
+  RandomStream random(6, 0, Draw::plan);
+  int tried = 0;
+  for (int n = 0; n < 300; ++n) {
+    const double edge = 3e-6;
+    std::vector<std::string> more = {"fibre.cleave_deg=0.7"};
+    if (n % 2) more.emplace_back(kCone);
+    const World world = rounded(3, more).world;
+    const double off = 0.5e-6 + edge * random.uniform() + (n % 2 ? 20e-6 * random.uniform() : 0);
+    State state;
+    state.tip << -edge + (n % 2 ? 40e-6 : 4e-6) * random.uniform(), off, 0.3 * off,
+        1e-3 * random.normal(), 1e-3 * random.normal();
+    const ContactSide side = contact_side(world, state);
+    const auto at = [&](const Pose& tip) { return contact_depths(world, side, tip)[kEnd]; };
+    const ContactDepth depth = at(state.tip);
+    if (!(std::abs(depth.value) < 0.5 * edge)) continue;
+    ++tried;
+    const Pose slope = depth.by_pose(state.tip.tail<2>()).full();
+    const double units[5] = {1e-10, 1e-10, 1e-10, 1e-7, 1e-7};
+    for (int i = 0; i < 5; ++i) {
+      Pose step = Pose::Zero();
+      step[i] = units[i];
+      const double by = (at(state.tip + step).value - at(state.tip - step).value) / (2 * units[i]);
+      EXPECT_LE(std::abs(by - slope[i]), (i < 3 ? 1 : 62.5e-6) * 2e-4) << n << " " << i;
+    }
+    PointForce push{depth.normal(state.tip.tail<2>()), depth.point};
+    EXPECT_LT((push.wrench(state.tip) + slope).tail<2>().norm(), 1e-9 * 62.5e-6) << n;
+  }
+  EXPECT_GT(tried, 60);
+}
+
+// Upright and rigid, without friction: a sharp bore takes it from within c + rho.
+TEST(ContactDepth, ARoundedRimFindsASharpBoreFromWithinClearanceAndRadius) {
+  for (const double edge : {0.2, 1.0, 5.0})
+    for (const double part : {0.5, 0.97, 1.03, 1.5, 4.0}) {
+      const World world = rounded(edge, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
+      const double offset = part * (world.annulus.clearance() + 1e-6 * edge);
+      State state = at_rest(world, testing::pose(1e-6, offset, 0));
+      for (int n = 1; n <= 2000; ++n)
+        state =
+            step(world, state, testing::pose(1e-6 - n * (2.5e-9 + 2e-9 * edge), offset, 0), 1e-3)
+                .state;
+      EXPECT_EQ(state.tip[0] < -1e-6 - 1e-6 * edge, part < 1) << edge << " " << part;
+    }
+}
+
+TEST(ContactDepth, WithARoundedRimNoClosedMotionGainsEnergy) {
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    RandomStream random(13, k, Draw::start);
+    std::vector<std::string> more = {"fibre.cleave_deg=" + std::to_string(random.uniform())};
+    if (k % 2) more.emplace_back(kCone);
+    const World world = rounded(std::pow(10.0, 1.3 * random.uniform() - 0.7), more).world;
+    State state = at_rest(world, testing::pose(world.profile.lead_in_length + 5e-6, 3e-6, 0));
+    const Pose start = state.command;
+    Pose hand = start;
+    double work = 0, turned = 0;
+    for (int n = 0; n < 400; ++n) {
+      if (n < 360)
+        for (int i = 0; i < 5; ++i)
+          hand[i] += (i < 3 ? 0.5e-6 : 2e-4) * random.normal() - (i == 0 && n < 150 ? 2e-7 : 0);
+      else
+        hand += (start - hand) / (400 - n);
+      const Pose stretch = state.tip - 0.5 * (state.command + hand);
+      const double done = -(world.holder.stiffness * stretch).dot(hand - state.command);
+      work += done;
+      turned += std::abs(done);
+      const StepResult r = step(world, state, hand, 1e-3);
+      ASSERT_LE(r.evaluations, kMostEvaluations);
+      ASSERT_TRUE(to_row(r.state).allFinite());
+      state = r.state;
+    }
+    EXPECT_GE(work, -1e-9 * turned) << k;
+  }
+}
+
+// Adhesion and wall know how sharp the edge is: pull-off falls with the root of its radius.
+TEST(ContactDepth, TheContactRadiusFollowsFromTheEdge) {
+  const auto radius = [](const std::vector<std::string>& settings) {
+    return std::get<Adhesion>(load_scene("bench", settings).world.laws.adhesion).radius;
+  };
+  EXPECT_CLOSE(radius({}), 62.5e-6, 1e-12);
+  EXPECT_CLOSE(radius({"fibre.edge_um=1"}), std::sqrt(62.5) * 1e-6, 1e-12);
+  EXPECT_CLOSE(radius({"fibre.edge_um=1", "laws.adhesion.radius_um=3"}), 3e-6, 1e-12);
+  EXPECT_CLOSE(rounded(4).world.laws.wall->radius, std::sqrt(4 * 62.5) * 1e-6, 1e-12);
 }
 
 }  // namespace

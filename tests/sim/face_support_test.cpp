@@ -1,0 +1,254 @@
+#include "sim/face_support.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "sim/potential.hpp"
+#include "sim/scene/random.hpp"
+#include "sim/step.hpp"
+#include "tests/compare.hpp"
+#include "tests/scenes.hpp"
+
+namespace ferrule {
+namespace {
+
+using std::numbers::pi;
+
+constexpr double kRadius = 62.5e-6;
+
+bool supported(const Vector2d& p, const Vector2d& e, double opening) {
+  return p.norm() <= kRadius && (p + e).norm() >= opening;
+}
+
+// The lowest of all points of the crescent: of its area, its rim and the opening's edge.
+double lowest(const Vector2d& e, double opening, const Vector2d& slope) {
+  double most = -INFINITY;
+  constexpr int kPoints = 200000;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2 * pi * i / kPoints;
+    const Vector2d u(std::cos(angle), std::sin(angle));
+    for (const Vector2d& p : {Vector2d((1 - 1e-12) * kRadius * u), Vector2d(opening * u - e)})
+      if (supported(p, e, (1 - 1e-12) * opening)) most = std::max(most, p.dot(slope));
+  }
+  for (int i = -60; i <= 60; ++i)
+    for (int j = -60; j <= 60; ++j) {
+      const Vector2d p = kRadius / 60 * Vector2d(i, j);
+      if (supported(p, e, opening)) most = std::max(most, p.dot(slope));
+    }
+  return most;
+}
+
+TEST(FaceSupport, ATiltedEndRestsAtTheLowestPointOfTheCrescent) {
+  RandomStream random(8, 0, Draw::plan);
+  int corners = 0;
+  for (int n = 0; n < 60; ++n) {
+    const double opening = n % 3 ? 63e-6 : 125e-6, least = opening - kRadius;
+    const double off = least + (n % 2 ? 3e-6 : 150e-6) * random.uniform();
+    const double angle = 2 * pi * random.uniform(), lean = 2 * pi * random.uniform();
+    const double tilt = 1e-2 * (0.2 + random.uniform());
+    const Vector2d e = off * Vector2d(std::cos(angle), std::sin(angle));
+    const Vector2d slope = tilt * Vector2d(std::cos(lean), std::sin(lean));
+    const FaceSupport support(kRadius, opening, e);
+    ASSERT_TRUE(support.any());
+    const FaceSupport::Rest rest = support.rest(slope);
+    const double found = lowest(e, opening, slope);
+    // Smoothing lifts it by no more than kRestTilt r/2 4.
+    EXPECT_LE(std::abs(rest.ahead - found), 2.1 * kRestTilt * kRadius) << n;
+    EXPECT_LE(std::abs(rest.point.dot(slope) - found), 2.1 * kRestTilt * kRadius) << n;
+    corners += rest.turning.norm() == 0;
+  }
+  EXPECT_GT(corners, 10);
+}
+
+// 15 um aside over a sharp bore of 126 um: supported for |phi| < 95 degrees.
+TEST(FaceSupport, TellsOfTheHoleOnlyWhereTheTiltLetsIt) {
+  const Vector2d e(15e-6, 0);
+  const FaceSupport support(kRadius, 63e-6, e);
+  for (int degrees = 0; degrees <= 180; degrees += 5) {
+    const double angle = degrees * pi / 180;
+    const Vector2d slope = 0.01 * Vector2d(std::cos(angle), std::sin(angle));
+    const Vector2d p = support.rest(slope).point;
+    const double rests = std::atan2(p.y(), p.x()) * 180 / pi;
+    EXPECT_TRUE(degrees == 180 || std::abs(rests - std::min(degrees, 95)) < 0.5) << degrees;
+    EXPECT_CLOSE(p.norm(), degrees == 180 ? std::abs(p.x()) : kRadius, 1e-9);
+  }
+}
+
+TEST(FaceSupport, AnUprightEndRestsAtTheCentroidOfTheCrescent) {
+  for (const double opening : {63e-6, 125e-6})
+    for (const double more : {0.3e-6, 15e-6, 60e-6, 200e-6}) {
+      const Vector2d e = (opening - kRadius + more) * Vector2d(0.6, -0.8);
+      Vector2d sum = Vector2d::Zero();
+      double count = 0;
+      // In polar coordinates, finer at the rim, where the thin crescents are.
+      constexpr int kRings = 1500, kAngles = 1500;
+      for (int i = 0; i < kRings; ++i)
+        for (int j = 0; j < kAngles; ++j) {
+          const double part = 1 - std::pow((i + 0.5) / kRings, 3);
+          const double width = 3 * std::pow((i + 0.5) / kRings, 2) / kRings;
+          const double angle = 2 * pi * (j + 0.5) / kAngles;
+          const Vector2d p = part * kRadius * Vector2d(std::cos(angle), std::sin(angle));
+          if (!supported(p, e, opening)) continue;
+          sum += part * width * p;
+          count += part * width;
+        }
+      const FaceSupport::Rest rest = FaceSupport(kRadius, opening, e).rest(Vector2d::Zero());
+      EXPECT_LT((rest.point - sum / count).norm(), 3e-3 * kRadius) << opening << " " << more;
+      EXPECT_EQ(rest.ahead, 0);
+    }
+  EXPECT_FALSE(FaceSupport(kRadius, 63e-6, Vector2d(0.49e-6, 0)).any());
+}
+
+TEST(FaceSupport, RestsWhereItsHeightChangesWithTheSlope) {
+  RandomStream random(9, 0, Draw::plan);
+  for (int n = 0; n < 400; ++n) {
+    const Vector2d e = 40e-6 * random.uniform() * Vector2d(0.8, 0.6) + Vector2d(0.6e-6, 0);
+    const FaceSupport support(kRadius, 63e-6, e);
+    const Vector2d slope =
+        std::pow(10.0, -7 + 5 * random.uniform()) * Vector2d(random.normal(), random.normal());
+    const FaceSupport::Rest rest = support.rest(slope);
+    const double h = 1e-4 * slope.norm();
+    for (int i = 0; i < 2; ++i) {
+      Vector2d step = Vector2d::Zero();
+      step[i] = h;
+      const auto up = support.rest(slope + step), down = support.rest(slope - step);
+      EXPECT_LE(std::abs((up.ahead - down.ahead) / (2 * h) - rest.point[i]), 1e-3 * kRadius);
+    }
+    EXPECT_LE(std::abs(rest.turning(0, 1) - rest.turning(1, 0)), 1e-12 * rest.turning.norm());
+  }
+}
+
+Scene cleaved(double degrees, double direction, std::vector<std::string> more = {}) {
+  std::vector<std::string> settings = {"fibre.cleave_deg=" + std::to_string(degrees),
+                                       "fibre.roll_deg=0",
+                                       "fibre.cleave_direction_deg=" + std::to_string(direction)};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return testing::bare(settings);
+}
+
+// Rim points at every angle: against the face the end is as deep as its lowest supported point, and
+// the wrench is that of a force there.
+TEST(Cleave, TheEndOnTheFaceIsAsDeepAsItsLowestSupportedPoint) {
+  RandomStream random(10, 0, Draw::plan);
+  for (int n = 0; n < 100; ++n) {
+    const Scene scene = cleaved(random.uniform(), 360 * random.uniform());
+    const World& world = scene.world;
+    State state;
+    state.side = EdgeSide::face;
+    state.tip << 0.5e-6, 20e-6 * random.normal(), 20e-6 * random.normal(), 2e-3 * random.normal(),
+        2e-3 * random.normal();
+    const Vector2d e = state.tip.segment<2>(1), slope = state.tip.tail<2>() + world.end.cleave;
+    if (e.norm() < 1e-6) continue;
+    const ContactSide side = contact_side(world, state);
+    if (side.side != EdgeSide::face) continue;
+    const ContactDepth depth = contact_depths(world, side, state.tip)[kEnd];
+    EXPECT_LE(std::abs(depth.value - (lowest(e, 63e-6, slope) - state.tip[0])),
+              2.1 * kRestTilt * kRadius);
+    PointForce push{depth.normal(state.tip.tail<2>()), depth.point};
+    const PoseVector slope_of = depth.by_pose(state.tip.tail<2>());
+    EXPECT_LT((push.wrench(state.tip) + slope_of.full()).tail<2>().norm(), 1e-9 * kRadius);
+  }
+}
+
+TEST(Cleave, GradientAndHessianOfTheEnergyAreItsDerivatives) {
+  RandomStream random(11, 0, Draw::plan);
+  for (const char* lead_in :
+       {"ferrule.lead_in=null", "ferrule.lead_in={\"angle_deg\":60,\"diameter_um\":250}"})
+    for (int n = 0; n < 60; ++n) {
+      const World world = cleaved(0.8, 360 * random.uniform(), {lead_in}).world;
+      State state;
+      const bool face = n % 2;
+      const double lead_in_length = world.profile.lead_in_length;
+      state.side = face ? EdgeSide::face : EdgeSide::throat;
+      const double reach = face ? world.profile.mouth_radius() - kRadius + 20e-6 : 10e-6;
+      const double angle = 2 * pi * random.uniform();
+      state.tip << 0, reach * std::cos(angle), reach * std::sin(angle), 1e-3 * random.normal(),
+          1e-3 * random.normal();
+      state.tip[0] =
+          face ? lead_in_length
+               : (reach - world.annulus.clearance()) / std::max(0.1, world.profile.lead_in_tangent);
+      FrozenCoefficients frozen = freeze(world, state, state.tip, 1e-3);
+      const auto energy = [&](const Pose& tip) { return Potential(world, frozen, tip); };
+      Pose at = state.tip;  // until it touches by some nanometres
+      for (int k = 0; k < 60; ++k) {
+        const double depth = energy(at).depth[kEnd].value;
+        if (!std::isfinite(depth) || std::abs(depth - 20e-9) < 1e-10) break;
+        at[0] += depth - 20e-9;
+      }
+      const Potential here = energy(at);
+      if (!(here.depth[kEnd].value > 1e-9)) continue;
+      const PoseVector gradient = here.gradient;
+      const Matrix5 hessian = here.hessian.full();
+      const double units[5] = {1e-9, 1e-9, 1e-9, 1e-7, 1e-7};
+      for (int i = 0; i < 5; ++i) {
+        Pose step = Pose::Zero();
+        step[i] = units[i] * 1e-2;
+        const Potential up = energy(at + step), down = energy(at - step);
+        const double slope = (up.value - down.value) / (2 * step[i]);
+        EXPECT_LE(std::abs(slope - gradient.full()[i]) * units[i], 1e-4 * here.force_scale * 1e-9)
+            << n << " " << i;
+        const Pose column = (up.gradient.full() - down.gradient.full()) / (2 * step[i]);
+        for (int j = 0; j < 5; ++j)
+          EXPECT_LE(std::abs(column[j] - hessian(j, i)) * units[i] * units[j],
+                    2e-3 * hessian(0, 0) * 1e-18 + 1e-22)
+              << n << " " << face << " " << i << " " << j;
+      }
+    }
+}
+
+// A rigid upright fibre goes into a sharp bore from within the clearance, however it is cleaved.
+TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
+  for (const double direction : {0.0, 60.0, 180.0})
+    for (const double offset : {0.5, 0.98, 1.02, 3.0, 30.0}) {
+      const World world = cleaved(1, direction, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
+      State state = at_rest(world, testing::pose(3e-6, 0.5e-6 * offset, 0));
+      for (int n = 1; n <= 1400; ++n)
+        state = step(world, state, testing::pose(3e-6 - n * 5e-9, 0.5e-6 * offset, 0), 1e-3).state;
+      EXPECT_EQ(state.tip[0] < -2e-6, offset < 1) << direction << " " << offset;
+      EXPECT_TRUE(offset < 1 || state.tip[0] > -1.2e-6) << direction << " " << offset;
+    }
+}
+
+// The face of a cleaved end meets the ferrule's before its centre does, by r times the slope.
+TEST(Cleave, TheLeadingPointTouchesFirst) {
+  const World world = cleaved(1, 90, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
+  State state = at_rest(world, testing::pose(5e-6, 40e-6, 0));
+  double touched = 0;
+  for (int n = 1; n <= 1000 && touched == 0; ++n) {
+    state = step(world, state, testing::pose(5e-6 - n * 5e-9, 40e-6, 0), 1e-3).state;
+    if (state.contact[kEnd].closed) touched = state.tip[0];
+  }
+  EXPECT_NEAR(touched, kRadius * std::tan(pi / 180), 2e-8);
+}
+
+// A hand that wanders on and off the face and over the opening, and comes back.
+TEST(Cleave, NoClosedMotionGainsEnergy) {
+  for (std::uint64_t k = 0; k < 30; ++k) {
+    RandomStream random(12, k, Draw::start);
+    const Scene scene = cleaved(2 * random.uniform(), 360 * random.uniform());
+    const World& world = scene.world;
+    State state = at_rest(world, testing::pose(5e-6, 10e-6, 0));
+    const Pose start = state.command;
+    Pose hand = start;
+    double work = 0, turned = 0;
+    for (int n = 0; n < 400; ++n) {
+      if (n < 380)
+        for (int i = 0; i < 5; ++i)
+          hand[i] += (i < 3 ? 0.3e-6 : 2e-4) * random.normal() - (i == 0 && n < 100 ? 1e-7 : 0);
+      else
+        hand += (start - hand) / (400 - n);
+      const Pose stretch = state.tip - 0.5 * (state.command + hand);
+      const double more = -(world.holder.stiffness * stretch).dot(hand - state.command);
+      work += more;
+      turned += std::abs(more);
+      const StepResult r = step(world, state, hand, 1e-3);
+      ASSERT_LE(r.evaluations, kMostEvaluations);
+      state = r.state;
+    }
+    EXPECT_GE(work, -1e-9 * turned) << k;
+  }
+}
+
+}  // namespace
+}  // namespace ferrule
