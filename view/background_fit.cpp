@@ -22,7 +22,7 @@ extern char** environ;
 namespace ferrule {
 namespace {
 
-constexpr int kNicest = 19;
+constexpr int kNice = 10;  // behind the loop's, and not so far that other work leaves it nothing
 
 // The environment, with lines of progress asked for.
 std::vector<std::string> with_progress() {
@@ -69,7 +69,7 @@ BackgroundFit::BackgroundFit(const std::string& program, const std::vector<std::
     ::close(fd_);
     throw FileTrouble(program + ": cannot be run: " + std::strerror(error));
   }
-  ::setpriority(PRIO_PROCESS, static_cast<id_t>(child_), kNicest);
+  ::setpriority(PRIO_PROCESS, static_cast<id_t>(child_), kNice);
 }
 
 BackgroundFit::~BackgroundFit() {
@@ -82,9 +82,11 @@ BackgroundFit::~BackgroundFit() {
 
 void BackgroundFit::take(const std::string& line) {
   double done = 0, all = 0;
-  if (std::sscanf(line.c_str(), "progress %lf %lf", &done, &all) == 2)
-    progress_ = all > 0 ? std::min(1.0, done / all) : 0;
-  else if (!line.empty())
+  if (std::sscanf(line.c_str(), "progress %lf %lf", &done, &all) == 2) {
+    const double now = all > 0 ? std::min(1.0, done / all) : 0;
+    if (now < progress_) ++part_;
+    progress_ = now;
+  } else if (!line.empty())
     last_line_ = line;
 }
 

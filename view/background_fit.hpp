@@ -23,7 +23,9 @@ class BackgroundFit {
   enum class State { running, done, failed };
   // How it is now; does not wait.
   State poll();
-  double progress() const noexcept { return progress_; }           // 0 to 1
+  // Of the part of the work that it is at, from 1 on: 0 to 1.
+  double progress() const noexcept { return progress_; }
+  int part() const noexcept { return part_; }
   const std::string& text() const noexcept { return last_line_; }  // what it said last, of why
   const std::string& controller() const noexcept { return out_; }
 
@@ -35,6 +37,7 @@ class BackgroundFit {
   pid_t child_ = -1;
   int fd_ = -1;
   double progress_ = 0;
+  int part_ = 1;
   State state_ = State::running;
 };
 

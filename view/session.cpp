@@ -465,7 +465,7 @@ void Session::watch_fit() {
   const BackgroundFit::State state = fit_->poll();
   if (state == BackgroundFit::State::running) {
     if (fit_->progress() != before)
-      say("fit", {{"state", "running"}, {"progress", fit_->progress()}});
+      say("fit", {{"state", "running"}, {"progress", fit_->progress()}, {"part", fit_->part()}});
     return;
   }
   const std::unique_ptr<BackgroundFit> ended = std::move(fit_);

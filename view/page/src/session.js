@@ -148,7 +148,7 @@ export class Session {
   fitting(message) {
     this.progress.hidden = message.state !== 'running';
     this.progress.value = Number(message.progress) || 0;
-    this.fitText.textContent = String(message.text ?? '') || (message.state === 'running' ? 'fitting \u2026' : String(message.state));
+    this.fitText.textContent = String(message.text ?? '') || (message.state === 'running' ? `fitting, part ${Number(message.part) || 1}` : String(message.state));
     this.fit.disabled = message.state === 'running';
     if (message.state !== 'running') this.enable();
     return true;
