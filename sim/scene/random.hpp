@@ -14,7 +14,8 @@ enum class Draw : std::uint32_t {
   split = 2,
   plan = 3,
   sensor = 4,
-  parts = 5
+  parts = 5,
+  operator_eye = 6
 };
 
 class RandomStream {
