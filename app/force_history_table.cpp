@@ -96,6 +96,23 @@ Json to_json(const TermActivity& t) {
           {"share_noticed", number_or_null(t.noticed)}};
 }
 
+std::string to_text(const FeltDifference& d) {
+  return fmt::format(
+      "at the same place, 1 um at a time, what is felt differs noticeably in {} of {}, and where "
+      "either touches in {} of {}: by {:.3g} N in the median and {:.3g} N at most\n",
+      percent(d.noticed), d.stretches, percent(d.noticed_touching), d.touching, d.median,
+      d.largest);
+}
+
+Json to_json(const FeltDifference& d) {
+  return {{"places", d.stretches},
+          {"places_touching", d.touching},
+          {"share_noticed", number_or_null(d.noticed)},
+          {"share_noticed_touching", number_or_null(d.noticed_touching)},
+          {"median_N", d.median},
+          {"largest_N", d.largest}};
+}
+
 Plot history_plot(const Episode& episode, const Scene& scene) {
   Axes axes{"time [s]", "magnitude of force [uN]", false, true, {}};
   const Eigen::Index stride = std::max<Eigen::Index>(1, episode.rows.rows() / 1500);

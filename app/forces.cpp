@@ -15,7 +15,7 @@ namespace {
 
 struct ForcesArguments {
   SceneArguments scene;
-  std::string episode, form, gap, length, depth, plot;
+  std::string episode, against, form, gap, length, depth, plot;
   double tilt_mrad = 0, speed_um_s = 10;
   std::string of_curves;  // an option that was given and is not for recordings
   Output output;
@@ -107,31 +107,52 @@ Sweep swept(const Grid& grid) {
   return gap ? Sweep::gap : length ? Sweep::length : Sweep::depth;
 }
 
+// A recording, and the scene that it was made in.
+struct RecordedInsertion {
+  Episode episode;
+  Scene scene;
+};
+RecordedInsertion read_insertion(const std::string& file) {
+  std::error_code error;
+  if (std::filesystem::is_directory(file, error))
+    throw BadInput(file + ": is a folder; name one recording of it");
+  Episode episode = read_episode(file);
+  Scene scene = recorded_scene(episode, file);
+  if (episode.rows.rows() == 0) throw BadInput(file + ": has no rows");
+  return {std::move(episode), std::move(scene)};
+}
+
 // Which force acted when.
 int forces_of_recording(const ForcesArguments& a) {
   if (!a.of_curves.empty())
     throw BadInput(a.of_curves + ": of force curves; a recording has its own scene and gaps");
-  std::error_code error;
-  if (std::filesystem::is_directory(a.episode, error))
-    throw BadInput(a.episode + ": is a folder; name one recording of it");
-  const Episode episode = read_episode(a.episode);
-  const Scene scene = recorded_scene(episode, a.episode);
-  if (episode.rows.rows() == 0) throw BadInput(a.episode + ": has no rows");
+  const auto [episode, scene] = read_insertion(a.episode);
   const ForceHistory history = force_history(episode, scene);
+  std::optional<FeltDifference> difference;
+  if (!a.against.empty()) {
+    const auto [other, in] = read_insertion(a.against);
+    difference = felt_difference(episode, scene, other, in);
+  }
   if (!a.plot.empty()) write_plot(a.plot, history_plot(episode, scene));
   Provenance provenance;
   provenance.in({scene, "", ", as recorded"}).read(a.episode);
-  if (a.output.text()) fmt::print("{}{}{}", provenance.head(), to_text(history), provenance.foot());
-  print_result(
-      a.output,
-      {{"file", a.episode},
-       {"scene", scene.name},
-       {"rows", episode.rows.rows()},
-       {"share_touching", history.touching},
-       {"felt_median_uN", 1e6 * history.felt_median},
-       {"felt_largest_uN", 1e6 * history.felt_largest},
-       {"terms", json_list(history.terms, [](const TermActivity& t) { return to_json(t); })}},
-      "terms", provenance);
+  if (difference) provenance.read(a.against);
+  if (a.output.text())
+    fmt::print("{}{}{}{}", provenance.head(), to_text(history),
+               difference ? a.against + ": " + to_text(*difference) : "", provenance.foot());
+  Json result = {
+      {"file", a.episode},
+      {"scene", scene.name},
+      {"rows", episode.rows.rows()},
+      {"share_touching", history.touching},
+      {"felt_median_uN", 1e6 * history.felt_median},
+      {"felt_largest_uN", 1e6 * history.felt_largest},
+      {"terms", json_list(history.terms, [](const TermActivity& t) { return to_json(t); })}};
+  if (difference) {
+    result["against"] = to_json(*difference);
+    result["against"]["file"] = a.against;
+  }
+  print_result(a.output, result, "terms", provenance);
   return kDone;
 }
 
@@ -144,6 +165,8 @@ Json curl_json(const FreeCurl& curl) {
 
 int forces_verb(const ForcesArguments& a) {
   if (!a.episode.empty()) return forces_of_recording(a);
+  if (!a.against.empty())
+    throw BadInput("--against " + a.against + ": of a recording; none is named");
   const Scene scene = scene_in_form(a);
   const Grid asked = grid(a);
   const std::vector<ForceRow> rows = force_rows(scene.world, asked, a);
@@ -179,6 +202,9 @@ void add_forces(CLI::App& app, Run& run) {
   verb->add_option("episode", a->episode,
                    "Recording: which force acted when, and how much of it "
                    "reached the hand")
+      ->type_name("FILE.h5");
+  verb->add_option("--against", a->against,
+                   "Another recording: would a hand have felt the difference?")
       ->type_name("FILE.h5");
   a->scene.add_to(*verb);
   a->length = "100";

@@ -18,10 +18,6 @@ double middle(std::vector<double> values) {
   return values.size() % 2 ? *at : 0.5 * (*at + *std::max_element(values.begin(), at));
 }
 
-bool touches(const RowVector& row) {
-  return row[kStates.begin + 13] != 0 || row[kStates.begin + 19] != 0;
-}
-
 Vector3d force_of(const RowVector& row, Term term) {
   return row.segment<3>(force_column(term)).transpose();
 }
@@ -74,6 +70,10 @@ TermActivity activity(Term term, const Sums& s, const std::array<std::size_t, 2>
 }
 
 }  // namespace
+
+bool touches(const RowVector& row) noexcept {
+  return row[kStates.begin + 13] != 0 || row[kStates.begin + 19] != 0;
+}
 
 ForceHistory force_history(const Episode& episode, const Scene& scene) {
   const double to_hand = scene_scaling(scene).force;

@@ -21,6 +21,9 @@ namespace ferrule {
 inline constexpr double kNoticedShare = 0.1;  // [-]
 inline constexpr double kNoticedForce = 0.1;  // in the hand's world [N]
 
+// Does the end or the side touch in that row?
+bool touches(const RowVector& row) noexcept;
+
 struct TermActivity {
   Term term;
   // Shares of the rows in which the term is not zero [-]: of all, of those in which nothing touches

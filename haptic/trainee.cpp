@@ -65,6 +65,7 @@ void Trainee::render(const HandWrench& wrench) {
   velocity_.segment<2>(1) = traits_.yield * force.tail<2>();
   velocity_[1] -=
       traits_.yield * task_.press * std::max(0.0, (phase_ - kPressFrom) / (1 - kPressFrom));
+  velocity_.segment<2>(1) += steering();
   velocity_.head<3>() += tremor_velocity(time_);
 }
 
@@ -90,6 +91,17 @@ void Trainee::advance_intention(double force) noexcept {
   speed_ = task_.distance * (minimum_jerk(p) - minimum_jerk(phase_)) / task_.period;
   phase_ = p;
   if (phase_ >= 1 && finished_at_ < 0) finished_at_ = time_;
+}
+
+// Of the period to come, by the way that the intention makes in it.
+Eigen::Vector2d Trainee::steering() const noexcept {
+  if (!task_.aim) return Eigen::Vector2d::Zero();
+  const double now = (task_.start[0] - pose_[0]) / task_.aim->within;
+  const double next = now + speed_ * task_.period / task_.aim->within;
+  if (!(now >= 0 && now < 1)) return Eigen::Vector2d::Zero();
+  const double made = minimum_jerk(now), more = minimum_jerk(std::min(1.0, next)) - made;
+  const Eigen::Vector2d left = task_.aim->lateral - pose_.segment<2>(1);
+  return std::min(1.0, more / (1 - made)) / task_.period * left;
 }
 
 Eigen::Vector3d Trainee::tremor_velocity(double t) const noexcept {

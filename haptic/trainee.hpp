@@ -7,6 +7,10 @@
 //   press
 //                                                         F_p downwards that keeps the fibre on the
 //                                                         lower side; it sets in at phase 0.7
+//   before the entrance, where the task has an aim that the eye sees, steers onto it: of the way
+//                       sideways that is left it makes the part that a minimum-jerk motion makes,
+//                         dy = (y_aim - y) (m(s + ds) - m(s))/(1 - m(s)),  m(s) = 10 s^3 - ...,
+//                       s the part made of the way along -x up to there
 //   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))   slows down where the force is large
 // On top come physiological tremor (8 to 12 Hz, three axes) and hesitations, during which g falls
 // from 1 towards 0. `skill` from 0 to 1 moves all of them together (trainee_traits).
@@ -14,6 +18,7 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "haptic/device.hpp"
@@ -32,13 +37,20 @@ struct TraineeTraits {
 // Linear in `skill`, 0 <= skill <= 1.
 TraineeTraits trainee_traits(double skill) noexcept;
 
+// A line along x that the hand is steered onto within a distance.
+struct TraineeAim {
+  double within;            // along -x from the start [m], > 0
+  Eigen::Vector2d lateral;  // y and z of the hand there [m]
+};
+
 // What the trainee is asked to do, in the hand's world.
 struct TraineeTask {
-  HandPose start;   // pose at rest at t = 0 [m, rad]
-  double distance;  // D, along -x [m], > 0
-  double speed;     // speed that a skilled operator peaks at [m/s], > 0
-  double press;     // F_p at the end of the motion [N], >= 0
-  double period;    // between reads [s], > 0
+  HandPose start;                      // pose at rest at t = 0 [m, rad]
+  double distance;                     // D, along -x [m], > 0
+  double speed;                        // speed that a skilled operator peaks at [m/s], > 0
+  double press;                        // F_p at the end of the motion [N], >= 0
+  double period;                       // between reads [s], > 0
+  std::optional<TraineeAim> aim = {};  // empty: it keeps its line
 };
 
 class Trainee : public Device {
@@ -61,6 +73,7 @@ class Trainee : public Device {
 
   void advance_intention(double force) noexcept;
   Eigen::Vector3d tremor_velocity(double t) const noexcept;
+  Eigen::Vector2d steering() const noexcept;
 
   TraineeTraits traits_;
   TraineeTask task_;

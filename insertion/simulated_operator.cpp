@@ -18,18 +18,32 @@ constexpr std::string_view kSimulated = "simulated, skill ";
 
 }  // namespace
 
-TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept {
+TraineeTask trainee_task(const Scene& scene, const State& start, double period, std::uint64_t seed,
+                         std::uint64_t trial) noexcept {
   const Scaling scaling = scene_scaling(scene);
   const double distance =
       scene.start.distance - scene.sensor.entrance_error + scene.success.depth + overshoot(scene);
-  return {scaling.motion_to_hand(start.command), scaling.motion * distance,
-          scaling.motion * scene.limits.speed, kPress, period};
+  TraineeTask task = {scaling.motion_to_hand(start.command),
+                      scaling.motion * distance,
+                      scaling.motion * scene.limits.speed,
+                      kPress,
+                      period,
+                      {}};
+  if (scene.start.vision_sd && scene.start.distance > 0) {
+    RandomStream random(seed, trial, Draw::operator_eye);
+    const double y = random.normal(), z = random.normal();
+    const Vector2d seen = *scene.start.vision_sd * Vector2d(y, z);
+    task.aim = {
+        scaling.motion * scene.start.distance,
+        task.start.segment<2>(1) + scaling.motion * (seen - Vector2d(start.tip.segment<2>(1)))};
+  }
+  return task;
 }
 
 std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& start, double skill,
                                            double period, std::uint64_t seed, std::uint64_t trial) {
   return std::make_unique<Trainee>(
-      trainee_traits(skill), trainee_task(scene, start, period),
+      trainee_traits(skill), trainee_task(scene, start, period, seed, trial),
       [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
         return random.uniform();
       });

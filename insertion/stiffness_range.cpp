@@ -69,7 +69,8 @@ class Probe {
       range_.largest = values[2];
       range_.stiffest = state_;
     }
-    if (!depends_on_speed(scene_.world.laws) && scene_.world.dynamics == Dynamics::quasi_static) return;
+    if (!depends_on_speed(scene_.world.laws) && scene_.world.dynamics == Dynamics::quasi_static)
+      return;
     const Matrix5 more = held_stiffness(scene_.world, state_, dt_) - at_rest;
     range_.damping = std::max(range_.damping, dt_ * eigenvalues(more.topLeftCorner<3, 3>())[2]);
   }

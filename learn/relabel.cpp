@@ -20,7 +20,8 @@ Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, do
   TraineeTraits traits = trainee_traits(skill);
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
-  Trainee trainee(traits, trainee_task(scene, start, policy.period), [] { return 0.5; });
+  Trainee trainee(traits, trainee_task(scene, start, policy.period, seed, trial),
+                  [] { return 0.5; });
   Demonstration d;
   d.period = policy.period;
   d.speed_limit = scaling.motion * scene.limits.speed;

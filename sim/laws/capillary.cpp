@@ -1,9 +1,9 @@
 #include "sim/laws/capillary.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/elementary.hpp"
-#include "sim/laws/corrected_range.hpp"
 
 namespace ferrule {
 namespace {
@@ -18,6 +18,7 @@ double half_width(double volume, double radius, double h) noexcept {
   return x;
 }
 
+// `h` from one mean plane to the other.
 LineForce bridge_law(const Capillary& law, const Annulus& annulus, double h) noexcept {
   const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
   const double tension = 4 * law.surface_tension * elementary::cos(law.contact_angle);
@@ -35,8 +36,8 @@ double half_width_at(const Capillary& law, const Annulus& annulus, double h) noe
 }  // namespace
 
 Capillary prepare(Capillary law, const Annulus& annulus) noexcept {
-  law.rupture_half_width = half_width_at(law, annulus, law.rupture);
-  law.film_half_width = half_width_at(law, annulus, 2 * law.film);
+  law.rupture_half_width = half_width_at(law, annulus, law.rupture + annulus.roughness);
+  law.film_half_width = half_width_at(law, annulus, 2 * law.film + annulus.roughness);
   return law;
 }
 
@@ -46,18 +47,19 @@ double capillary_reach(const Capillary& law, bool bridge) noexcept {
 
 double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept {
   const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
-  return 0.5 * elementary::cbrt(2.25 * law.volume * law.volume / radius);
+  return 0.5 * elementary::cbrt(2.25 * law.volume * law.volume / radius) + annulus.roughness;
 }
 
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept {
   const double reach = capillary_reach(law, bridge);
   if (h >= reach) return {};
-  LineForce force = corrected::down_to(
-      0, [&](double gap) noexcept { return bridge_law(law, annulus, gap); }, annulus, h);
+  LineForce force = bridge_law(law, annulus, std::max(h, 0.0) + annulus.roughness);
+  if (h < 0) force = {force.potential - force.force * h, force.force, 0};
   // The potential is zero where the force ends.
   const double prepared = bridge ? law.rupture_half_width : law.film_half_width;
-  force.potential += 4 * law.surface_tension * elementary::cos(law.contact_angle) *
-                     (prepared > 0 ? prepared : half_width_at(law, annulus, reach));
+  force.potential +=
+      4 * law.surface_tension * elementary::cos(law.contact_angle) *
+      (prepared > 0 ? prepared : half_width_at(law, annulus, reach + annulus.roughness));
   return force;
 }
 

@@ -1,11 +1,17 @@
 // Capillary attraction of liquid between fibre and bore, (4c): a bridge of constant volume along
 // the line of the smallest gap, with a meniscus on either side.
 //
-// With A_l its volume per length and R_e = r R/(R - r), the half width x solves
-//   A_l = 2 (h x + x^3/(6 R_e));   the gap there is H = h + x^2/(2 R_e)
+// With A_l its volume per length, d = h + roughness the distance of the mean planes (Rabinovich et
+// al. 2002, "Capillary forces between surfaces with nanoscale roughness": asperities hold the
+// surfaces that the liquid joins apart) and R_e = r R/(R - r), the half width x solves
+//   A_l = 2 (d x + x^3/(6 R_e));   the gap there is H = d + x^2/(2 R_e)
 //   f = -4 gamma_L cos(theta_c) x/H,   potential -4 gamma_L cos(theta_c) x   (f = -dw/dh exactly)
 // It forms when two films meet, h < 2 e, and ruptures beyond a stated distance: two different
-// distances, so whether there is a bridge is state. In contact: sim/laws/corrected_range.hpp.
+// distances, so whether there is a bridge is state. Where rough surfaces touch the liquid between
+// them stays, and so does its pull: in contact, h < 0, the force is that at h = 0.
+//
+// Of a film in droplets A_l is the mean along the length: while they are much narrower than
+// sqrt(2 R_e d) the force is proportional to it.
 #pragma once
 
 #include "sim/laws/annulus.hpp"
@@ -30,8 +36,8 @@ Capillary prepare(Capillary law, const Annulus& annulus) noexcept;
 // there is none yet.
 double capillary_reach(const Capillary& law, bool bridge) noexcept;
 
-// Gap over which the force of a bridge falls [m]: its half width is a function of
-// h/scale that is singular at -1.
+// Gap over which the force of a bridge falls [m]: beyond contact its half width is a function of
+// h/scale that is singular at -1 or below.
 double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept;
 
 // Force per inserted length at gap h [m], any finite h. Zero, with a constant potential, beyond

@@ -1,7 +1,7 @@
-// Where the corrected surface laws (1c), (2c), (4c) end: at contact.
+// Where the corrected surface laws (1c), (2c) end: at contact.
 //
-// They act across the gap h + roughness down to h = 0; (1c) and (2c) of smooth surfaces (roughness
-// below the interatomic distance) down to where the gap is that distance. Closer than that the
+// They act across the gap h + roughness down to h = 0; those of smooth surfaces (roughness below
+// the interatomic distance) down to where the gap is that distance. Closer than that the
 // asperities (or the atoms) take over: what they carry is not known in detail, but it grows within
 // a distance t of the order of the roughness. The net force per length falls linearly,
 //   f(h) = f(h_c) (1 - (h_c - h)/t),   t = max(roughness, interatomic distance),

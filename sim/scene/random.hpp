@@ -15,8 +15,9 @@ enum class Draw : std::uint32_t {
   plan = 3,
   sensor = 4,
   parts = 5,
-  roll = 6,
-  entrance = 7
+  operator_eye = 6,
+  entrance = 7,
+  roll = 8
 };
 
 class RandomStream {

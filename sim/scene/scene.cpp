@@ -133,6 +133,8 @@ void read_start(JsonFields f, StartDistribution& start) {
   start.lateral_mean = micro * mean;
   f.number("lateral_sd_um", not_negative(kFarthest), start.lateral_sd, micro);
   f.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"), start.tilt_sd, milli);
+  if (f.present("vision_sd_um"))
+    f.number("vision_sd_um", not_negative(kFarthest), start.vision_sd.emplace(), micro);
   f.finish();
 }
 

@@ -22,6 +22,9 @@ struct StartDistribution {
   Vector2d lateral_mean;  // mean of y and of z [m]
   double lateral_sd;      // standard deviation of y and of z [m], >= 0
   double tilt_sd;         // standard deviation of each tilt [rad], >= 0
+  // Standard deviation, in y and in z, of where a simulated operator sees the bore's axis, to which
+  // he steers before the entrance [m], >= 0; empty: he keeps the line that he starts on.
+  std::optional<double> vision_sd;
 };
 
 struct Limits {

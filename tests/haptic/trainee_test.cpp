@@ -98,6 +98,27 @@ TEST(Trainee, TremblesBetweenEightAndTwelveHertz) {
   EXPECT_GT(inside, 100 * outside);
 }
 
+// Seen, the axis is reached before the entrance, along the path of least jerk; then it keeps it.
+TEST(Trainee, SteersOntoTheAimThatItSees) {
+  TraineeTask task = kTask;
+  task.aim = {0.008, {1e-3, -2e-3}};
+  Trainee trainee(steady(1), task, [] { return 0.5; });
+  double fastest = 0;
+  Eigen::Vector2d before = Eigen::Vector2d::Zero();
+  for (int n = 0; n < 30000; ++n) {
+    const HandSample sample = trainee.read(1e-3 * n);
+    trainee.render(HandWrench::Zero());
+    const double s = -sample.pose[0] / task.aim->within;
+    const double m = s < 1 ? s * s * s * (10 - 15 * s + 6 * s * s) : 1;
+    EXPECT_LT((sample.pose.segment<2>(1) - m * task.aim->lateral).norm(), 2e-6) << s;
+    fastest = std::max(fastest, (sample.pose.segment<2>(1) - before).norm() / 1e-3);
+    before = sample.pose.segment<2>(1);
+    if (sample.finished) break;
+  }
+  EXPECT_LT((before - task.aim->lateral).norm(), 1e-8);
+  EXPECT_LT(fastest, task.speed);
+}
+
 TEST(Trainee, SkillMovesEveryTrait) {
   const TraineeTraits a = trainee_traits(0.2), b = trainee_traits(0.9);
   EXPECT_GT(a.delay, b.delay);

@@ -255,6 +255,21 @@ class Forces(Case):
         self.refused(2, "release", "--places", 3, says=["--places"])
         self.refused(2, "release", "--length-um", -1, says=["--length-um"])
 
+    def test_what_two_recordings_feel_like_is_set_side_by_side(self):
+        files = self.record(self.path("out"), "--append", episodes=2)
+        told = json.loads(self.done("forces", files[0], "--against", files[1], "--json").stdout)
+        against = told["against"]
+        self.assertEqual(against["file"], files[1])
+        self.assertGreater(against["places"], 10)
+        self.assertLessEqual(against["places_touching"], against["places"])
+        self.assertLessEqual(against["median_N"], against["largest_N"])
+        itself = json.loads(self.done("forces", files[0], "--against", files[0], "--json").stdout)
+        self.assertEqual(itself["against"]["share_noticed"], 0)
+        self.assertEqual(itself["against"]["largest_N"], 0)
+        self.assertIn("at the same place", self.done("forces", files[0], "--against", files[1]).stdout)
+        self.refused(2, "forces", "--against", files[0], says=["--against"])
+        self.refused(3, "forces", files[0], "--against", self.path("none.h5"), says=["none.h5"])
+
 
 if __name__ == "__main__":
     main()

@@ -8,7 +8,8 @@ from case import QUICK, Case, ferrule, main
 # The C library's functions as on an x86-64 processor of before 2013.
 PLAIN = dict(os.environ, GLIBC_TUNABLES="glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX512F")
 SOME = "import math; print([f(0.1 * n) for f in (math.exp, math.sin, math.atan) for n in range(1000)])"
-SHIPPED = ("bench", "demo", "dry", "epoxy", "film", "paper", "sloppy", "sticky", "tight", "tolerance")
+SHIPPED = ("adhesive", "bench", "demo", "dry", "epoxy", "film", "laser", "paper", "sloppy", "sticky", "tight",
+           "tolerance")
 
 
 class Portable(Case):

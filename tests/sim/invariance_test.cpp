@@ -38,7 +38,8 @@ double difference(const Scene& scene, const Map& map, Motion motion) {
 }
 
 TEST(Invariance, AMirroredSceneIsTheMirrorImageToTheLastBit) {
-  for (const char* name : {"bench", "epoxy", "sticky", "tight", "demo", "paper", "film"}) {
+  for (const char* name :
+       {"bench", "epoxy", "sticky", "tight", "demo", "paper", "film", "adhesive"}) {
     const Scene scene = load_scene(name);
     for (const Motion motion : {Motion::insertion, Motion::press})
       EXPECT_EQ(difference(scene, mirrored, motion), 0) << name;

@@ -71,6 +71,45 @@ TEST(Capillary, CorrectedFormsAndRupturesAtTwoDistances) {
     EXPECT_LT(std::abs(capillary(kBridge, kTableI, h - 1e-15, bridge).potential), 1e-13);
 }
 
+// Asperities hold the surfaces apart, which the liquid fills as it does between smooth ones there.
+TEST(Capillary, BetweenRoughSurfacesIsThatBetweenSmoothOnesAtTheirDistance) {
+  const Annulus rough = {62.5e-6, 63e-6, 30e-9};
+  for (const double h : {0.0, 1e-9, 40e-9, 200e-9}) {
+    const LineForce law = capillary(kBridge, rough, h, true);
+    const LineForce smooth = capillary(kBridge, kTableI, h + 30e-9, true);
+    EXPECT_CLOSE(law.force, smooth.force, 1e-12);
+    EXPECT_CLOSE(law.slope, smooth.slope, 1e-12);
+  }
+  EXPECT_EQ(capillary(kBridge, rough, 301e-9, true).force, 0);
+  EXPECT_LT(std::abs(capillary(kBridge, rough, 300e-9 - 1e-15, true).potential), 1e-13);
+}
+
+TEST(Capillary, DoesNotVanishWhereSurfacesTouch) {
+  for (const double roughness : {0.0, 10e-9}) {
+    const Annulus annulus = {62.5e-6, 63e-6, roughness};
+    const auto at = [&](double h) { return capillary(kBridge, annulus, h, true); };
+    for (const double depth : {1e-12, 1e-9, 9e-9, 20e-9}) {
+      EXPECT_EQ(at(-depth).force, at(0).force) << depth;
+      EXPECT_CLOSE(
+          testing::derivative([&](double h) { return at(h).potential; }, -depth, 0.1 * depth),
+          -at(0).force, 1e-6);
+    }
+    EXPECT_CLOSE(at(-1e-15).potential, at(1e-15).potential, 1e-7);
+  }
+}
+
+// Droplets: the force is proportional to what there is on average.
+TEST(Capillary, OfLittleLiquidIsProportionalToIt) {
+  const Annulus rough = {62.5e-6, 63e-6, 50e-9};
+  Capillary droplets = kBridge;
+  droplets.volume = 1e-14;
+  const double whole = capillary(droplets, rough, 20e-9, true).force;
+  // 2 gamma cos(theta) A/d^2: Laplace's pressure on the liquid's area.
+  EXPECT_CLOSE(whole, -2 * 0.072 * 0.5 * 1e-14 / (70e-9 * 70e-9), 1e-3);
+  droplets.volume = 1e-15;
+  EXPECT_CLOSE(capillary(droplets, rough, 20e-9, true).force, 0.1 * whole, 1e-3);
+}
+
 // Along a tilted fibre the force goes over into that of parallel axes, off the bore's axis exactly.
 TEST(Capillary, ForceIsContinuousInTheTilt) {
   const World world =

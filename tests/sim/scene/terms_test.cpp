@@ -29,7 +29,7 @@ TEST(Terms, SchemaAndTableNameTheSameLaws) {
 }
 
 TEST(Terms, WhatIsLeftOutIsNotThereAndExertsNoForce) {
-  for (const char* name : {"paper", "bench", "film", "epoxy"}) {
+  for (const char* name : {"paper", "bench", "film", "epoxy", "adhesive"}) {
     const Scene scene = load_scene(name);
     for (const Term term : kAllTerms) {
       if (!info(term).present(scene.world.laws)) continue;
@@ -49,7 +49,7 @@ TEST(Terms, WhatIsLeftOutIsNotThereAndExertsNoForce) {
 }
 
 TEST(VariableScene, ANumberThatIsSetGivesTheWorldOfAFileThatStatesIt) {
-  for (const char* name : {"paper", "bench", "film", "epoxy", "tolerance"}) {
+  for (const char* name : {"paper", "bench", "film", "epoxy", "adhesive", "tolerance"}) {
     const Scene scene = load_scene(name);
     const Json flat = scene.document.flatten();
     VariableScene varied(scene);

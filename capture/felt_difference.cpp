@@ -1,0 +1,74 @@
+#include "capture/felt_difference.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "insertion/scene_scaling.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kStretch = 1e-6;  // [m]
+
+struct Stretch {
+  Vector3d sum = Vector3d::Zero();  // of the felt force [N]
+  double rows = 0, touching = 0;
+
+  Vector3d felt() const { return sum / rows; }
+  bool touches() const { return 2 * touching >= rows; }
+};
+
+// By the place of the holder.
+std::map<long, Stretch> stretches(const Episode& episode, const Scene& scene) {
+  const double to_hand = scene_scaling(scene).force;
+  const RowVector rest = episode.rows.row(0);
+  std::map<long, Stretch> places;
+  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n) {
+    const RowVector row = episode.rows.row(n);
+    Stretch& there = places[std::lround(row[kStates.begin + 5] / kStretch)];
+    there.sum += to_hand * (row - rest).segment<3>(kHolder.begin).transpose();
+    ++there.rows;
+    there.touching += touches(row);
+  }
+  return places;
+}
+
+double share(std::size_t part, std::size_t all) {
+  return all ? static_cast<double>(part) / static_cast<double>(all)
+             : std::numeric_limits<double>::quiet_NaN();
+}
+
+}  // namespace
+
+FeltDifference felt_difference(const Episode& a, const Scene& scene_a, const Episode& b,
+                               const Scene& scene_b) {
+  const std::map<long, Stretch> in_a = stretches(a, scene_a), in_b = stretches(b, scene_b);
+  FeltDifference d;
+  std::size_t noticed = 0, noticed_touching = 0;
+  std::vector<double> sizes;
+  for (const auto& [place, of_a] : in_a) {
+    const auto found = in_b.find(place);
+    if (found == in_b.end()) continue;
+    const Stretch& of_b = found->second;
+    const double difference = (of_a.felt() - of_b.felt()).norm();
+    const double larger = std::max(of_a.felt().norm(), of_b.felt().norm());
+    const bool told_apart = difference >= std::max(kNoticedForce, kNoticedShare * larger);
+    ++d.stretches;
+    noticed += told_apart;
+    if (!of_a.touches() && !of_b.touches()) continue;
+    ++d.touching;
+    noticed_touching += told_apart;
+    sizes.push_back(difference);
+  }
+  d.noticed = share(noticed, d.stretches);
+  d.noticed_touching = share(noticed_touching, d.touching);
+  if (sizes.empty()) return d;
+  std::sort(sizes.begin(), sizes.end());
+  d.median = sizes[sizes.size() / 2];
+  d.largest = sizes.back();
+  return d;
+}
+
+}  // namespace ferrule
