@@ -16,7 +16,8 @@ enum class Draw : std::uint32_t {
   sensor = 4,
   parts = 5,
   roll = 6,
-  entrance = 7
+  entrance = 7,
+  bore = 8
 };
 
 class RandomStream {
