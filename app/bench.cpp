@@ -14,6 +14,7 @@
 #include "bench/events.hpp"
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
+#include "bench/parts.hpp"
 #include "bench/peers.hpp"
 #include "bench/recording.hpp"
 #include "bench/stepping.hpp"
@@ -25,7 +26,8 @@ namespace {
 struct BenchArguments {
   std::string what, plot;
   std::uint64_t seed = 1;
-  std::size_t scenes = 200;
+  std::size_t scenes = 200, trials = 100;
+  std::string scene;
   Output output;
 };
 
@@ -371,6 +373,38 @@ int events(const BenchArguments& a) {
   return ended(true);
 }
 
+Json part_json(const PartRow& r) {
+  return {{"scene", r.scene},
+          {"part", r.part},
+          {"controller", r.controller},
+          {"trials", r.trials},
+          {"inserted", r.inserted},
+          {"low", number_or_null(r.interval.low)},
+          {"high", number_or_null(r.interval.high)}};
+}
+
+void print_parts(const std::vector<PartRow>& rows) {
+  fmt::print("{:<10} {:<20} {:<18} {:>12} {:>18}\n", "scene", "with", "controller", "inserted",
+             "95 % [%]");
+  for (const PartRow& r : rows)
+    fmt::print("{:<10} {:<20} {:<18} {:>12} {:>18}\n", r.scene, r.part, r.controller,
+               fmt::format("{} of {}", r.inserted, r.trials),
+               fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low, 100 * r.interval.high));
+}
+
+int parts(const BenchArguments& a) {
+  const std::vector<std::string> scenes =
+      a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
+  const std::vector<PartRow> rows = bench_parts(a.seed, a.trials, scenes, watched("campaigns"));
+  const Provenance provenance = provenance_of_steps(a);
+  if (a.output.text()) {
+    print_parts(rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, part_json)}}, "rows", provenance);
+  return ended(true);
+}
+
 Json peer_json(const PeerRow& r) {
   return {{"engine", r.engine},
           {"version", r.version},
@@ -422,14 +456,20 @@ void add_bench(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<BenchArguments>();
-  verb->add_option(
-          "what", a->what,
-          "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
-          "capture: clearance means clearance; tail: the worst steps; events: the same "
-          "motions at ever finer steps; peers: other engines in the same motion; recording: what a "
-          "row costs")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers", "recording"}));
-  add_seed(*verb, a->seed, "Of the scenes, starts and motions that tail and events draw");
+  verb->add_option("what", a->what,
+                   "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
+                   "capture: clearance means clearance; tail: the worst steps; events: the same "
+                   "motions at ever finer steps; peers: other engines in the same motion; "
+                   "recording: what a row costs; parts: "
+                   "success with curl, cleave, edge and the like")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers", "recording", "parts"}));
+  add_seed(*verb, a->seed,
+           "Of the scenes, starts, motions and trials that tail, events and parts draw");
+  verb->add_option("--scene", a->scene, "The scene of parts; all that ship unless given")
+      ->type_name("SCENE");
+  verb->add_option("--trials", a->trials, "Of every controller in every scene of parts")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
   verb->add_option("--scenes", a->scenes,
                    "How many random scenes, and starts of shipped ones, tail draws")
       ->check(CLI::Range(1, 1000000));
@@ -446,6 +486,7 @@ void add_bench(CLI::App& app, Run& run) {
              : a->what == "events"    ? events(*a)
              : a->what == "peers"     ? peers(*a)
              : a->what == "recording" ? recording(*a)
+             : a->what == "parts"     ? parts(*a)
                                       : speed_and_error(*a);
     };
   });

@@ -18,10 +18,10 @@ struct RimDepths {
   EdgeDepth depth;
 
   RimDepths(const World& world, const PoseVector& tip) noexcept
-      : bore(tip.e, world.annulus.clearance()),
+      : bore(tip.e, world),
         cone(tip.e + world.annulus.fibre_radius * world.profile.lead_in_tangent *
                          face_slope(world, tip),
-             world.annulus.clearance()) {
+             world) {
     const double r = world.annulus.fibre_radius;
     const double x_rim = tip.x - r * cone.normal.dot(face_slope(world, tip));
     depth = edge_depth(world.profile, x_rim, bore.eccentricity + r);
@@ -46,18 +46,32 @@ struct RoundedEdge {
   }
 };
 
-// The end on the front face, where it is lowest.
-void rest_on_face(const World& world, const ContactSide& side, const PoseVector& tip,
-                  ContactDepth& depth) noexcept {
+// The end on the front face, where it is lowest. What supports it changes as it moves over the
+// opening: by central differences.
+void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth) noexcept {
+  constexpr double kApart = 1e-9;  // [m]
+  const double r = world.annulus.fibre_radius - world.end.edge;
+  const double opening = world.profile.mouth_radius();
+  const Vector2d slope = face_slope(world, tip);
   depth.point = tip.position();
-  if (!side.support.any()) return;
-  const FaceSupport::Rest rest = side.support.rest(face_slope(world, tip));
+  const FaceSupport support(r, opening, tip.e);
+  if (!support.any()) return;
+  const FaceSupport::Rest rest = support.rest(slope);
   depth.value = world.profile.lead_in_length - tip.x + rest.ahead;
   depth.lean = -rest.point;
   depth.slope = -Vector3d::UnitX();
   depth.curve.setZero();
   depth.rests = true;
   depth.tilt_curve = rest.turning;
+  depth.mixed_curve.setZero();
+  for (int i = 0; i < 2; ++i) {
+    const Vector2d apart = kApart * kIdentity.col(i);
+    const FaceSupport up(r, opening, tip.e + apart), down(r, opening, tip.e - apart);
+    if (!up.any() || !down.any()) continue;
+    const FaceSupport::Rest more = up.rest(slope), less = down.rest(slope);
+    depth.slope[1 + i] = (more.ahead - less.ahead) / (2 * kApart);
+    depth.mixed_curve.row(i) = (more.point - less.point).transpose() / (2 * kApart);
+  }
   depth.point.tail<2>() += rest.point;
 }
 
@@ -66,11 +80,11 @@ ContactDepth face_depth(const World& world, const ContactSide& side,
                         const PoseVector& tip) noexcept {
   ContactDepth depth;
   if (world.end.rests_lowest) {
-    rest_on_face(world, side, tip, depth);
+    rest_on_face(world, tip, depth);
     return depth;
   }
   const double r = world.annulus.fibre_radius;
-  const Radial radial(tip.e, world.annulus.clearance());
+  const Radial radial(tip.e, world);
   const EdgeDepth d =
       edge_depth(world.profile, tip.x - r * side.outward.dot(tip.t), radial.eccentricity + r);
   depth.point << tip.x, tip.e + r * radial.normal;
@@ -86,7 +100,7 @@ ContactDepth face_depth(const World& world, const ContactSide& side,
 class RoundRim {
  public:
   RoundRim(const World& world, const PoseVector& tip) noexcept
-      : clearance_(world.annulus.clearance()),
+      : world_(world),
         rho_(world.end.edge),
         lever_(world.annulus.fibre_radius - rho_),
         high_(tip.x + rho_),
@@ -96,7 +110,7 @@ class RoundRim {
     const double tangent = profile.lead_in_tangent;
     const double cosine = 1 / std::sqrt(1 + tangent * tangent);
     const Vector2d bore(1, 0), face(kLeastCosine, 1), cone(cosine, tangent * cosine);
-    look(bore, profile.has_lead_in() ? cone : face, 0, clearance_ + rho_);
+    look(bore, profile.has_lead_in() ? cone : face, 0, world.annulus.clearance() + rho_);
     if (profile.has_lead_in())
       look(cone, face, profile.lead_in_length,
            profile.mouth_radius() - world.annulus.fibre_radius + rho_);
@@ -141,7 +155,7 @@ class RoundRim {
   }
   // What adds to the depth across the bore: |m|, with derivatives by m.
   Radial deepest(const Vector2d& at) const noexcept {
-    return {at[0] * across_ + at[1] * lever_ * slope_, clearance_};
+    return {at[0] * across_ + at[1] * lever_ * slope_, world_, at[0]};
   }
 
   // What the depth changes by with the angle, and that again.
@@ -183,7 +197,8 @@ class RoundRim {
     }
   }
 
-  double clearance_, rho_, lever_, high_;
+  const World& world_;
+  double rho_, lever_, high_;
   Vector2d across_, slope_;
   double depth_ = INFINITY, bend_ = 0;  // bend: second derivative by alpha where it is free
   Vector2d normal_ = Vector2d::UnitX();
@@ -222,7 +237,7 @@ ContactDepth side_depth(const World& world, const ContactSide& side,
   if (!(side.past_mouth(tip, world.annulus.fibre_radius) > 0)) return depth;
   const double arm = -tip.x;
   const Vector2d e = eccentricity(tip, arm);
-  const Radial radial(e, world.annulus.clearance());
+  const Radial radial(e, world);
   depth.value = radial.eccentricity - world.annulus.clearance();
   depth.arm = {arm, -1};
   depth.lean.setZero();
@@ -272,7 +287,7 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
   }
   const Vector2d at_mouth = eccentricity(tip, -tip.x);
   if (at_mouth.norm() > 0) at.mouth_outward = at_mouth.normalized();
-  at.side_ahead = r * at.mouth_outward.dot(world.end.cleave) - world.end.edge;
+  at.side_ahead = -world.end.edge;
   return at;
 }
 

@@ -45,6 +45,22 @@ struct Radial {
     const Vector2d bend = -inverse * inverse * inverse * e;
     curving = turn * kIdentity + bend * e.transpose();
   }
+
+  // Less what an oval bore is wider there, times `share`; on the axis, where its direction is
+  // undefined, smoothed within a tenth of the clearance: a hundredth of it is missing at the wall.
+  Radial(const Vector2d& e, const World& world, double share = 1) noexcept
+      : Radial(e, world.annulus.clearance()) {
+    if (world.oval.round()) return;
+    const double smooth = 0.1 * world.annulus.clearance(), q = share * world.oval.amplitude;
+    const Vector2d& u = world.oval.widest;
+    const double inverse = 1 / (e.squaredNorm() + smooth * smooth), w = u.dot(e) * inverse;
+    eccentricity -= q * (2 * w * u.dot(e) - 1);
+    normal -= 4 * q * w * (u - w * e);
+    const Matrix2d mixed = u * e.transpose();
+    curving -= 4 * q * inverse *
+               (u * u.transpose() - 2 * w * (mixed + mixed.transpose()) +
+                w * w * (4 * e * e.transpose() - kIdentity / inverse));
+  }
 };
 
 // The edge between bore and cone is rounded where both depths differ by less than this [m]: to
@@ -74,7 +90,7 @@ struct ContactDepth {
   Vector3d over_edge;
   // Where the end rests on the face it turns with the tilts: d bends by them [m].
   bool rests = false;
-  Matrix2d tilt_curve;
+  Matrix2d tilt_curve, mixed_curve;  // by the tilts; by eccentricity and tilts
   // Where it acts, to first order in the tilts: so that the wrench of its normal there is minus the
   // gradient of its depth [m].
   Vector3d point;
@@ -103,6 +119,7 @@ struct ContactDepth {
       total.add_point(arm.length, lean, force * slope, k);
       if (rests) {
         total.hessian.tt += force * tilt_curve;
+        total.hessian.et += force * mixed_curve;
         return;
       }
       const Matrix2d turn = force * cone_curve;
@@ -119,8 +136,8 @@ struct ContactSide {
   // Unit directions to where the fibre is nearest to the ferrule: from the centre of its end, and
   // from the bore's axis at the mouth.
   Vector2d outward = Vector2d::UnitX(), mouth_outward = Vector2d::UnitX();
-  double side_ahead = 0;  // of an upright end's centre is the side's begin at mouth_outward [m]
-  FaceSupport support;    // on the face, where the end rests lowest
+  double side_ahead = 0;  // of an upright end's centre the side begins: less than 0 by its edge [m]
+  FaceSupport support;    // of an end that rests lowest on the face
 
   // Length of the side [m] that is past the mouth where it is nearest to the mouth's rim: there the
   // rim of the end is r mouth_outward.tilt ahead of its centre. <= 0 outside.

@@ -161,7 +161,7 @@ void add_step(Energy& total, const World& world, const FrozenCoefficients& froze
 void freeze_drag(const World& world, double dt, FrozenCoefficients& frozen) noexcept {
   if (!world.laws.drag || dt == 0 || frozen.contact.side == EdgeSide::face) return;
   const double middle = 0.5 * frozen.length, spread = frozen.length / std::sqrt(60.0);
-  const Vector2d e = eccentricity(frozen.from, middle);
+  const Vector2d e = world.oval.stretch * eccentricity(frozen.from, middle);
   const double radius = e.norm();
   const double length = frozen.length > 0 ? frozen.length : 1;
   const DragCoefficients c = drag(*world.laws.drag, world.annulus, radius, length);
@@ -184,7 +184,8 @@ void freeze_flow(const World& world, const State& state, double dt,
   if (!world.laws.flow || frozen.contact.side == EdgeSide::face) return;
   const double c = world.annulus.clearance() + world.annulus.roughness, l = frozen.length;
   // The mean of the square along the straight axis.
-  const Vector2d from = state.tip.segment<2>(1), to = from + l * state.tip.tail<2>();
+  const PoseVector tip = world.oval.stretched(state.tip);
+  const Vector2d from = tip.e, to = eccentricity(tip, l);
   const double square = (from.squaredNorm() + from.dot(to) + to.squaredNorm()) / (3 * c * c);
   frozen.flow = FlowStep(*world.laws.flow, world.annulus, world.profile.length, l,
                          std::min(1.0, square), state.air, dt);
@@ -208,6 +209,20 @@ void freeze_inertia(const World& world, const State& state, double dt,
   frozen.stiffness += PoseMatrix(inertia);
   frozen.load = PoseVector(frozen.load.full() + force);
   frozen.load_scale += force.head<3>().norm();
+}
+
+// Surface forces in the round bore that the oval one is stretched to.
+void add_in_oval(Energy& total, SurfaceGradients& by_term, const World& world,
+                 const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
+  Energy round;
+  SurfaceGradients terms;
+  add_surface_forces(round, terms, world, frozen.length, frozen.bridge, world.oval.stretched(tip));
+  total.value += round.value;
+  total.value_scale += round.value_scale;
+  total.force_scale += round.force_scale;
+  total.gradient += world.oval.by_pose(round.gradient);
+  total.hessian += world.oval.by_pose(round.hessian);
+  for (std::size_t i = 0; i < kSurfaceTerms; ++i) by_term[i] += world.oval.by_pose(terms[i]);
 }
 
 }  // namespace
@@ -331,13 +346,14 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
   if (frozen.contact.side == EdgeSide::face || frozen.length == 0 || !has_printed_forces(world))
     return laws;
   const double clearance = world.annulus.clearance(), arm = 0.5 * frozen.length;
-  const Radial middle(eccentricity(tip, arm), clearance);
+  const Radial middle(eccentricity(world.oval.stretched(tip), arm), clearance);
   const double gap = clearance - middle.eccentricity;
+  const Vector2d out = world.oval.stretch * middle.normal;
   const LineForce force = printed_forces(world, gap);
   laws[kContactPlaces] = {1,
                           true,
                           -gap,
-                          {0, middle.normal, arm * middle.normal},
+                          {0, out, arm * out},
                           frozen.length * force.potential,
                           frozen.length * force.force,
                           -frozen.length * force.slope};
@@ -402,7 +418,10 @@ Potential::Potential(const World& world, const FrozenCoefficients& frozen,
   if (past > 0 && past < kPatch)
     cut_patch(*this, PatchShare(past), r * frozen.contact.mouth_outward, tip);
   const bool inserted = frozen.contact.side == EdgeSide::throat;
-  if (inserted) add_surface_forces(bore, surface, world, frozen.length, frozen.bridge, tip);
+  if (inserted && world.oval.round())
+    add_surface_forces(bore, surface, world, frozen.length, frozen.bridge, tip);
+  else if (inserted)
+    add_in_oval(bore, surface, world, frozen, tip);
   if (world.laws.meniscus && inserted && tip.x < 0) {
     const double inwards = meniscus(*world.laws.meniscus, world.annulus.fibre_radius);
     bore.value += inwards * tip.x;
@@ -491,7 +510,8 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
 Contacts contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                   const Potential& there) noexcept {
   Contacts now;
-  now.bridge = frozen.contact.side == EdgeSide::throat && bridge_at(world, frozen.bridge, tip);
+  now.bridge = frozen.contact.side == EdgeSide::throat &&
+               bridge_at(world, frozen.bridge, world.oval.stretched(tip));
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const double depth = there.depth[at].value;

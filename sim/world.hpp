@@ -7,6 +7,7 @@
 #include "sim/laws/annulus.hpp"
 #include "sim/laws/laws.hpp"
 #include "sim/numerics.hpp"
+#include "sim/oval_bore.hpp"
 #include "sim/state.hpp"
 
 namespace ferrule {
@@ -27,6 +28,7 @@ struct FibreEnd {
 
 struct World {
   Annulus annulus;
+  OvalBore oval;
   FibreEnd end;
   FerruleProfile profile;
   FibreMass fibre;

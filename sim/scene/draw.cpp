@@ -19,6 +19,9 @@ bool draw_diameters(Scene& drawn, RandomStream random) {
   const double fibre = 2 * drawn.world.annulus.fibre_radius + t.fibre_sd * deviation;
   const double bore = t.bore_low + (t.bore_high - t.bore_low) * random.uniform();
   if (fibre >= bore) return false;
+  // Nor does a fibre go in that leaves a bore as oval too little room.
+  const std::optional<double>& ovality = drawn.parameters.ferrule.ovality_um;
+  if (ovality && micro * *ovality > kMostOval * (bore - fibre)) return false;
   drawn.tolerance.reset();
   WorldParameters& p = drawn.parameters;
   p.fibre.diameter_um = 1e6 * fibre;
@@ -62,7 +65,9 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   const bool entrance =
       scene.sensor.entrance_sd > 0 && !scene.document["sensor"].contains("entrance_error_um");
   const bool cleave = cleaves(scene.parameters.fibre);
-  if (!scene.tolerance && !roll && !cleave && !entrance)
+  const FerruleParameters& ferrule = scene.parameters.ferrule;
+  const bool oval = ferrule.ovality_um && !ferrule.ovality_direction_deg;
+  if (!scene.tolerance && !roll && !cleave && !oval && !entrance)
     return {std::shared_ptr<const Scene>(), &scene};
   const auto drawn = std::make_shared<Scene>(scene);
   if (scene.tolerance && !draw_diameters(*drawn, {seed, trial, Draw::parts})) return nullptr;
@@ -77,6 +82,11 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
     add_number(drawn->document, "fibre", "cleave_direction_deg",
                *drawn->parameters.fibre.cleave_direction_deg);
   }
+  if (oval) {
+    const double direction = 180 * RandomStream(seed, trial, Draw::bore).uniform();
+    drawn->parameters.ferrule.ovality_direction_deg = direction;
+    add_number(drawn->document, "ferrule", "ovality_direction_deg", direction);
+  }
   if (entrance) {
     const double um =
         RandomStream(seed, trial, Draw::entrance).normal() * 1e6 * scene.sensor.entrance_sd;
@@ -85,6 +95,7 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   }
   if (scene.tolerance) drawn->world = make_world(drawn->parameters);
   drawn->world.end = fibre_end(drawn->parameters.fibre);
+  drawn->world.oval = oval_bore(drawn->parameters);
   return drawn;
 }
 

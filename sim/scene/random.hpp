@@ -17,7 +17,8 @@ enum class Draw : std::uint32_t {
   parts = 5,
   operator_eye = 6,
   entrance = 7,
-  roll = 8
+  roll = 8,
+  bore = 9
 };
 
 class RandomStream {

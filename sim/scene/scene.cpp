@@ -44,6 +44,11 @@ void read_fibre(JsonFields f, FibreParameters& fibre) {
 void read_ferrule(JsonFields f, FerruleParameters& ferrule) {
   f.number("bore_diameter_um", positive(1, 1e5), ferrule.bore_diameter_um);
   f.number("length_mm", positive(1e-3, 1e4), ferrule.length_mm);
+  if (f.present("ovality_um"))
+    f.number("ovality_um", not_negative(1e5), ferrule.ovality_um.emplace());
+  if (f.present("ovality_direction_deg"))
+    f.number("ovality_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
+             ferrule.ovality_direction_deg.emplace());
   f.number("young_GPa", positive(1e-6, 1e4), ferrule.young_GPa);
   f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), ferrule.poisson);
   f.number("shear_GPa", positive(1e-6, 1e4), ferrule.shear_GPa);

@@ -57,7 +57,8 @@ enum class Form { printed, corrected };
 
 // Keys that a drawn scene states where the one it was drawn from does not.
 inline constexpr std::array kDrawnKeys = {"fibre.roll_deg", "fibre.cleave_direction_deg",
-                                          "sensor.entrance_error_um"};
+                                          "sensor.entrance_error_um",
+                                          "ferrule.ovality_direction_deg"};
 
 struct Scene {
   std::string name;

@@ -96,6 +96,11 @@ std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
   const auto* liquid = std::get_if<Capillary>(&p.laws.capillary);
   if (liquid && !(liquid->rupture > 2 * liquid->film))
     return {{"laws.capillary.rupture_nm", "must be more than twice film_nm, where a bridge forms"}};
+  if (p.ferrule.ovality_um &&
+      !(*p.ferrule.ovality_um <= kMostOval * (p.ferrule.bore_diameter_um - p.fibre.diameter_um)))
+    return {
+        {"ferrule.ovality_um", "must be at most 0.6 of what the bore is wider than the fibre (" +
+                                   shown(p.ferrule.bore_diameter_um - p.fibre.diameter_um) + ")"}};
   if (p.fibre.edge_um && !(*p.fibre.edge_um <= 0.25 * p.fibre.diameter_um))
     return {{"fibre.edge_um", "must be at most a quarter of the fibre's diameter (" +
                                   shown(p.fibre.diameter_um) + ")"}};
@@ -103,6 +108,14 @@ std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
     return {{"fibre.curl_radius_m", "must be at least ten times the length that is free (" +
                                         shown(free_length(p)) + " m)"}};
   return std::nullopt;
+}
+
+OvalBore oval_bore(const WorldParameters& p) noexcept {
+  if (!p.ferrule.ovality_um || *p.ferrule.ovality_um == 0) return {};
+  const double direction = degree * p.ferrule.ovality_direction_deg.value_or(0);
+  return {micro * *p.ferrule.ovality_um,
+          0.5 * micro * (p.ferrule.bore_diameter_um - p.fibre.diameter_um),
+          Vector2d(elementary::cos(direction), elementary::sin(direction))};
 }
 
 FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
@@ -118,6 +131,7 @@ World make_world(const WorldParameters& p) {
   World world{};
   world.annulus = {0.5 * micro * p.fibre.diameter_um, 0.5 * micro * p.ferrule.bore_diameter_um,
                    nano * p.roughness_nm};
+  world.oval = oval_bore(p);
   world.end = fibre_end(p.fibre);
   world.profile = profile(p.ferrule, world.annulus);
   world.fibre = {world.annulus.fibre_radius, p.fibre.density_kg_m3,

@@ -29,6 +29,8 @@ struct LeadIn {
 struct FerruleParameters {
   double bore_diameter_um, length_mm, young_GPa, poisson, shear_GPa;
   std::optional<LeadIn> lead_in;
+  // Largest less smallest diameter, and where the largest lies; none: round, chance decides.
+  std::optional<double> ovality_um, ovality_direction_deg;
 };
 
 // The rigid hand of the paper, or an elastic fibre in a gripper (sim/holder.hpp).
@@ -51,6 +53,10 @@ struct WorldParameters {
   Numerics numerics;
 };
 
+// The largest ovality of a bore, of what it is wider than the fibre: q < c/3, so that the clearance
+// is convex (sim/oval_bore.hpp).
+inline constexpr double kMostOval = 0.6;
+
 // Length of fibre between its end and what holds it [m].
 double free_length(const WorldParameters& parameters) noexcept;
 
@@ -69,6 +75,9 @@ struct Inconsistency {
   std::string rule;  // what it must be
 };
 std::optional<Inconsistency> inconsistency(const WorldParameters& parameters);
+
+// The bore, as it lies.
+OvalBore oval_bore(const WorldParameters& parameters) noexcept;
 
 // The fibre's end, as it lies.
 FibreEnd fibre_end(const FibreParameters& fibre) noexcept;

@@ -197,9 +197,11 @@ TEST(Cleave, GradientAndHessianOfTheEnergyAreItsDerivatives) {
     }
 }
 
-// A rigid upright fibre goes into a sharp bore from within the clearance, however it is cleaved.
+// A rigid upright fibre goes into a sharp bore from within the clearance, cleaved or not, unless its
+// leading side is over the opening: then it rests on two points of the opening's edge, which push a
+// soft hand towards the axis.
 TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
-  for (const double direction : {0.0, 60.0, 180.0})
+  for (const double direction : {0.0, 60.0})
     for (const double offset : {0.5, 0.98, 1.02, 3.0, 30.0}) {
       const World world = cleaved(1, direction, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
       State state = at_rest(world, testing::pose(3e-6, 0.5e-6 * offset, 0));
