@@ -25,7 +25,7 @@ using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
 // 1: columns as one text, no scales. Files of before are read, and held against what they were.
-constexpr std::int64_t kFormatVersion = 2;
+constexpr std::uint64_t kFormatVersion = 2;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 constexpr const char* kTimeScale = "/data/demo_0/time";
@@ -51,6 +51,13 @@ Matrix one_row_later(const Matrix& values) {
   Matrix later = values;
   if (values.rows() > 1) later.topRows(values.rows() - 1) = values.bottomRows(values.rows() - 1);
   return later;
+}
+
+// Columns of a block in a file: what came later stands behind them, and is 0 in files of before.
+Eigen::Index width_in(const Block& b, std::uint64_t version) {
+  if (version == 1 && b.begin == kForces.begin) return 27;
+  if (version == 1 && b.begin == kStates.begin) return 41;
+  return b.width;
 }
 
 std::string rows_path(const Block& b) {
@@ -109,7 +116,7 @@ void add_labels(Content& content, const std::vector<std::string>& names) {
   content.attributes[path];
 }
 
-void add(Content& content, std::int64_t version, Table table, const Columns& columns) {
+void add(Content& content, std::uint64_t version, Table table, const Columns& columns) {
   auto& attributes = content.attributes[table.path];
   attributes["unit"] = columns.unit;
   if (version == 1) {
@@ -129,7 +136,7 @@ void add(Content& content, std::int64_t version, Table table, const Columns& col
 }
 
 // What is derived from the rows for readers of the demonstration layout.
-void add_derived(Content& content, std::int64_t version, const Episode& episode,
+void add_derived(Content& content, std::uint64_t version, const Episode& episode,
                  const Scene& scene) {
   const Rows& rows = episode.rows;
   const auto count = rows.rows();
@@ -182,12 +189,12 @@ std::string inputs_sha1(const Content& content) {
 }
 
 Content content_of(const Episode& episode, const Scene& scene,
-                   std::int64_t version = kFormatVersion) {
+                   std::uint64_t version = kFormatVersion) {
   const EpisodeInfo& info = episode.info;
   const auto count = static_cast<std::int64_t>(episode.rows.rows());
   Content content;
   content.attributes["/"] = root_attributes(info, scene);
-  content.attributes["/"]["format_version"] = version;
+  content.attributes["/"]["format_version"] = static_cast<std::int64_t>(version);
   if (version > 1) {
     content.tables.push_back(
         {kTimeScale, episode.rows.middleCols(kTime.begin, 1), Table::exact, true});
@@ -198,7 +205,8 @@ Content content_of(const Episode& episode, const Scene& scene,
   content.attributes[kDemo + std::string("/rows")];
   for (const Block& b : kBlocks)
     add(content, version,
-        {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
+        {rows_path(b), episode.rows.middleCols(b.begin, width_in(b, version)), Table::exact,
+         b.width == 1},
         {b.unit, b.columns, column_names(b)});
   if (!info.mapping.empty()) {
     content.attributes[kDemo + std::string("/raw")];
@@ -213,8 +221,7 @@ Content content_of(const Episode& episode, const Scene& scene,
 EpisodeInfo read_info(const Reader& in, const std::string& file) {
   if (!in.has("format") || in.text("format") != kFormat)
     throw FileTrouble(file + ": not a ferrule episode");
-  if (const auto version = in.whole("format_version");
-      version < 1 || version > static_cast<std::uint64_t>(kFormatVersion))
+  if (const auto version = in.whole("format_version"); version < 1 || version > kFormatVersion)
     throw FileTrouble(file + ": episode format " + std::to_string(version) +
                       "; this program reads format 1 to " + std::to_string(kFormatVersion));
   EpisodeInfo info;
@@ -273,14 +280,15 @@ Episode read_in_child(const std::string& file) {
   const Matrix times = read_times(in, episode.info.period, file);
   const Eigen::Index count = times.rows();
   allow_rows(count);
-  episode.rows.resize(count, Eigen::NoChange);
+  episode.rows.setZero(count, Eigen::NoChange);
   for (const Block& b : kBlocks) {
-    const Matrix values = in.table(rows_path(b), b.width, count).values;
+    const Eigen::Index width = width_in(b, in.whole("format_version"));
+    const Matrix values = in.table(rows_path(b), width, count).values;
     for (Eigen::Index n = 0; n < count; ++n)
       if (!values.row(n).allFinite())
         throw FileTrouble(
             fmt::format("{}: damaged: {} at row {} is not a finite number", file, rows_path(b), n));
-    episode.rows.middleCols(b.begin, b.width) = values;
+    episode.rows.middleCols(b.begin, width) = values;
   }
   if (!episode.info.mapping.empty()) {
     const Matrix counts = in.table(kCountsPath, kRawAxes, count).values;
@@ -376,8 +384,7 @@ Verification compare_in_child(const std::string& file, const Episode& episode, d
   allow_file(file);
   allow_rows(2 * episode.rows.rows());
   const Reader in(file, "a ferrule episode");
-  Content expected = content_of(episode, recorded_scene(episode, file),
-                                static_cast<std::int64_t>(in.whole("format_version")));
+  Content expected = content_of(episode, recorded_scene(episode, file), in.whole("format_version"));
   if (episode.info.inputs_sha1.empty()) expected.attributes["/"].erase(kInputsHash);
   Verification found{tolerance, {}, {}};
   for (const Table& table : expected.tables) {
