@@ -42,7 +42,7 @@ def success(env: gymnasium.Env, act, trials: int, seed: int) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--steps", type=int, default=200_000)
+    parser.add_argument("--steps", type=int, default=60_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--trials", type=int, default=100)
     arguments = parser.parse_args()
