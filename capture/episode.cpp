@@ -26,7 +26,7 @@ using hdf5::Table;
 constexpr const char* kFormat = "ferrule episode";
 // 1: columns as one text, no scales, no flow and air. Files of before are read, and held against what
 // they were.
-constexpr std::int64_t kFormatVersion = 2;
+constexpr std::uint64_t kFormatVersion = 2;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 constexpr const char* kTimeScale = "/data/demo_0/time";
@@ -110,7 +110,7 @@ void add_labels(Content& content, const std::vector<std::string>& names) {
   content.attributes[path];
 }
 
-void add(Content& content, std::int64_t version, Table table, const Columns& columns) {
+void add(Content& content, std::uint64_t version, Table table, const Columns& columns) {
   auto& attributes = content.attributes[table.path];
   attributes["unit"] = columns.unit;
   if (version == 1) {
@@ -130,7 +130,7 @@ void add(Content& content, std::int64_t version, Table table, const Columns& col
 }
 
 // What is derived from the rows for readers of the demonstration layout.
-void add_derived(Content& content, std::int64_t version, const Episode& episode,
+void add_derived(Content& content, std::uint64_t version, const Episode& episode,
                  const Scene& scene) {
   const Rows& rows = episode.rows;
   const auto count = rows.rows();
@@ -184,7 +184,7 @@ std::string inputs_sha1(const Content& content) {
 }
 
 // A block as files of a format have it: the first knew no flow ahead of the end and no air there.
-Block block_of(Block block, std::int64_t version) {
+Block block_of(Block block, std::uint64_t version) {
   if (version > 1) return block;
   const auto without = [](const Block& of, const std::string& last) {
     const std::string text = of.columns;
@@ -202,12 +202,12 @@ Block block_of(Block block, std::int64_t version) {
 }
 
 Content content_of(const Episode& episode, const Scene& scene,
-                   std::int64_t version = kFormatVersion) {
+                   std::uint64_t version = kFormatVersion) {
   const EpisodeInfo& info = episode.info;
   const auto count = static_cast<std::int64_t>(episode.rows.rows());
   Content content;
   content.attributes["/"] = root_attributes(info, scene);
-  content.attributes["/"]["format_version"] = version;
+  content.attributes["/"]["format_version"] = static_cast<std::int64_t>(version);
   if (version > 1) {
     content.tables.push_back(
         {kTimeScale, episode.rows.middleCols(kTime.begin, 1), Table::exact, true});
@@ -235,8 +235,7 @@ Content content_of(const Episode& episode, const Scene& scene,
 EpisodeInfo read_info(const Reader& in, const std::string& file) {
   if (!in.has("format") || in.text("format") != kFormat)
     throw FileTrouble(file + ": not a ferrule episode");
-  if (const auto version = in.whole("format_version");
-      version < 1 || version > static_cast<std::uint64_t>(kFormatVersion))
+  if (const auto version = in.whole("format_version"); version < 1 || version > kFormatVersion)
     throw FileTrouble(file + ": episode format " + std::to_string(version) +
                       "; this program reads format 1 to " + std::to_string(kFormatVersion));
   EpisodeInfo info;
@@ -297,13 +296,13 @@ Episode read_in_child(const std::string& file) {
   allow_rows(count);
   episode.rows.setZero(count, kRowSize);
   for (const Block& block : kBlocks) {
-    const Block b = block_of(block, static_cast<std::int64_t>(in.whole("format_version")));
+    const Block b = block_of(block, in.whole("format_version"));
     const Matrix values = in.table(rows_path(b), b.width, count).values;
     for (Eigen::Index n = 0; n < count; ++n)
       if (!values.row(n).allFinite())
         throw FileTrouble(
             fmt::format("{}: damaged: {} at row {} is not a finite number", file, rows_path(b), n));
-    episode.rows.middleCols(b.begin, b.width) = values;
+    episode.rows.middleCols(b.begin, width) = values;
   }
   if (!episode.info.mapping.empty()) {
     const Matrix counts = in.table(kCountsPath, kRawAxes, count).values;
@@ -399,8 +398,7 @@ Verification compare_in_child(const std::string& file, const Episode& episode, d
   allow_file(file);
   allow_rows(2 * episode.rows.rows());
   const Reader in(file, "a ferrule episode");
-  Content expected = content_of(episode, recorded_scene(episode, file),
-                                static_cast<std::int64_t>(in.whole("format_version")));
+  Content expected = content_of(episode, recorded_scene(episode, file), in.whole("format_version"));
   if (episode.info.inputs_sha1.empty()) expected.attributes["/"].erase(kInputsHash);
   Verification found{tolerance, {}, {}};
   for (const Table& table : expected.tables) {

@@ -23,6 +23,7 @@ def train(arguments: argparse.Namespace) -> None:
     from lerobot.policies.act.modeling_act import ACTPolicy
     from lerobot.policies.factory import make_pre_post_processors
 
+    torch.set_num_threads(1)  # more only wait for one another: the networks are small
     torch.manual_seed(1)
     name, chunk = "ferrule/insertion", 20
     meta = LeRobotDatasetMetadata(name, root=arguments.data)

@@ -53,7 +53,10 @@ def configuration(data: str, folder: str, epochs: int, rollouts: int):
 
 
 def train(arguments: argparse.Namespace) -> None:
+    import torch
     from robomimic.scripts.train import train as run
+
+    torch.set_num_threads(1)  # more only wait for one another: the networks are small
 
     config = configuration(arguments.data, arguments.folder, arguments.epochs, arguments.rollouts)
     config.lock()

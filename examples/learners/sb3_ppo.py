@@ -10,13 +10,21 @@ import time
 
 import gymnasium
 import numpy as np
+import torch
 from stable_baselines3 import PPO
 from stable_baselines3.common.env_util import make_vec_env
 from stable_baselines3.common.vec_env import VecNormalize
 
 import ferrule
 
-HZ = 10
+# Sideways slower than inwards, as a hand is, and hardly any tilt: what is drawn to explore breaks no fibre then.
+TASK = {"scene": "bench", "control_hz": 10, "action_scale": [3e-5, 1e-5, 1e-5, 1e-6, 1e-6]}
+
+
+def make(**arguments) -> gymnasium.Env:
+    """Failure costs what is not earned any more, and nothing else: or it is safest to wait at the entrance."""
+    env = gymnasium.make("ferrule/Insertion-v0", **arguments)
+    return gymnasium.wrappers.TransformReward(env, lambda reward: max(reward, -0.1))
 
 
 def success(env: gymnasium.Env, act, trials: int, seed: int) -> float:
@@ -34,15 +42,14 @@ def success(env: gymnasium.Env, act, trials: int, seed: int) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--steps", type=int, default=200_000)
+    parser.add_argument("--steps", type=int, default=60_000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--trials", type=int, default=100)
     arguments = parser.parse_args()
 
-    kwargs = {"scene": "bench", "control_hz": HZ}
+    torch.set_num_threads(1)  # more only wait for one another: the networks are small
     envs = VecNormalize(
-        make_vec_env("ferrule/Insertion-v0", n_envs=8, seed=arguments.seed, env_kwargs=kwargs),
-        norm_reward=False,
+        make_vec_env(make, n_envs=8, seed=arguments.seed, env_kwargs=TASK), norm_reward=False
     )
     model = PPO(
         "MlpPolicy", envs, n_steps=256, batch_size=256, n_epochs=10, gamma=0.995, learning_rate=1e-3,
@@ -56,7 +63,7 @@ def main() -> None:
     def learned(observation: np.ndarray) -> np.ndarray:
         return model.predict(envs.normalize_obs(observation), deterministic=True)[0]
 
-    env = gymnasium.make("ferrule/Insertion-v0", **kwargs)
+    env = gymnasium.make("ferrule/Insertion-v0", **TASK)
     straight = np.array([-1, 0, 0, 0, 0], dtype=np.float32)
     before = success(env, lambda observation: straight, arguments.trials, 7)
     after = success(env, learned, arguments.trials, 7)

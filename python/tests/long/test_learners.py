@@ -99,16 +99,17 @@ def test_stable_baselines_finds_nothing_wrong():
 
 @pytest.mark.parametrize("how", ["fork", "spawn"])
 def test_environments_run_in_processes_of_their_own(how):
+    # A process that is spawned imports the package for the name before the colon.
     python("-c", """if True:
         import sys
         if __name__ == "__main__":
-            import ferrule, numpy as np
+            import numpy as np
             from stable_baselines3.common.env_util import make_vec_env
             from stable_baselines3.common.vec_env import DummyVecEnv, SubprocVecEnv
             arguments = dict(n_envs=2, seed=3, env_kwargs={"scene": "bench"})
-            apart = make_vec_env("ferrule/Insertion-v0", vec_env_cls=SubprocVecEnv,
+            apart = make_vec_env("ferrule:ferrule/Insertion-v0", vec_env_cls=SubprocVecEnv,
                                  vec_env_kwargs={"start_method": sys.argv[1]}, **arguments)
-            here = make_vec_env("ferrule/Insertion-v0", vec_env_cls=DummyVecEnv, **arguments)
+            here = make_vec_env("ferrule:ferrule/Insertion-v0", vec_env_cls=DummyVecEnv, **arguments)
             assert (apart.reset() == here.reset()).all()
             for _ in range(20):
                 actions = np.full((2, 5), -0.5)
