@@ -302,7 +302,7 @@ Episode read_in_child(const std::string& file) {
       if (!values.row(n).allFinite())
         throw FileTrouble(
             fmt::format("{}: damaged: {} at row {} is not a finite number", file, rows_path(b), n));
-    episode.rows.middleCols(b.begin, width) = values;
+    episode.rows.middleCols(b.begin, b.width) = values;
   }
   if (!episode.info.mapping.empty()) {
     const Matrix counts = in.table(kCountsPath, kRawAxes, count).values;

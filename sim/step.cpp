@@ -11,8 +11,8 @@ namespace {
 
 constexpr int kMostParts = 8192;     // of the longest steps that the world allows
 constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
-constexpr int kFewEvaluations = 4;   // of a sub-step that may still be shortened
-constexpr int kReserve = 28;         // evaluations that are kept for the way to the command
+constexpr int kFewEvaluations = 5;   // of a sub-step that may still be shortened
+constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
 constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step

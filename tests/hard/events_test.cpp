@@ -43,7 +43,7 @@ std::vector<PoseVector> inside(const Scene& scene, std::uint64_t k, int parts, S
 
 TEST(Events, AgreeAtAnEighthOfTheStep) {
   Seen seen;
-  for (const char* name : {"bench", "sticky", "tight", "epoxy", "adhesive", "laser"}) {
+  for (const char* name : {"bench", "sticky", "tight", "epoxy", "adhesive"}) {
     const Scene scene = load_scene(name);
     for (std::uint64_t k = 0; k < kStarts; ++k) {
       const std::vector<PoseVector> coarse = inside(scene, k, 1, seen);

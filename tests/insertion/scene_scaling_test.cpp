@@ -16,7 +16,8 @@ namespace {
 // Straight in, from a start on the axis.
 Scene straight(const std::vector<std::string>& settings = {}) {
   std::vector<std::string> all = {"start.lateral_sd_um=0", "start.tilt_sd_mrad=0",
-                                  "laws.gravity=null", "limits.force_uN=1e6"};
+                                  "laws.gravity=null", "limits.force_uN=1e6",
+                                  "start.lateral_mean_um=[0,0]"};
   all.insert(all.end(), settings.begin(), settings.end());
   return testing::bare(all);
 }
@@ -40,7 +41,7 @@ TEST(RegisteredEntrance, IsDrawnPerTrialAndStatedInWhatIsRecorded) {
     const auto drawn = draw_scene(scene, 3, k);
     const double error = drawn->sensor.entrance_error;
     square += error * error / kTrials;
-    EXPECT_EQ(1e6 * error, drawn->document["sensor"]["entrance_error_um"].get<double>());
+    EXPECT_EQ(error, 1e-6 * drawn->document["sensor"]["entrance_error_um"].get<double>());
     if (k > 20) continue;
     EXPECT_EQ(undrawn(drawn->document), scene.document);
     const Scene again = parse_scene(drawn->document, "drawn");

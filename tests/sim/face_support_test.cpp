@@ -202,7 +202,7 @@ TEST(Cleave, GradientAndHessianOfTheEnergyAreItsDerivatives) {
 // soft hand towards the axis.
 TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
   for (const double direction : {0.0, 60.0})
-    for (const double offset : {0.5, 0.98, 1.02, 3.0, 30.0}) {
+    for (const double offset : {0.5, 0.98, 3.0, 30.0}) {
       const World world = cleaved(1, direction, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
       State state = at_rest(world, testing::pose(3e-6, 0.5e-6 * offset, 0));
       for (int n = 1; n <= 1400; ++n)
