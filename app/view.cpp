@@ -68,7 +68,7 @@ SessionDevice session_device(const OpenDevice& device, const HandSettings& setti
 int replay_in_browser(const ViewArguments& a) {
   const std::string page = self_contained(load_page(), kServed);
   const RecordedView recorded(a.recorded, a.scene);
-  Server server(a.port, {[&page] { return page; },
+  Server server(a.port, {[&page] { return std::string(page); },
                          [&recorded](const std::string& file) { return recorded.json(file); },
                          [] { return std::vector<SharedPayload>(); },
                          [](std::uint64_t, std::string_view) {}});

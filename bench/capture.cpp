@@ -34,6 +34,31 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
   return state.tip[0] < -depth;
 }
 
+// Fibres lowered at `offset` clearances from the axis, in eight directions, at two speeds and in
+// steps of three lengths, where those within `capture` clearances go in. The world must outlive them.
+void add_lowered(Cases<CaptureRow>& cases, const World& world, double capture, double offset,
+                 double edge_um) {
+  for (int k = 0; k < 8; ++k)
+    for (const double speed : {5e-6, 50e-6})
+      for (const double dt : {1e-4, 1e-3, 1e-2}) {
+        if (edge_um > 0 && dt < 1e-3) continue;
+        add_case(cases, [=, &world] {
+          const double angle = k * std::numbers::pi / 4;
+          const Vector2d at =
+              offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
+          return CaptureRow{offset,
+                            capture,
+                            45.0 * k,
+                            1e6 * speed,
+                            dt,
+                            edge_um,
+                            0,
+                            world.profile.has_lead_in(),
+                            goes_in(world, at, speed, dt)};
+        });
+      }
+}
+
 }  // namespace
 
 std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
@@ -46,44 +71,23 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
       (cone.profile.mouth_radius() - cone.annulus.fibre_radius) / cone.annulus.clearance();
   const std::vector<double> offsets = {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0};
 
-  // Ends as they are, with what catches them in the sharp bore and in the cone.
+  // Ends with a rounded rim, which are caught from its radius farther out.
   struct End {
-    double edge_um, cleave_deg;
+    double edge_um;
     World sharp, cone;
   };
   std::vector<End> ends;
-  for (const double edge : {1.0, 5.0, 10.0})
-    for (const double cleave : {0.0}) {
-      const auto with = [&](std::vector<std::string> settings) {
-        settings.push_back("fibre.edge_um=" + std::to_string(edge));
-        settings.push_back("fibre.cleave_deg=" + std::to_string(cleave));
-        return load_scene("paper", settings).world;
-      };
-      ends.push_back({edge, cleave, with(sharp_edge), with(rigid)});
-    }
+  for (const double edge : {1.0, 5.0, 10.0}) {
+    const auto with = [&](std::vector<std::string> settings) {
+      settings.push_back("fibre.edge_um=" + std::to_string(edge));
+      return load_scene("paper", settings).world;
+    };
+    ends.push_back({edge, with(sharp_edge), with(rigid)});
+  }
 
   Cases<CaptureRow> cases;
-  const auto lower = [&](const World& world, double capture, double offset, double edge_um = 0,
-                         double cleave_deg = 0) {
-    for (int k = 0; k < 8; ++k)
-      for (const double speed : {5e-6, 50e-6})
-        for (const double dt : {1e-4, 1e-3, 1e-2}) {
-          if (edge_um > 0 && dt < 1e-3) continue;
-          add_case(cases, [=, &world] {
-            const double angle = k * std::numbers::pi / 4;
-            const Vector2d at =
-                offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
-            return CaptureRow{offset,
-                              capture,
-                              45.0 * k,
-                              1e6 * speed,
-                              dt,
-                              edge_um,
-                              cleave_deg,
-                              world.profile.has_lead_in(),
-                              goes_in(world, at, speed, dt)};
-          });
-        }
+  const auto lower = [&](const World& world, double capture, double offset, double edge_um = 0) {
+    add_lowered(cases, world, capture, offset, edge_um);
   };
   for (const double offset : offsets) lower(sharp, 1, offset);
   for (const double offset : offsets) lower(cone, range, offset);
@@ -94,7 +98,7 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
           (world->profile.mouth_radius() - world->annulus.fibre_radius + 1e-6 * end.edge_um) /
           world->annulus.clearance();
       for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0})
-        lower(*world, caught, part * caught, end.edge_um, end.cleave_deg);
+        lower(*world, caught, part * caught, end.edge_um);
     }
   return rows_of(cases, go_on);
 }
