@@ -24,7 +24,7 @@ void expect_fits(const World& world, double gap_nm, double length_um, double til
   const Laws& laws = world.laws;
   const bool walls = std::holds_alternative<VanDerWaals>(laws.van_der_waals) ||
                      std::holds_alternative<Electrostatic>(laws.electrostatic) ||
-                     std::holds_alternative<Capillary>(laws.capillary) || laws.drag;
+                     std::holds_alternative<Capillary>(laws.capillary) || depends_on_speed(laws);
   const double clearance = 1e9 * world.annulus.clearance(), slack = 1e-9 * clearance;
   if (!walls && tilt_mrad == 0) return;
   if (gap_nm > clearance + slack)
