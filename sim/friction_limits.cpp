@@ -11,23 +11,12 @@ constexpr double kMostChange = 0.5;  // of a limit, in one go
 constexpr double kFlat = 100;        // more of it: given limits hardly hold the pose
 constexpr double kSingular = 0.05;   // less of a determinant: limit and depth drive each other on
 
-std::array<FrictionLimit, kContactPlaces> limits_at(
-    const World& world, const FrozenCoefficients& frozen,
-    const std::array<ContactDepth, kContactPlaces>& depth) noexcept {
-  std::array<FrictionLimit, kContactPlaces> limits;
-  for (std::size_t at = 0; at < kContactPlaces; ++at)
-    if (frozen.friction[at].acts && depth[at].value != -INFINITY)
-      limits[at] = friction_limit(world, frozen.friction[at],
-                                  friction_radius(world, depth[at].value, frozen.branch[at]));
-  return limits;
-}
-
 }  // namespace
 
 FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
                                const PoseVector& tip,
                                const std::array<ContactDepth, kContactPlaces>& depth) noexcept
-    : FrictionLimits(world, frozen, tip, depth, limits_at(world, frozen, depth)) {}
+    : FrictionLimits(world, frozen, tip, depth, friction_limits(world, frozen, depth)) {}
 
 FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
                                const PoseVector& tip,

@@ -257,9 +257,7 @@ double travel_of(const World& world, const FrozenCoefficients& frozen,
 bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& rest,
                        Minimum& found) noexcept {
   Potential& there = found.there;
-  const bool wells =
-      has_printed_forces(world) || std::holds_alternative<printed::Adhesion>(world.laws.adhesion);
-  const LastStep most = wells ? kLastStepInWell : kLastStep;
+  const LastStep most = has_printed_wells(world.laws) ? kLastStepInWell : kLastStep;
   if (!(residual(world, there.gradient) <= most.force * there.force_scale &&
         travel_of(world, frozen, rest) <= most.move * world.annulus.clearance()))
     return false;

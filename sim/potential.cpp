@@ -100,23 +100,48 @@ void cut_patch(Potential& there, const PatchShare& share, const Vector2d& ahead,
   }
 }
 
-// Drag along x over the step, by the inserted length before and now
-// (FrozenCoefficients::axial_drag).
-struct AxialDrag {
-  double energy, force, stiffness;  // the force is along x [N]
+FrictionLimit friction_limit(const World& world, const FrozenFriction& friction,
+                             const ContactRadius& radius) noexcept {
+  const double a = radius.value;
+  if (!(a > 0)) return {};
+  const Friction& law = *friction_law(world.laws);
+  const double limit = friction.share * ferrule::friction(law, a);
+  return {limit, friction.patch * stuck_stiffness(law, a),
+          friction_exponent(law, a) * limit / a * radius.per_depth};
+}
 
-  AxialDrag(const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
-    const double before = std::max(0.0, -frozen.from.x), now = std::max(0.0, -tip.x);
-    const double k = frozen.axial_drag, more = now - before;
-    energy = k * more * more * (now + 2 * before) / 6;
-    force = 0.5 * k * more * (now + before);
-    stiffness = k * now;
-  }
-};
+// `by` are the branches of the adhesion or its forces, whichever is known.
+template <class By>
+std::array<FrictionLimit, kContactPlaces> limits_of(
+    const World& world, const FrozenCoefficients& frozen,
+    const std::array<ContactDepth, kContactPlaces>& depth,
+    const std::array<By, kContactPlaces>& by) noexcept {
+  std::array<FrictionLimit, kContactPlaces> limits;
+  for (std::size_t at = 0; at < kContactPlaces; ++at)
+    if (frozen.friction[at].acts && depth[at].value != -INFINITY)
+      limits[at] = friction_limit(world, frozen.friction[at],
+                                  friction_radius(world, depth[at].value, by[at]));
+  return limits;
+}
+
+// Drag along x over the step (FrozenCoefficients::axial_drag).
+AxialForce axial_drag(const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
+  const double before = std::max(0.0, -frozen.from.x), now = std::max(0.0, -tip.x);
+  const double k = frozen.axial_drag, more = now - before;
+  return {k * more * more * (now + 2 * before) / 6, 0.5 * k * more * (now + before), k * now};
+}
 
 // Of the fluid ahead of the end, over the step.
 AxialForce flow_ahead(const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
   return tip.x < 0 ? frozen.flow.at(-tip.x) : AxialForce{};
+}
+
+void add_axial(Energy& total, const AxialForce& axial) noexcept {
+  total.value += axial.energy;
+  total.value_scale += std::abs(axial.energy);
+  total.force_scale += std::abs(axial.force);
+  total.gradient.x -= axial.force;
+  total.hessian.xx += axial.stiffness;
 }
 
 void add_frictions(Energy& total, const World& world, const FrozenCoefficients& frozen,
@@ -139,22 +164,8 @@ void add_step(Energy& total, const World& world, const FrozenCoefficients& froze
   total.gradient += pull;
   total.gradient -= frozen.load;
   total.hessian += frozen.stiffness;
-  if (frozen.axial_drag > 0) {
-    const AxialDrag axial(frozen, tip);
-    total.value += axial.energy;
-    total.value_scale += axial.energy;
-    total.force_scale += std::abs(axial.force);
-    total.gradient.x -= axial.force;
-    total.hessian.xx += axial.stiffness;
-  }
-  if (frozen.flow.acts()) {
-    const AxialForce ahead = flow_ahead(frozen, tip);
-    total.value += ahead.energy;
-    total.value_scale += std::abs(ahead.energy);
-    total.force_scale += std::abs(ahead.force);
-    total.gradient.x -= ahead.force;
-    total.hessian.xx += ahead.stiffness;
-  }
+  if (frozen.axial_drag > 0) add_axial(total, axial_drag(frozen, tip));
+  if (frozen.flow.acts()) add_axial(total, flow_ahead(frozen, tip));
   add_frictions(total, world, frozen, tip);
 }
 
@@ -227,27 +238,24 @@ void add_in_oval(Energy& total, SurfaceGradients& by_term, const World& world,
 
 }  // namespace
 
-FrictionLimit friction_limit(const World& world, const FrozenFriction& friction,
-                             const ContactRadius& radius) noexcept {
-  const double a = radius.value;
-  if (!(a > 0)) return {};
-  const Friction& law = *friction_law(world.laws);
-  const double limit = friction.share * ferrule::friction(law, a);
-  return {limit, friction.patch * stuck_stiffness(law, a),
-          friction_exponent(law, a) * limit / a * radius.per_depth};
-}
-
 std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
                                                           const FrozenCoefficients& frozen,
                                                           const Potential& there) noexcept {
-  std::array<FrictionLimit, kContactPlaces> limits;
-  for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    const double depth = there.depth[at].value;
-    if (frozen.friction[at].acts && depth != -INFINITY)
-      limits[at] =
-          friction_limit(world, frozen.friction[at], friction_radius(world, depth, there.pull[at]));
-  }
-  return limits;
+  return limits_of(world, frozen, there.depth, there.pull);
+}
+
+std::array<FrictionLimit, kContactPlaces> friction_limits(
+    const World& world, const FrozenCoefficients& frozen,
+    const std::array<ContactDepth, kContactPlaces>& depth) noexcept {
+  return limits_of(world, frozen, depth, frozen.branch);
+}
+
+double stuck_stiffness(const World& world, const FrozenFriction& friction, const Potential& there,
+                       int place) noexcept {
+  const auto at = static_cast<std::size_t>(place);
+  const double depth = there.depth[at].value;
+  const double a = depth == -INFINITY ? 0.0 : friction_radius(world, depth, there.pull[at]).value;
+  return a > 0 ? friction.patch * stuck_stiffness(*friction_law(world.laws), a) : 0.0;
 }
 
 FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
@@ -287,12 +295,9 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
     const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
     friction.patch = place == kSide ? PatchShare(past).value : 1.0;
     friction.share = friction.patch * (shared ? 0.5 : 1.0);
-    const FrictionLimit is = friction_limit(
+    static_cast<FrictionLimit&>(friction) = friction_limit(
         world, friction, friction_radius(world, depths[place].value, contact.branch));
-    friction.limit = is.limit;
-    friction.stiffness = is.stiffness;
-    friction.per_depth = is.per_depth;
-    friction.acts = is.limit > 0;
+    friction.acts = friction.limit > 0;
   }
   return frozen;
 }
@@ -305,16 +310,8 @@ Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
   total.gradient -= frozen.load;
   total.hessian = bore_hessian;
   total.hessian += frozen.stiffness;
-  if (frozen.axial_drag > 0) {
-    const AxialDrag axial(frozen, tip);
-    total.gradient.x -= axial.force;
-    total.hessian.xx += axial.stiffness;
-  }
-  if (frozen.flow.acts()) {
-    const AxialForce ahead = flow_ahead(frozen, tip);
-    total.gradient.x -= ahead.force;
-    total.hessian.xx += ahead.stiffness;
-  }
+  if (frozen.axial_drag > 0) add_axial(total, axial_drag(frozen, tip));
+  if (frozen.flow.acts()) add_axial(total, flow_ahead(frozen, tip));
   return total;
 }
 
@@ -473,7 +470,7 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
     b[Term::meniscus][0] = {{-meniscus(*world.laws.meniscus, world.annulus.fibre_radius), 0, 0},
                             end};
   if (frozen.axial_drag > 0) {
-    const double axial = 0.5 * AxialDrag(frozen, tip).force;
+    const double axial = 0.5 * axial_drag(frozen, tip).force;
     const PoseVector moved = tip - frozen.from;
     for (std::size_t i = 0; i < 2; ++i) {
       const double arm = frozen.drag_arm[i];

@@ -27,16 +27,19 @@ namespace ferrule {
 
 inline constexpr double kPatch = 0.5e-6;  // diameter of a contact 1 nm deep [m]
 
-struct FrozenFriction {
+struct FrictionLimit {
+  double limit = 0;      // largest force [N]
+  double stiffness = 0;  // k_t [N/m]
+  double per_depth = 0;  // d limit / d depth [N/m]
+};
+
+struct FrozenFriction : FrictionLimit {
   bool acts = false;    // the rest is only set where it does
   Vector3d stuck;       // [m]
   Matrix3d tangential;  // projector onto the contact plane
   double arm;           // s of the material point [m]
   double patch;         // share of the contact's patch that is there
   double share;         // of the law's limit
-  double limit;         // largest force [N]
-  double stiffness;     // k_t [N/m]
-  double per_depth;     // d limit / d depth, where it was frozen [N/m]
 
   bool slips(const Vector3d& stretch) const noexcept { return stiffness * stretch.norm() > limit; }
 };
@@ -98,19 +101,18 @@ struct Potential : Energy {
   double push_out = 0, pull_out = 0;
 };
 
-// What a contact's friction has at a contact radius, with the patch and share of `friction`; nothing where it
-// does not touch.
-struct FrictionLimit {
-  double limit = 0;      // [N]
-  double stiffness = 0;  // [N/m]
-  double per_depth = 0;  // of the limit [N/m]
-};
-FrictionLimit friction_limit(const World& world, const FrozenFriction& friction,
-                             const ContactRadius& radius) noexcept;
-// Of the friction that acts, by the contacts of the potential `there`.
+// What the friction that acts has at the contacts of the potential `there`, with its patches and
+// shares, or at given depths; nothing where they do not touch.
 std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
                                                           const FrozenCoefficients& frozen,
                                                           const Potential& there) noexcept;
+std::array<FrictionLimit, kContactPlaces> friction_limits(
+    const World& world, const FrozenCoefficients& frozen,
+    const std::array<ContactDepth, kContactPlaces>& depth) noexcept;
+
+// Of the spring that is stuck at a place, where it touches in the potential `there` [N/m].
+double stuck_stiffness(const World& world, const FrozenFriction& friction, const Potential& there,
+                       int place) noexcept;
 
 // Gradient and Hessian of all but friction at `tip`, from those of the bore's part there.
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,

@@ -68,7 +68,7 @@ bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients&
   std::array<FrictionLimit, kContactPlaces> limits;
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
     const FrozenFriction& friction = frozen.friction[at];
-    if (friction.acts) limits[at] = {friction.limit, friction.stiffness, friction.per_depth};
+    if (friction.acts) limits[at] = friction;
   }
   newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
   auto move = FrictionLimits(world, frozen, end.tip, depths, limits, kSlipsOn)
@@ -136,7 +136,6 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
 // and Deresiewicz, 1953). So no energy is gained.
 void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                      const Potential& there, const Contacts& now, State& state) noexcept {
-  const auto limits = friction_limits(world, frozen, there);
   const ContactSide side = contact_side(world, state);
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
@@ -148,7 +147,7 @@ void update_contacts(const World& world, const FrozenCoefficients& frozen, const
     if (!was_closed || !friction.acts) continue;
     const Vector3d stretched = stretch(world, frozen, place, tip);
     const double length = stretched.norm(), allowed = friction.limit / friction.stiffness;
-    const double stiffness = limits[static_cast<std::size_t>(place)].stiffness;
+    const double stiffness = stuck_stiffness(world, friction, there, place);
     double part = length > allowed ? allowed / length : 1;
     if (stiffness > friction.stiffness) part *= friction.stiffness / stiffness;
     contact.stuck -= part * stretched;

@@ -87,6 +87,15 @@ inline bool depends_on_speed(const Laws& laws) noexcept {
   return laws.drag || laws.flow;
 }
 
+// The printed laws of surfaces and adhesion have singular wells, narrower than what locating an
+// event or a step to second order would tell.
+inline bool has_printed_wells(const Laws& laws) noexcept {
+  return std::holds_alternative<printed::VanDerWaals>(laws.van_der_waals) ||
+         std::holds_alternative<printed::Electrostatic>(laws.electrostatic) ||
+         std::holds_alternative<printed::Capillary>(laws.capillary) ||
+         std::holds_alternative<printed::Adhesion>(laws.adhesion);
+}
+
 // The friction law in either form; null without friction.
 inline const Friction* friction_law(const Laws& laws) noexcept {
   if (const auto* as_printed = std::get_if<printed::Friction>(&laws.friction)) return as_printed;

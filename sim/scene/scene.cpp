@@ -92,15 +92,7 @@ bool integrated(const Laws& laws) {
          std::holds_alternative<Capillary>(laws.capillary);
 }
 
-// The printed laws' wells are narrower than what a located event would tell: they do not ask for
-// it.
-constexpr double kUsualEventTravel = 1e-9;  // [m]
-bool prints(const Laws& laws) {
-  return std::holds_alternative<printed::VanDerWaals>(laws.van_der_waals) ||
-         std::holds_alternative<printed::Electrostatic>(laws.electrostatic) ||
-         std::holds_alternative<printed::Capillary>(laws.capillary) ||
-         std::holds_alternative<printed::Adhesion>(laws.adhesion);
-}
+constexpr double kUsualEventTravel = 1e-9;  // [m], where there are no printed wells
 
 void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
   if (scene.present("integrator") && scene.choice("integrator", {"backward_euler", "bdf2"}) == 1)
@@ -115,7 +107,7 @@ void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
     scene.number("step_s", rule::between(1e-7, 1, "must be from 1e-7 to 1"), numerics.longest_step);
   if (scene.present("event_travel_nm"))
     scene.number("event_travel_nm", positive(1e-6, 1e9), numerics.event_travel, nano);
-  else if (!prints(laws))
+  else if (!has_printed_wells(laws))
     numerics.event_travel = kUsualEventTravel;
 }
 

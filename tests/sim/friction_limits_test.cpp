@@ -42,11 +42,17 @@ TEST(FrictionLimit, ByDepthIsItsDerivative) {
        {"laws.adhesion.form=corrected", "laws.adhesion.form=printed", "laws.adhesion=null"})
     for (const char* friction : {"laws.friction.form=corrected", "laws.friction.form=printed"}) {
       const World world = load_scene("paper", {form, friction}).world;
-      FrozenFriction contact;
+      FrozenCoefficients frozen;
+      FrozenFriction& contact = frozen.friction[kEnd];
+      contact.acts = true;
       contact.patch = contact.share = 0.7;
+      frozen.branch[kEnd] = 1;
       for (const double depth : {0.5e-9, 3e-9, 9e-9}) {
         const auto limit = [&](double d) {
-          return friction_limit(world, contact, friction_radius(world, d, 1));
+          std::array<ContactDepth, kContactPlaces> depths;
+          depths[kEnd].value = d;
+          depths[kSide].value = -INFINITY;
+          return friction_limits(world, frozen, depths)[kEnd];
         };
         const double h = 1e-3 * depth;
         EXPECT_CLOSE(limit(depth).per_depth,
