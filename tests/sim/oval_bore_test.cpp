@@ -8,6 +8,7 @@
 #include "sim/scene/draw.hpp"
 #include "sim/scene/random.hpp"
 #include "sim/step.hpp"
+#include "tests/closed_motion.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 
@@ -64,8 +65,8 @@ TEST(OvalBore, AFibreHasRoomInTheWideDirection) {
     }
     return state.tip.segment<2>(1).dot(towards) - state.contact[kEnd].depth;
   };
-  EXPECT_NEAR(rests(Vector2d(0, 1)), 0.55e-6, 1e-9);
-  EXPECT_NEAR(rests(Vector2d(1, 0)), 0.45e-6, 1e-9);
+  EXPECT_CLOSE(rests(Vector2d(0, 1)), 0.55e-6, 2e-3);
+  EXPECT_CLOSE(rests(Vector2d(1, 0)), 0.45e-6, 2e-3);
 }
 
 TEST(OvalBore, ARoundOneIsAsItWas) {
@@ -125,26 +126,9 @@ TEST(OvalBore, NoClosedMotionGainsEnergy) {
     std::vector<std::string> settings = oval(0.3 * random.uniform(), 180 * random.uniform());
     if (k % 2) settings.emplace_back("fibre.edge_um=2");
     const Scene scene = load_scene(k % 3 ? "bench" : "sticky", settings);
-    const World& world = scene.world;
-    State state = at_rest(world, testing::pose(0.5e-6, 0, 0));
-    const Pose start = state.command;
-    Pose hand = start;
-    double work = 0, turned = 0;
-    for (int n = 0; n < 300; ++n) {
-      if (n < 260)
-        for (int i = 0; i < 5; ++i)
-          hand[i] += (i < 3 ? 0.2e-6 : 1e-4) * random.normal() - (i == 0 && n < 100 ? 2e-7 : 0);
-      else
-        hand += (start - hand) / (300 - n);
-      const Pose stretch = state.tip - 0.5 * (state.command + hand);
-      const double done = -(world.holder.stiffness * stretch).dot(hand - state.command);
-      work += done;
-      turned += std::abs(done);
-      const StepResult r = step(world, state, hand, 1e-3);
-      ASSERT_LE(r.evaluations, kMostEvaluations);
-      state = r.state;
-    }
-    EXPECT_GE(work, -1e-9 * turned) << k;
+    SCOPED_TRACE(k);
+    testing::expect_no_energy_gained(scene.world, testing::pose(0.5e-6, 0, 0),
+                                     {100, 260, 300, 2e-7, 0.2e-6, 1e-4}, random);
   }
 }
 

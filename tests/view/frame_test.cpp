@@ -58,12 +58,12 @@ TEST(Frame, ShowsAnInsertionFromApproachToSeated) {
   EXPECT_EQ(all.frames.front()[phase], static_cast<float>(Phase::approach));
   EXPECT_EQ(all.frames.back()[phase], static_cast<float>(Phase::seated));
   const auto& last = all.frames.back();
-  EXPECT_NEAR(last[column("depth_um")], 1e6 * all.end.summary.depth, 1e-4);
-  EXPECT_NEAR(last[column("loss_offset_um")], 1e6 * all.end.summary.offset, 1e-6);
+  EXPECT_FLOAT_EQ(last[column("depth_um")], static_cast<float>(1e6 * all.end.summary.depth));
+  EXPECT_FLOAT_EQ(last[column("loss_offset_um")], static_cast<float>(1e6 * all.end.summary.offset));
   EXPECT_FLOAT_EQ(last[column("limit_uN")], 10);
   float peak = 0;
   for (const Frame& frame : all.frames) peak = std::max(peak, frame[column("force_uN")]);
-  EXPECT_NEAR(peak, 1e6 * all.end.summary.peak_force, 1e-5);
+  EXPECT_FLOAT_EQ(peak, static_cast<float>(1e6 * all.end.summary.peak_force));
 }
 
 TEST(Frame, TermsBalanceTheHolder) {

@@ -1,0 +1,45 @@
+// The work of a hand that wanders and comes back to where it began, for tests: what dissipates
+// never gives any back.
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/scene/random.hpp"
+#include "sim/state.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule::testing {
+
+struct ClosedMotion {
+  int inwards, wandering, all;  // steps of 1 ms: so many of them drift in, so many wander
+  double drift;                 // [m] a step
+  double across, tilts;         // standard deviations a step [m, rad]
+};
+
+inline void expect_no_energy_gained(const World& world, const Pose& start,
+                                    const ClosedMotion& motion, RandomStream& random) {
+  State state = at_rest(world, start);
+  Pose hand = state.command;
+  double work = 0, turned = 0;
+  for (int n = 0; n < motion.all; ++n) {
+    if (n < motion.wandering)
+      for (int i = 0; i < 5; ++i)
+        hand[i] += (i < 3 ? motion.across : motion.tilts) * random.normal() -
+                   (i == 0 && n < motion.inwards ? motion.drift : 0);
+    else
+      hand += (start - hand) / (motion.all - n);
+    const Pose stretch = state.tip - 0.5 * (state.command + hand);
+    const double done = -(world.holder.stiffness * stretch).dot(hand - state.command);
+    work += done;
+    turned += std::abs(done);
+    const StepResult r = step(world, state, hand, 1e-3);
+    ASSERT_LE(r.evaluations, kMostEvaluations);
+    ASSERT_TRUE(to_row(r.state).allFinite());
+    state = r.state;
+  }
+  EXPECT_GE(work, -1e-9 * turned);
+}
+
+}  // namespace ferrule::testing
