@@ -13,33 +13,40 @@ constexpr double kSingular = 0.05;   // less of a determinant: limit and depth d
 
 }  // namespace
 
-FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
-                               const PoseVector& tip,
-                               const std::array<ContactDepth, kContactPlaces>& depth) noexcept
-    : FrictionLimits(world, frozen, tip, depth, friction_limits(world, frozen, depth)) {}
+FrictionLimits::Place FrictionLimits::place(const World& world, const FrozenCoefficients& frozen,
+                                            const PoseVector& tip, int at, const FrictionLimit& is,
+                                            const PoseVector& depth_slope,
+                                            double slips_at) const noexcept {
+  Place place;
+  if (!(is.limit > 0)) return place;
+  const FrozenFriction& friction = frozen.friction[at];
+  const Vector3d stretched = stretch(world, frozen, at, tip);
+  const double length = stretched.norm();
+  place.slips = friction.stiffness * length > slips_at * friction.limit ||
+                is.stiffness * length > slips_at * is.limit;
+  if (!place.slips) return place;
+  place.limit = friction.limit;
+  place.stiffness = is.stiffness;
+  place.miss = is.limit - friction.limit;
+  place.per_depth = is.per_depth;
+  place.depth_slope = depth_slope;
+  place.pull = pull_of_friction(world, frozen, at, stretched);
+  return place;
+}
 
 FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
-                               const PoseVector& tip,
-                               const std::array<ContactDepth, kContactPlaces>& depth,
-                               const std::array<FrictionLimit, kContactPlaces>& limits,
-                               double slips_at) noexcept {
-  for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    const FrozenFriction& friction = frozen.friction[at];
-    if (!friction.acts || depth[at].value == -INFINITY) continue;
-    const Vector3d stretched = stretch(world, frozen, static_cast<int>(at), tip);
-    const FrictionLimit& is = limits[at];
-    Place& place = place_[at];
-    const double length = stretched.norm();
-    place.slips = is.limit > 0 && (friction.stiffness * length > slips_at * friction.limit ||
-                                   is.stiffness * length > slips_at * is.limit);
-    if (!place.slips) continue;
-    place.limit = friction.limit;
-    place.stiffness = is.stiffness;
-    place.miss = is.limit - friction.limit;
-    place.per_depth = is.per_depth;
-    place.depth_slope = depth[at].by_pose(tip.t);
-    place.pull = pull_of_friction(world, frozen, static_cast<int>(at), stretched);
-  }
+                               const PoseVector& tip, const Potential& there) noexcept {
+  const auto limits = friction_limits(world, frozen, there);
+  for (int at = 0; at < kContactPlaces; ++at)
+    if (frozen.friction[at].acts)
+      place_[at] = place(world, frozen, tip, at, limits[at], there.depth[at].by_pose(tip.t), 1);
+}
+
+FrictionLimits::FrictionLimits(const World& world, const FrozenCoefficients& frozen,
+                               const PoseVector& tip, double slips_at) noexcept {
+  for (int at = 0; at < kContactPlaces; ++at)
+    if (const FrozenFriction& friction = frozen.friction[at]; friction.acts)
+      place_[at] = place(world, frozen, tip, at, friction, friction.depth_slope, slips_at);
 }
 
 double FrictionLimits::largest_miss() const noexcept {
@@ -51,9 +58,9 @@ double FrictionLimits::largest_miss() const noexcept {
 
 // Where the Hessian at given limits is nearly singular or falls: both systems as one.
 std::optional<PoseVector> FrictionLimits::settle_together(
-    const NewtonStep& newton, bool limits_only, FrozenCoefficients& frozen) const noexcept {
+    const NewtonStep& newton, FrozenCoefficients& frozen) const noexcept {
   Matrix5 together = newton.model.hessian.full();
-  Pose force = limits_only ? Pose(Pose::Zero()) : Pose(-newton.model.gradient.full());
+  Pose force = -newton.model.gradient.full();
   for (const Place& place : place_) {
     if (!place.slips) continue;
     together += place.per_depth * place.pull.full() * place.depth_slope.full().transpose();
@@ -62,22 +69,26 @@ std::optional<PoseVector> FrictionLimits::settle_together(
   const Eigen::PartialPivLU<Matrix5> solver(together);
   if (!(solver.determinant() > 0)) return std::nullopt;
   const PoseVector move{Pose(solver.solve(force))};
+  std::array<double, kContactPlaces> by{};
   for (int j = 0; j < kContactPlaces; ++j) {
     const Place& place = place_[j];
     if (!place.slips) continue;
-    const double by = place.miss + place.per_depth * place.depth_slope.dot(move);
-    if (!(std::abs(by) <= kMostChange * place.limit)) return std::nullopt;
-    frozen.friction[j].limit += by;
-    frozen.friction[j].stiffness = place.stiffness;
+    by[j] = place.miss + place.per_depth * place.depth_slope.dot(move);
+    if (!(std::abs(by[j]) <= kMostChange * place.limit)) return std::nullopt;
+  }
+  for (int j = 0; j < kContactPlaces; ++j) {
+    if (!place_[j].slips) continue;
+    frozen.friction[j].limit += by[j];
+    frozen.friction[j].stiffness = place_[j].stiffness;
   }
   return move;
 }
 
-std::optional<PoseVector> FrictionLimits::settle(const NewtonStep& newton, bool limits_only,
+std::optional<PoseVector> FrictionLimits::settle(const NewtonStep& newton,
                                                  FrozenCoefficients& frozen) const noexcept {
-  if (newton.falling > 0) return settle_together(newton, limits_only, frozen);
+  if (newton.falling > 0) return settle_together(newton, frozen);
   // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j change_j
-  const PoseVector held = limits_only ? PoseVector() : newton.move;
+  const PoseVector& held = newton.move;
   std::array<PoseVector, kContactPlaces> answer;
   Matrix2d system = Matrix2d::Identity();
   Vector2d miss = Vector2d::Zero();
@@ -90,7 +101,7 @@ std::optional<PoseVector> FrictionLimits::settle(const NewtonStep& newton, bool 
         system(i, j) -= place_[i].per_depth * place_[i].depth_slope.dot(answer[j]);
   }
   const double determinant = system(0, 0) * system(1, 1) - system(0, 1) * system(1, 0);
-  if (determinant > kFlat) return settle_together(newton, limits_only, frozen);
+  if (determinant > kFlat) return settle_together(newton, frozen);
   Vector2d change = miss;
   if (determinant > kSingular)
     change = Vector2d(system(1, 1) * miss[0] - system(0, 1) * miss[1],

@@ -110,20 +110,6 @@ FrictionLimit friction_limit(const World& world, const FrozenFriction& friction,
           friction_exponent(law, a) * limit / a * radius.per_depth};
 }
 
-// `by` are the branches of the adhesion or its forces, whichever is known.
-template <class By>
-std::array<FrictionLimit, kContactPlaces> limits_of(
-    const World& world, const FrozenCoefficients& frozen,
-    const std::array<ContactDepth, kContactPlaces>& depth,
-    const std::array<By, kContactPlaces>& by) noexcept {
-  std::array<FrictionLimit, kContactPlaces> limits;
-  for (std::size_t at = 0; at < kContactPlaces; ++at)
-    if (frozen.friction[at].acts && depth[at].value != -INFINITY)
-      limits[at] = friction_limit(world, frozen.friction[at],
-                                  friction_radius(world, depth[at].value, by[at]));
-  return limits;
-}
-
 // Drag along x over the step (FrozenCoefficients::axial_drag).
 AxialForce axial_drag(const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
   const double before = std::max(0.0, -frozen.from.x), now = std::max(0.0, -tip.x);
@@ -241,13 +227,14 @@ void add_in_oval(Energy& total, SurfaceGradients& by_term, const World& world,
 std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
                                                           const FrozenCoefficients& frozen,
                                                           const Potential& there) noexcept {
-  return limits_of(world, frozen, there.depth, there.pull);
-}
-
-std::array<FrictionLimit, kContactPlaces> friction_limits(
-    const World& world, const FrozenCoefficients& frozen,
-    const std::array<ContactDepth, kContactPlaces>& depth) noexcept {
-  return limits_of(world, frozen, depth, frozen.branch);
+  std::array<FrictionLimit, kContactPlaces> limits;
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const double depth = there.depth[at].value;
+    if (frozen.friction[at].acts && depth != -INFINITY)
+      limits[at] =
+          friction_limit(world, frozen.friction[at], friction_radius(world, depth, there.pull[at]));
+  }
+  return limits;
 }
 
 double stuck_stiffness(const World& world, const FrozenFriction& friction, const Potential& there,
@@ -288,7 +275,9 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
     const ContactState& contact = state.contact[place];
     if (!contact.closed || depths[place].value == -INFINITY) continue;
     FrozenFriction& friction = frozen.friction[place];
-    const Vector3d n = depths[place].normal(state.tip.tail<2>()).normalized();
+    const Vector2d tilt = state.tip.tail<2>();
+    const Vector3d n = depths[place].normal(tilt).normalized();
+    friction.depth_slope = depths[place].by_pose(tilt);
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;

@@ -34,12 +34,13 @@ struct FrictionLimit {
 };
 
 struct FrozenFriction : FrictionLimit {
-  bool acts = false;    // the rest is only set where it does
-  Vector3d stuck;       // [m]
-  Matrix3d tangential;  // projector onto the contact plane
-  double arm;           // s of the material point [m]
-  double patch;         // share of the contact's patch that is there
-  double share;         // of the law's limit
+  bool acts = false;       // the rest is only set where it does
+  Vector3d stuck;          // [m]
+  Matrix3d tangential;     // projector onto the contact plane
+  double arm;              // s of the material point [m]
+  double patch;            // share of the contact's patch that is there
+  double share;            // of the law's limit
+  PoseVector depth_slope;  // of the contact's depth, by the pose
 
   bool slips(const Vector3d& stretch) const noexcept { return stiffness * stretch.norm() > limit; }
 };
@@ -102,13 +103,10 @@ struct Potential : Energy {
 };
 
 // What the friction that acts has at the contacts of the potential `there`, with its patches and
-// shares, or at given depths; nothing where they do not touch.
+// shares; nothing where they do not touch.
 std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
                                                           const FrozenCoefficients& frozen,
                                                           const Potential& there) noexcept;
-std::array<FrictionLimit, kContactPlaces> friction_limits(
-    const World& world, const FrozenCoefficients& frozen,
-    const std::array<ContactDepth, kContactPlaces>& depth) noexcept;
 
 // Of the spring that is stuck at a place, where it touches in the potential `there` [N/m].
 double stuck_stiffness(const World& world, const FrozenFriction& friction, const Potential& there,

@@ -17,8 +17,7 @@ constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
-constexpr double kPredictedLimit = 0.03;  // and what a prediction makes up for
-constexpr double kStaysNear = 2e-2;       // of the sum of all forces
+constexpr double kStaysNear = 2e-2;  // of the sum of all forces
 constexpr int kMostSettling = 12;
 constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
 constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
@@ -41,13 +40,14 @@ struct Prediction {
 };
 
 // Is friction after a move what it was taken to be, slipping on or stuck?
-bool rubs_on(const World& world, const FrozenCoefficients& before, const FrozenCoefficients& after,
-             const PoseVector& tip, const PoseVector& move) noexcept {
+bool rubs_on(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
+             const FrozenCoefficients& after, const PoseVector& tip,
+             const PoseVector& move) noexcept {
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    const FrozenFriction& friction = before.friction[at];
+    const FrozenFriction& friction = before[at];
     if (!friction.acts) continue;
-    const Vector3d now = stretch(world, before, static_cast<int>(at), tip);
-    const Vector3d next = now + stretch_by(world, before, static_cast<int>(at), move);
+    const Vector3d now = stretch(world, after, static_cast<int>(at), tip);
+    const Vector3d next = now + stretch_by(world, after, static_cast<int>(at), move);
     const double length = now.norm(), length_then = next.norm();
     const bool slipped = friction.stiffness * length > kSlipsOn * friction.limit;
     if (slipped != after.friction[at].slips(next)) return false;
@@ -62,23 +62,15 @@ bool rubs_on(const World& world, const FrozenCoefficients& before, const FrozenC
 // where the step begins.
 bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
                      Prediction& end, NewtonStep& newton) noexcept {
-  const FrozenCoefficients first = frozen;
-  // Where the step begins, and so where the limits were frozen.
-  const auto depths = contact_depths(world, frozen.contact, end.tip);
-  std::array<FrictionLimit, kContactPlaces> limits;
-  for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    const FrozenFriction& friction = frozen.friction[at];
-    if (friction.acts) limits[at] = friction;
-  }
+  const auto first = frozen.friction;
   newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
-  auto move = FrictionLimits(world, frozen, end.tip, depths, limits, kSlipsOn)
-                  .settle(newton, false, frozen);
+  auto move = FrictionLimits(world, frozen, end.tip, kSlipsOn).settle(newton, frozen);
   if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
-    frozen = first;
+    frozen.friction = first;
     newton = NewtonStep(world, frozen, here, end.tip);
     if (!newton.convex) return false;
-    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), depths, limits)
-               .settle(newton, false, frozen);
+    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), 1)
+               .settle(newton, frozen);
   }
   if (move) end.move = *move;
   return move.has_value();
@@ -104,13 +96,6 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   end.hessian = newton.hessian;
   end.slope = std::abs(end.move.dot(newton.model.gradient));
   end.tip = moved_along(world, state.tip, end.move);
-  if (rubbing) {
-    const FrictionLimits limits(world, frozen, end.tip,
-                                contact_depths(world, frozen.contact, end.tip));
-    if (limits.largest_miss() <= kPredictedLimit)
-      if (const auto move = limits.settle(newton, true, frozen))
-        end.tip = moved_along(world, end.tip, *move);
-  }
   end.valid = true;
   return end;
 }
@@ -264,51 +249,53 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
 // Ends the friction of contacts that have come apart; whether there were any.
 bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen) noexcept {
   bool any = false;
-  const auto limits = friction_limits(world, frozen, found.there);
-  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+  for (int place = 0; place < kContactPlaces; ++place) {
     FrozenFriction& friction = frozen.friction[place];
     if (!friction.acts) continue;
-    friction.acts = limits[place].limit > 0;
+    friction.acts = stuck_stiffness(world, friction, found.there, place) > 0;
     any = any || !friction.acts;
   }
   return any;
 }
 
-// Goes on from a minimum to where the friction limits are those of the contacts there. Contacts that
-// less friction lets go later are held by no minimum of given limits; they are followed by Newton's
-// method in both together, as long as that stays near.
-void settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
+// Goes on from a minimum to where the friction limits are those of the contacts there; whether it got
+// there. Contacts that less friction lets go later are held by no minimum of given limits; they are
+// followed by Newton's method in both together, as long as that stays near.
+bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
                    Minimum& found) noexcept {
+  bool met = false;
   for (int round = 0; round < kMostSettling; ++round) {
     if (found.converged && found.evaluations < most_evaluations && let_go(world, found, frozen)) {
+      met = false;
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       found.converged = false;
       minimise(world, frozen, most_evaluations, true, found);
-      if (!found.converged) return;
+      if (!found.converged) return false;
     }
-    const FrictionLimits limits(world, frozen, found.tip, found.there.depth,
-                                friction_limits(world, frozen, found.there));
+    if (met) return true;
+    const FrictionLimits limits(world, frozen, found.tip, found.there);
     const bool settled = limits.largest_miss() <= kSameLimit;
-    if ((settled && found.converged) || found.evaluations >= most_evaluations) return;
+    if (settled && found.converged) return true;
+    if (found.evaluations >= most_evaluations) return false;
     const Energy& bore = found.there.bore;
     const NewtonStep newton(world, frozen,
                             without_friction(frozen, found.tip, bore.gradient, bore.hessian),
                             found.tip, 1, Pivots::as_they_are);
-    FrozenCoefficients moved = frozen;
-    const auto move = limits.settle(newton, false, moved);
+    const auto move = limits.settle(newton, frozen);
     found.converged = false;
     if (move) {
-      frozen = moved;
-      if (settled && final_newton_step(world, frozen, *move, found)) return;
+      met = settled && final_newton_step(world, frozen, *move, found);
+      if (met) continue;
       found.tip = moved_along(world, found.tip, *move);
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
     }
     minimise(world, frozen, most_evaluations, true, found);
-    if (!found.converged) return;
+    if (!found.converged) return false;
   }
+  return met;
 }
 
 // Finds the minimum of a sub-step: predictor, corrector, and Newton's method where they do not
@@ -317,20 +304,21 @@ void settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
 Minimum solve(const World& world, const State& state, double dt, int few, int most_evaluations,
               FrozenCoefficients& frozen) noexcept {
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
-  const FrozenCoefficients first = frozen;
+  const auto friction = frozen.friction;
+  bool settled = false;
   const Prediction end =
       holds_still ? Prediction{false, state.tip, {}, {}, 0} : predict(world, state, frozen);
-  if (!end.valid) frozen = first;
+  if (!end.valid) frozen.friction = friction;
   Minimum found(world, frozen, end.tip);
   found.converged = holds_still;
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
-    frozen = first;
+    frozen.friction = friction;
     found.tip = state.tip;
     found.there = Potential(world, frozen, state.tip);
     ++found.evaluations;
   } else if (end.valid && rubs(frozen) &&
              residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) {
-    settle_limits(world, few, frozen, found);
+    settled = settle_limits(world, few, frozen, found);
   }
   if (!found.converged) minimise(world, frozen, few, false, found);
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
@@ -344,7 +332,7 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     minimise(world, frozen, few, side == frozen.contact.side, found);
     if (found.evaluations == before + 1) break;
   }
-  if (found.converged && rubs(frozen)) {
+  if (found.converged && !settled && rubs(frozen)) {
     const FrozenCoefficients held = frozen;
     const Minimum minimum = found;
     settle_limits(world, std::min(most_evaluations, found.evaluations + kLimitEvaluations), frozen,

@@ -49,10 +49,10 @@ TEST(FrictionLimit, ByDepthIsItsDerivative) {
       frozen.branch[kEnd] = 1;
       for (const double depth : {0.5e-9, 3e-9, 9e-9}) {
         const auto limit = [&](double d) {
-          std::array<ContactDepth, kContactPlaces> depths;
-          depths[kEnd].value = d;
-          depths[kSide].value = -INFINITY;
-          return friction_limits(world, frozen, depths)[kEnd];
+          Potential there(world, frozen, PoseVector());
+          there.depth[kEnd].value = d;
+          there.pull[kEnd] = adhesion_force(world.laws, d, 1);
+          return friction_limits(world, frozen, there)[kEnd];
         };
         const double h = 1e-3 * depth;
         EXPECT_CLOSE(limit(depth).per_depth,
@@ -71,21 +71,19 @@ TEST(FrictionLimits, SettleWhereLimitAndDepthAgree) {
     state = step(world, state, hand, 1e-3).state;
     if (!(state.contact[kEnd].closed && state.contact[kSide].closed && state.tip[0] < -2e-6))
       continue;
-    Pose on = hand;
-    on[0] -= 5e-9;
-    FrozenCoefficients frozen = freeze(world, state, on, 1e-3);
+    FrozenCoefficients frozen = freeze(world, state, hand, 1e-3);
     const Potential there(world, frozen, state.tip);
-    const FrictionLimits before(world, frozen, state.tip, there.depth);
+    const FrictionLimits before(world, frozen, state.tip, there);
     if (before.largest_miss() != 0) continue;
     for (FrozenFriction& friction : frozen.friction) friction.limit *= 0.97;
-    const FrictionLimits missed(world, frozen, state.tip, there.depth);
+    const FrictionLimits missed(world, frozen, state.tip, there);
     if (!(missed.largest_miss() > 0.02)) continue;  // nothing slips
     const NewtonStep newton(
         world, frozen, without_friction(frozen, state.tip, there.bore.gradient, there.bore.hessian),
         state.tip, 1);
     if (!newton.convex) continue;
-    const PoseVector end = moved_along(world, state.tip, *missed.settle(newton, true, frozen));
-    const FrictionLimits after(world, frozen, end, contact_depths(world, frozen.contact, end));
+    const PoseVector end = moved_along(world, state.tip, *missed.settle(newton, frozen));
+    const FrictionLimits after(world, frozen, end, Potential(world, frozen, end));
     EXPECT_LT(after.largest_miss(), 0.5 * missed.largest_miss());
     ++settled;
   }
