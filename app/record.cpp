@@ -39,7 +39,9 @@ Json episode_json(const Recorded& r) {
                {"time_s", r.end.summary.task_time()},
                {"recorded_s", r.end.summary.time},
                {"peak_force_uN", 1e6 * r.end.summary.peak_force},
-               {"depth_um", 1e6 * r.end.summary.depth}};
+               {"depth_um", 1e6 * r.end.summary.depth},
+               {"steps", r.end.summary.steps},
+               {"unfinished_steps", r.end.summary.unfinished}};
   if (!r.end.why.empty()) json["why"] = r.end.why;
   if (r.rating) json["rating"] = r.rating;
   if (r.timing) json["loop"] = loop_json(*r.timing, r.period);
@@ -53,6 +55,9 @@ void tell(const Recorded& r) {
              r.file.empty() ? "discarded" : r.file, name(r.end.outcome), r.end.summary.task_time(),
              1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
              r.end.why.empty() ? "" : "  ", r.end.why);
+  if (r.end.summary.unfinished > 0)
+    fmt::print("  {} of {} steps ended without a minimum: they lag behind until later ones\n",
+               r.end.summary.unfinished, r.end.summary.steps);
   if (!r.timing) return;
   const PeriodStatistics& p = r.timing->periods;
   fmt::print(

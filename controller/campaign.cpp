@@ -58,6 +58,8 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
     ++s.outcomes[static_cast<std::size_t>(r.outcome)];
     if (r.outcome == Outcome::infeasible) continue;
     ++s.feasible;
+    s.steps += r.summary.steps;
+    s.unfinished += r.summary.unfinished;
     force.push_back(r.summary.peak_force);
     if (r.supervision) count(*r.supervision, s.interventions);
     if (r.outcome != Outcome::inserted) continue;

@@ -42,6 +42,7 @@ struct CampaignSummary {
   Spread peak_force;                                 // of all feasible trials [N]
   Spread loss_dB;                                    // of the insertions that succeeded
   std::optional<InterventionSummary> interventions;  // where there was a supervisor
+  std::int64_t steps, unfinished;                    // of all trials, as in InsertionSummary
 };
 
 CampaignSummary summarise(const std::vector<TrialResult>& results);

@@ -36,7 +36,9 @@ Json to_json(const CampaignSummary& s) {
                {"outcomes", outcomes},
                {"time_s", spread_json(s.time, 1)},
                {"peak_force_uN", spread_json(s.peak_force, 1e6)},
-               {"loss_dB", spread_json(s.loss_dB, 1)}};
+               {"loss_dB", spread_json(s.loss_dB, 1)},
+               {"steps", s.steps},
+               {"unfinished_steps", s.unfinished}};
   if (s.interventions) json.update(to_json(*s.interventions));
   return json;
 }
@@ -72,6 +74,9 @@ std::string to_text(const std::string& who, const CampaignSummary& s) {
   line("time", s.time, 1, "s");
   line("peak force", s.peak_force, 1e6, "uN");
   line("joint loss", s.loss_dB, 1, "dB");
+  if (s.unfinished > 0)
+    text += fmt::format("  {:<14} {} of {} without a minimum: they lag behind until later ones\n",
+                        "steps", s.unfinished, s.steps);
   if (!s.interventions) return text;
   text += fmt::format("  {:<14} in {} of {} trials\n", "interventions", s.interventions->trials,
                       s.trials);

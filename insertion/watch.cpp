@@ -40,6 +40,9 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();
   tip_before_ = now.tip;
+  ++summary_.steps;
+  summary_.unfinished +=
+      result.status == StepStatus::capped || result.status == StepStatus::not_converged;
 
   if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
   if (force > scene_.limits.force) {

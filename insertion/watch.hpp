@@ -1,6 +1,7 @@
 // How an insertion goes and ends: its outcome, and the watch that tells it.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -38,6 +39,8 @@ struct InsertionSummary {
   double depth = 0;          // inserted length [m]
   double offset = 0;         // distance of the end's centre from the bore's axis [m]
   double tilt = 0;           // angle of the end to it [rad]
+  // Steps, and how many of them ended without a minimum (StepStatus::capped or not_converged).
+  std::int64_t steps = 0, unfinished = 0;
 
   // What an insertion took: until the success depth, or else to its end [s].
   double task_time() const noexcept { return reached < 0 ? time : reached; }

@@ -54,6 +54,29 @@ TEST(InsertionWatch, TellsHowAnInsertionEnds) {
   EXPECT_EQ(push_straight(stiff, pose(1e-6, 0, 12e-3)), Outcome::jam);
 }
 
+// In the printed wells some steps end where their evaluations do, in the corrected scene none.
+TEST(InsertionWatch, CountsTheStepsWithoutAMinimum) {
+  for (const char* name : {"film", "bench"}) {
+    const Scene scene = load_scene(name);
+    InsertionWatch watch(scene, draw_start(scene, 1, 1));
+    State state = draw_start(scene, 1, 1);
+    RandomStream random(5, 1, Draw::start);
+    Pose hand = state.command;
+    std::int64_t unfinished = 0;
+    for (int n = 0; n < 3000; ++n) {
+      hand[0] -= 1e-7 * (1 + random.normal());
+      hand.segment<2>(1) += 2e-7 * Vector2d(random.normal(), random.normal());
+      const StepResult r = step(scene.world, state, hand, 1e-3);
+      state = r.state;
+      watch.after(r);
+      unfinished += r.status != StepStatus::ok;
+    }
+    EXPECT_EQ(watch.summary().steps, 3000);
+    EXPECT_EQ(watch.summary().unfinished, unfinished);
+    EXPECT_EQ(unfinished > 0, scene.name == "film") << unfinished;
+  }
+}
+
 TEST(InsertionWatch, EulerLoadIsThatOfAClampedFreeRod) {
   // Silica, 125 um, 10 mm: E pi r^4/4 pi^2/(4 L^2) = 21 mN.
   const Scene scene = testing::paper({"fibre.young_GPa=72", "fibre.manipulated_length_mm=10"});

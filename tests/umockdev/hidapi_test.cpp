@@ -88,6 +88,10 @@ TEST_F(Hidapi, WhatCannotBeOpenedSaysWhy) {
   }
 }
 
+TEST_F(Hidapi, NodesComeAndGo) {
+  for (int n = 0; n < 200; ++n) const Node node(testbed_, FakeModel::pid_22, n);
+}
+
 TEST_F(Hidapi, ReportsArriveOneByOne) {
   Node node(testbed_, FakeModel::space_mouse_split, 0);
   const auto device = open_hid(choose_device("auto").info);

@@ -35,7 +35,17 @@ Node::Node(UMockdevTestbed* testbed, FakeModel model, int number)
 
 Node::~Node() {
   umockdev_testbed_detach_ioctl(testbed_, path_.c_str(), nullptr);
-  g_main_loop_quit(loop_);
+  // From within: a loop that has not begun yet would not hear it.
+  GSource* const quit = g_idle_source_new();
+  g_source_set_callback(
+      quit,
+      [](gpointer loop) -> gboolean {
+        g_main_loop_quit(static_cast<GMainLoop*>(loop));
+        return G_SOURCE_REMOVE;
+      },
+      loop_, nullptr);
+  g_source_attach(quit, context_);
+  g_source_unref(quit);
   thread_.join();
   g_object_unref(base_);
   g_main_loop_unref(loop_);
