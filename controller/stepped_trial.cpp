@@ -63,10 +63,12 @@ void SteppedTrial::step(const HandTwist& velocity) {
 
 // What the last tick came to. One that ends the insertion is answered at once: by nobody.
 void SteppedTrial::take_over() {
-  Insertion& insertion = running_->insertion;
+  Running& r = *running_;
+  Insertion& insertion = r.insertion;
   if (insertion.over() && !insertion.end()) insertion.answer();
   const SensedWrench& sensed = insertion.sensed();
-  observation_ = {sensed.relative(), hand_depth(running_->hand.pose()), insertion.time()};
+  observation_ = {sensed.relative(), hand_depth(r.hand.pose(), registered_entrance(*drawn_)),
+                  insertion.time()};
   wrench_ = sensed.absolute();
   result_ = insertion.result();
   summary_ = insertion.summary();
