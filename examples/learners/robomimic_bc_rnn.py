@@ -33,8 +33,8 @@ def configuration(data: str, folder: str, epochs: int, rollouts: int):
         config.experiment.rollout.horizon = 1300  # 60 s at 20 Hz, and a little
         config.experiment.rollout.rate = epochs
         config.experiment.render_video = False
-        config.train.data = data
-        config.train.output_dir = folder
+        config.train.data = str(Path(data).absolute())
+        config.train.output_dir = str(Path(folder).absolute())
         config.train.num_data_workers = 0
         config.train.hdf5_cache_mode = "all"
         config.train.hdf5_filter_key = "train"

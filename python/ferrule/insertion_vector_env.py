@@ -49,7 +49,6 @@ class InsertionVectorEnv(VectorEnv):
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._trials = _core._Trials(self.task.scene, num_envs, self.task.periods, threads)
         self._seed: int | None = None
-        self._next = np.zeros(num_envs, dtype=np.int64)
         self._ended: np.ndarray | None = None
 
     def reset(
@@ -59,9 +58,10 @@ class InsertionVectorEnv(VectorEnv):
         if seed is not None or self._seed is None:
             self._np_random, drawn = gymnasium.utils.seeding.np_random(seed)
             self._seed = int(self._np_random.integers(2**31)) if seed is None else int(seed)
-            self._next = np.arange(self.num_envs)
-        rows = self._trials.reset(self._seed, self._next.tolist())
-        self._ended = np.zeros(self.num_envs, dtype=bool)
+            first = np.arange(self.num_envs)
+        else:
+            first = self._trial.astype(np.int64) + self.num_envs
+        rows = self._trials.reset(self._seed, first.tolist())
         return self._take(rows), self._info(rows)
 
     def step(
@@ -78,11 +78,10 @@ class InsertionVectorEnv(VectorEnv):
         again, before = self._ended, self._tip
         rows = self._trials.step(np.ascontiguousarray(velocity), again)
         observation = self._take(rows)
-        outcome = rows[:, _COLUMN["outcome"]].astype(int)
-        reward = np.where(again, 0.0, self.task.reward(before, self._tip, outcome))
-        truncated = outcome == TIMEOUT
-        terminated = (outcome >= 0) & ~truncated
-        self._ended = outcome >= 0
+        reward = self.task.reward(before, self._tip, self._outcome)
+        reward[again] = 0.0
+        truncated = self._outcome == TIMEOUT
+        terminated = self._ended != truncated
         return observation, reward, terminated, truncated, self._info(rows)
 
     def close_extras(self, **kwargs: Any) -> None:
@@ -93,21 +92,21 @@ class InsertionVectorEnv(VectorEnv):
             raise ClosedEnvironmentError(f"{what}: the environment was closed")
 
     def _take(self, rows: np.ndarray) -> np.ndarray:
-        self._tip = rows[:, _COLUMN["tip_x"]].copy()
-        self._next = rows[:, _COLUMN["trial"]].astype(np.int64) + self.num_envs
+        self._tip = rows[:, _COLUMN["tip_x"]]
+        self._outcome = rows[:, _COLUMN["outcome"]].astype(np.int64)
+        self._ended = self._outcome >= 0
+        self._trial = rows[:, _COLUMN["trial"]]
         return self.task.observation(rows[:, :7], rows[:, 7:12])
 
     def _info(self, rows: np.ndarray) -> dict[str, Any]:
-        outcome = rows[:, _COLUMN["outcome"]].astype(int)
-        ended = outcome >= 0
         info: dict[str, Any] = {
             "inserted_length_m": np.maximum(0.0, -self._tip),
-            "peak_force_N": rows[:, _COLUMN["peak_force"]].copy(),
-            "trial": rows[:, _COLUMN["trial"]].astype(np.int64),
+            "peak_force_N": rows[:, _COLUMN["peak_force"]],
+            "trial": self._trial.astype(np.int64),
         }
-        if ended.any():
+        if self._ended.any():
             info["outcome"] = np.array(
-                [outcomes[o] if o >= 0 else None for o in outcome], dtype=object
+                [outcomes[o] if o >= 0 else None for o in self._outcome], dtype=object
             )
-            info["_outcome"] = ended
+            info["_outcome"] = self._ended.copy()
         return info

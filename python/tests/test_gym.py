@@ -1,5 +1,7 @@
 """The Gymnasium environments."""
 
+import os
+
 import gymnasium
 import numpy as np
 import pytest
@@ -118,6 +120,26 @@ def test_many_at_once_are_one_after_another():
             observation, found, _, _, info = one.step(action)
             assert (observation == expected).all() and found == reward
         assert info["outcome"] == ends[i]
+
+
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
+def test_threads_and_forks_change_nothing():
+    action = np.tile(straight(0.5), (5, 1))
+
+    def steps(many):
+        return np.concatenate([many.reset(seed=2)[0]] + [many.step(action)[0] for _ in range(30)])
+
+    def made(threads):
+        return gymnasium.make_vec("ferrule/Insertion-v0", num_envs=5, scene="bench", threads=threads)
+
+    alone, many = steps(made(1)), made(3)
+    assert (steps(many) == alone).all() and (steps(made(0)) == alone).all()
+    child = os.fork()
+    if child == 0:  # without the threads of its parent, and it ends nevertheless
+        same = (steps(many) == alone).all() and (steps(made(3)) == alone).all()
+        del many
+        os._exit(0 if same else 1)
+    assert os.waitpid(child, 0)[1] == 0
 
 
 def test_an_ended_one_begins_anew_in_the_next_step():

@@ -75,6 +75,19 @@ def test_a_stepped_trial_is_the_trial_of_the_campaign(law):
         assert simulator.summary["peak_force_N"] == evaluation.peak_force_N[trial]
 
 
+def test_so_it_is_where_parts_and_the_entrance_are_drawn(law):
+    overrides = {"sensor.entrance_sd_um": 5, "fibre.curl_radius_m": 2}
+    evaluation = ferrule.evaluate(law, "bench", trials=3, seed=5, overrides=overrides)
+    controller, simulator = ferrule.load(law), ferrule.Simulator("bench", overrides)
+    for trial in range(3):
+        controller.reset()
+        observation = simulator.reset(seed=5, trial=trial)
+        while not simulator.ended:
+            observation = simulator.step(controller(observation))
+        assert simulator.summary["time_s"] == evaluation.time_s[trial]
+        assert simulator.summary["peak_force_N"] == evaluation.peak_force_N[trial]
+
+
 def test_the_forces_add_up_to_the_wrench_at_the_holder():
     simulator = ferrule.Simulator("bench")
     simulator.reset(seed=1, trial=0)
