@@ -1,11 +1,15 @@
 """The Gymnasium environments."""
 
+import http.client
 import os
+import time
+import zlib
+from urllib.parse import urlsplit
 
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.error import ClosedEnvironmentError, DependencyNotInstalled, ResetNeeded
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import ferrule
@@ -92,8 +96,8 @@ def test_actions_are_cut_and_checked():
     for wrong in [dict(control_hz=300), dict(control_hz=0), dict(action_scale=[1, 1])]:
         with pytest.raises(ValueError, match=next(iter(wrong))):
             make(**wrong)
-    with pytest.raises(DependencyNotInstalled, match="window"):
-        InsertionEnv("bench", render_mode="human")
+    with pytest.raises(ValueError, match="render_mode 'ansi'"):
+        InsertionEnv("bench", render_mode="ansi")
 
 
 def test_many_at_once_are_one_after_another():
@@ -172,3 +176,35 @@ def test_the_picture_shows_the_fibre():
     assert first.shape == (360, 480, 3) and first.dtype == np.uint8
     fibre = (np.array([70, 130, 200]) == first).all(axis=2)
     assert 0.1 < fibre.mean() < 0.9 and (first != later).any()
+
+
+def served(address, path="", host=None):
+    url = urlsplit(address)
+    connection = http.client.HTTPConnection(url.netloc, timeout=20)
+    connection.request("GET", url.path + path, headers={"Host": host} if host else {})
+    return connection.getresponse()
+
+
+def test_the_window_shows_the_pictures_as_they_come(monkeypatch, capfd):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
+        monkeypatch.delenv(name, raising=False)
+    env = make(render_mode="human", control_hz=50)
+    drawn = make(render_mode="rgb_array", control_hz=50)
+    env.reset(seed=1), drawn.reset(seed=1)
+    address = capfd.readouterr().err.split()[-1]
+    assert b'<img src="pictures"' in served(address).read()
+    assert served(address, "elsewhere").status == 404
+    assert served(address, host="elsewhere.org").status == 403
+    pictures = served(address, "pictures")
+    begin = time.monotonic()
+    for _ in range(25):
+        env.step(straight()), drawn.step(straight())
+    assert time.monotonic() - begin > 0.45  # in time, not faster
+    assert env.render() is None
+    env.close()
+    parts = pictures.read().split(b"--next\r\n")[1:-1]  # ends, for the window was closed
+    assert len(parts) > 1
+    head, data = parts[-1].split(b"\r\n\r\n", 1)
+    assert b"image/png" in head and data[:8] == b"\x89PNG\r\n\x1a\n"
+    lines = np.frombuffer(zlib.decompress(data[41 : data.index(b"IEND") - 8]), dtype=np.uint8)
+    assert (lines.reshape(360, -1)[:, 1:].reshape(360, 480, 3) == drawn.render()).all()
