@@ -131,7 +131,7 @@ def _built(
         "action_scale": _scale([command for _, _, _, command, _ in kept], motion),
         "relative": relative,
     }
-    task = Task(scene, None, rate, environment["action_scale"], relative)
+    task = Task(**environment)
     demonstrations, cut, rows = [], 0, 0
     for file, time, values, command, tip_x in kept:
         action = command / task.hand_scale

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from typing import Any, Sequence
+from typing import Any
 
 import gymnasium
 import numpy as np
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
-from . import Overrides, SceneLike, Simulator, outcomes
+from . import SceneLike, Simulator, outcomes
 from .picture import picture
 from .task import PERIOD, TIMEOUT, Task
 from .window import Window
@@ -44,18 +44,12 @@ class InsertionEnv(gymnasium.Env):
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
 
     def __init__(
-        self,
-        scene: SceneLike = "bench",
-        overrides: Overrides = None,
-        control_hz: float = 50,
-        action_scale: Sequence[float] | None = None,
-        relative: bool = True,
-        render_mode: str | None = None,
+        self, scene: SceneLike = "bench", *, render_mode: str | None = None, **task: Any
     ) -> None:
         if render_mode not in (None, *self.metadata["render_modes"]):
             raise ValueError(f"render_mode {render_mode!r}: expected None, 'rgb_array' or 'human'")
         self.render_mode = render_mode
-        self.task = Task(scene, overrides, control_hz, action_scale, relative)
+        self.task = Task(scene, **task)
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
         self.metadata = {**self.metadata, "render_fps": round(1 / (self.task.periods * PERIOD))}

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -10,7 +10,7 @@ from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from . import Overrides, SceneLike, _core, outcomes
+from . import SceneLike, _core, outcomes
 from .task import TIMEOUT, Task
 
 _COLUMN = {name: i for i, name in enumerate(_core._trial_columns)}
@@ -31,18 +31,16 @@ class InsertionVectorEnv(VectorEnv):
         self,
         num_envs: int = 1,
         scene: SceneLike = "bench",
-        overrides: Overrides = None,
-        control_hz: float = 50,
-        action_scale: Sequence[float] | None = None,
-        relative: bool = True,
+        *,
         render_mode: str | None = None,
         threads: int = 0,
+        **task: Any,
     ) -> None:
         if render_mode is not None:
             raise ValueError("render_mode: many fibres are not drawn; make one environment")
         self.num_envs = num_envs
         self.render_mode = None
-        self.task = Task(scene, overrides, control_hz, action_scale, relative)
+        self.task = Task(scene, **task)
         self.single_observation_space = self.task.observation_space
         self.single_action_space = self.task.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)

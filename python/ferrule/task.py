@@ -25,11 +25,11 @@ class Task:
 
     def __init__(
         self,
-        scene: SceneLike,
-        overrides: Overrides,
-        control_hz: float,
-        action_scale: Sequence[float] | None,
-        relative: bool,
+        scene: SceneLike = "bench",
+        overrides: Overrides = None,
+        control_hz: float = 50,
+        action_scale: Sequence[float] | None = None,
+        relative: bool = True,
     ) -> None:
         self.scene: Scene = load_scene(scene, overrides)
         periods = 1 / (control_hz * PERIOD) if control_hz > 0 else 0

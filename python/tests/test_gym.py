@@ -1,7 +1,9 @@
 """The Gymnasium environments."""
 
+import csv
 import http.client
 import os
+import sys
 import time
 import zlib
 from urllib.parse import urlsplit
@@ -13,6 +15,7 @@ from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import ferrule
+from conftest import run
 from ferrule.insertion_env import InsertionEnv
 
 
@@ -208,3 +211,32 @@ def test_the_window_shows_the_pictures_as_they_come(monkeypatch, capfd):
     assert b"image/png" in head and data[:8] == b"\x89PNG\r\n\x1a\n"
     lines = np.frombuffer(zlib.decompress(data[41 : data.index(b"IEND") - 8]), dtype=np.uint8)
     assert (lines.reshape(360, -1)[:, 1:].reshape(360, 480, 3) == drawn.render()).all()
+
+
+def test_a_policy_of_the_environment_is_a_program_for_evaluate(tmp_path):
+    script, table = tmp_path / "policy.py", tmp_path / "trials.csv"
+    script.write_text(
+        "import sys, numpy as np\n"
+        "from ferrule.policy_program import answer\n"
+        "def act(observation):  # yields to what it feels\n"
+        "    return np.array([-0.7, *(0.3 * observation[1:3]), 0, 0])\n"
+        "answer({'scene': 'bench', 'control_hz': 20, 'relative': len(sys.argv) == 1}, act)\n"
+    )
+    command = f"{sys.executable} {script}"
+    run("evaluate", "--scene", "bench", "--policy", command, "--policy-hz", 20, "--trials", 4,
+        "--trials-out", table)
+    with open(table) as rows:
+        found = list(csv.DictReader(line for line in rows if not line.startswith("#")))
+    env = make(control_hz=20)
+    observation, info = env.reset(seed=7)
+    for trial in range(4):
+        over = False
+        while not over:
+            action = np.array([-0.7, *(0.3 * observation[1:3]), 0, 0])
+            observation, _, terminated, truncated, info = env.step(action)
+            over = terminated or truncated
+        assert found[trial]["outcome"] == info["outcome"]
+        assert float(found[trial]["peak_force_uN"]) == pytest.approx(1e6 * info["peak_force_N"], rel=1e-12)
+        observation, info = env.reset()
+    said = run("evaluate", "--scene", "bench", "--policy", f"{command} absolute", "--trials", 1)
+    assert "relative = False" in said.stderr
