@@ -87,7 +87,8 @@ class InsertionEnv(gymnasium.Env):
         action = np.asarray(action)
         if action.shape != (5,):
             raise ValueError(f"action: expected shape (5,), got {action.shape}")
-        simulator.step(self.task.velocity(action), self.task.periods)
+        if not simulator.ended:  # as a fibre may have that does not hang free at the start
+            simulator.step(self.task.velocity(action), self.task.periods)
         before, self._tip = self._tip[0], simulator.tip
         outcome = outcomes.index(simulator.ended) if simulator.ended else -1
         self._running = outcome < 0

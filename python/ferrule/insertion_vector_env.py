@@ -60,7 +60,7 @@ class InsertionVectorEnv(VectorEnv):
         else:
             first = self._trial.astype(np.int64) + self.num_envs
         rows = self._trials.reset(self._seed, first.tolist())
-        return self._take(rows), self._info(rows)
+        return self._take(rows, np.ones(self.num_envs, dtype=bool)), self._info(rows)
 
     def step(
         self, actions: Any
@@ -75,7 +75,7 @@ class InsertionVectorEnv(VectorEnv):
             )
         again, before = self._ended, self._tip
         rows = self._trials.step(np.ascontiguousarray(velocity), again)
-        observation = self._take(rows)
+        observation = self._take(rows, again)
         reward = self.task.reward(before, self._tip, self._outcome)
         reward[again] = 0.0
         truncated = self._outcome == TIMEOUT
@@ -89,9 +89,10 @@ class InsertionVectorEnv(VectorEnv):
         if self.closed or self._trials is None:
             raise ClosedEnvironmentError(f"{what}: the environment was closed")
 
-    def _take(self, rows: np.ndarray) -> np.ndarray:
+    def _take(self, rows: np.ndarray, begun: np.ndarray) -> np.ndarray:
         self._tip = rows[:, _COLUMN["tip_x"]]
         self._outcome = rows[:, _COLUMN["outcome"]].astype(np.int64)
+        self._outcome[begun] = -1  # one that ends as it begins says so in its first step
         self._ended = self._outcome >= 0
         self._trial = rows[:, _COLUMN["trial"]]
         return self.task.observation(rows[:, :7], rows[:, 7:12])

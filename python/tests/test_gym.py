@@ -169,6 +169,23 @@ def test_an_ended_one_begins_anew_in_the_next_step():
         many.reset()
 
 
+def test_one_that_ends_as_it_begins_says_so_in_its_first_step():
+    overrides = {"fibre.curl_radius_m": 1}  # it touches the ferrule's face where it starts
+    one = gymnasium.make("ferrule/Insertion-v0", scene="paper", overrides=overrides).unwrapped
+    many = gymnasium.make_vec("ferrule/Insertion-v0", num_envs=6, scene="paper", overrides=overrides)
+    many.reset(seed=3)
+    still = np.zeros((6, 5), dtype=np.float32)
+    ended = many.step(still)[2]
+    at_once = []
+    for trial in range(6):
+        _, info = one.reset(seed=3, options={"trial": trial})
+        at_once.append("outcome" in info)
+        assert one.step(still[0])[2] == ended[trial]
+    assert any(at_once) and (ended[at_once]).all()
+    _, rewards, terminated, _, _ = many.step(still)
+    assert (rewards[ended] == 0).all() and not terminated[ended].any()
+
+
 def test_the_picture_shows_the_fibre():
     env = make(render_mode="rgb_array")
     env.reset(seed=1)
