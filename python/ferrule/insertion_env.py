@@ -71,7 +71,7 @@ class InsertionEnv(gymnasium.Env):
         trial = self._next
         if options and "trial" in options:
             trial = options["trial"]
-            if not isinstance(trial, (int, np.integer)) or trial < 0:
+            if not isinstance(trial, (int, np.integer)) or not 0 <= trial < 2**64:
                 raise ValueError(f"options['trial'] = {trial!r}: expected a whole number >= 0")
         simulator.reset(seed=self._seed, trial=int(trial), feasible=True)
         self._next = int(trial) + 1
