@@ -149,6 +149,8 @@ def test_what_cannot_be_exported_is_said(episodes, tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "file").touch()
     run("export-episodes", episodes, "--lerobot", tmp_path / "full", code=3)
+    said = run("export-episodes", episodes, "--csv", tmp_path / "full" / "file", code=3)
+    assert said.stderr.endswith("file: is there, and no folder\n")
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "episode_0001.h5").write_bytes(b"no episode")
     said = run("export-episodes", tmp_path / "broken", "--robomimic", tmp_path / "x.h5", code=3)
