@@ -464,7 +464,8 @@ std::string date_now() {
 
 Episode read_episode(const std::string& file) {
   std::error_code error;
-  if (!fs::is_regular_file(file, error)) throw FileTrouble(file + ": no such file");
+  if (!fs::is_regular_file(file, error))
+    throw FileTrouble(file + (fs::exists(file, error) ? ": is no file" : ": no such file"));
   Child child(file, [&](Child::Parent& parent) {
     const Episode read = read_in_child(file);
     send(parent, to_json(read.info, read.rows.rows()));

@@ -43,12 +43,13 @@ SteppedTrial::SteppedTrial(std::shared_ptr<const Scene> scene, std::uint64_t see
     ended_ = trial_result(Outcome::infeasible, {});
     return;
   }
+  entrance_ = registered_entrance(*drawn_);
   const State start = draw_start(*drawn_, seed, trial);
   running_ = std::make_unique<Running>(
       *drawn_, start, ForceSensor(drawn_->sensor, seed, trial),
       LoopSettings{.scaling = scaling_, .period = period_, .past_success = false});
   running_->insertion.feel();
-  take_over();
+  expect_end();
 }
 
 SteppedTrial::~SteppedTrial() = default;
@@ -58,19 +59,38 @@ void SteppedTrial::step(const HandTwist& velocity) {
   Running& r = *running_;
   r.hand.velocity = limit_speed(velocity, scaling_.motion * drawn_->limits.speed);
   if (!r.insertion.answer()) r.insertion.feel();
-  take_over();
+  expect_end();
 }
 
-// What the last tick came to. One that ends the insertion is answered at once: by nobody.
-void SteppedTrial::take_over() {
+// A tick that ends the insertion is answered at once: by nobody.
+void SteppedTrial::expect_end() {
   Insertion& insertion = running_->insertion;
   if (insertion.over() && !insertion.end()) insertion.answer();
-  const SensedWrench& sensed = insertion.sensed();
-  observation_ = {sensed.relative(), hand_depth(running_->hand.pose()), insertion.time()};
-  wrench_ = sensed.absolute();
-  result_ = insertion.result();
-  summary_ = insertion.summary();
   if (insertion.end()) ended_ = trial_result(insertion.end()->outcome, insertion.end()->summary);
+}
+
+Observation SteppedTrial::observation() const noexcept {
+  if (!running_) return {HandWrench::Zero(), 0, 0};
+  const Running& r = *running_;
+  return {r.insertion.sensed().relative(), hand_depth(r.hand.pose(), entrance_), time()};
+}
+
+HandWrench SteppedTrial::wrench() const noexcept {
+  return running_ ? running_->insertion.sensed().absolute() : HandWrench::Zero();
+}
+
+double SteppedTrial::time() const noexcept {
+  return running_ ? running_->insertion.time() : 0;
+}
+
+const StepResult& SteppedTrial::result() const noexcept {
+  static const StepResult kNone{};
+  return running_ ? running_->insertion.result() : kNone;
+}
+
+const InsertionSummary& SteppedTrial::summary() const noexcept {
+  static const InsertionSummary kNone{};
+  return running_ ? running_->insertion.summary() : kNone;
 }
 
 }  // namespace ferrule

@@ -26,13 +26,13 @@ class SteppedTrial {
   void step(const HandTwist& velocity);
 
   // Of the last tick, as a controller has it.
-  const Observation& observation() const noexcept { return observation_; }
+  Observation observation() const noexcept;
   // The same wrench, not relative to that at rest [N, N m, hand's world].
-  const HandWrench& wrench() const noexcept { return wrench_; }
-  double time() const noexcept { return observation_.time; }  // [s]
+  HandWrench wrench() const noexcept;
+  double time() const noexcept;  // [s]
   // State and forces, at the tip's scale: what no controller gets to know.
-  const StepResult& result() const noexcept { return result_; }
-  const InsertionSummary& summary() const noexcept { return summary_; }
+  const StepResult& result() const noexcept;
+  const InsertionSummary& summary() const noexcept;
   // The scene with the parts that were drawn.
   const Scene& scene() const noexcept { return *drawn_; }
   const Scaling& scaling() const noexcept { return scaling_; }
@@ -42,16 +42,12 @@ class SteppedTrial {
  private:
   class Hand;
   struct Running;
-  void take_over();
+  void expect_end();
 
   std::shared_ptr<const Scene> scene_, drawn_;
   Scaling scaling_;
-  double period_;
-  std::unique_ptr<Running> running_;
-  Observation observation_{HandWrench::Zero(), 0, 0};
-  HandWrench wrench_ = HandWrench::Zero();
-  StepResult result_;
-  InsertionSummary summary_;
+  double period_, entrance_ = 0;
+  std::unique_ptr<Running> running_;  // null where the parts do not fit
   std::optional<TrialResult> ended_;
 };
 

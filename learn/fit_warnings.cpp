@@ -57,13 +57,13 @@ void warn_of_gains(const DemonstrationSet& set, const LawFile& law,
 double time_without_force(const MakeController& make, const Scene& scene) {
   constexpr double kPeriod = 1e-3;
   const Scaling scaling = scene_scaling(scene);
-  const double speed = scaling.motion * scene.limits.speed;
+  const double speed = scaling.motion * scene.limits.speed, entrance = registered_entrance(scene);
   const std::unique_ptr<Controller> controller = make(0);
   HandPose hand = HandPose::Zero();
   hand[0] = scaling.motion * scene.start.distance;
   for (double t = 0; t <= scene.limits.time; t += kPeriod) {
     if (-hand[0] >= scaling.motion * scene.success.depth) return t;
-    const HandTwist v = controller->command({HandWrench::Zero(), hand_depth(hand), t});
+    const HandTwist v = controller->command({HandWrench::Zero(), hand_depth(hand, entrance), t});
     if (!v.allFinite()) break;
     hand += kPeriod * limit_speed(v, speed);
   }

@@ -42,7 +42,7 @@ def train(arguments: argparse.Namespace) -> None:
     loader = torch.utils.data.DataLoader(data, batch_size=64, shuffle=True, drop_last=True)
     optimizer = torch.optim.AdamW(policy.get_optim_params(), lr=3e-4, weight_decay=1e-4)
     policy.train()
-    begin, step = time.monotonic(), 0
+    begin, step = time.process_time(), 0
     while step < arguments.steps:
         for batch in loader:
             loss, _ = policy.forward(before(batch))
@@ -54,7 +54,7 @@ def train(arguments: argparse.Namespace) -> None:
             step += 1
             if step == arguments.steps:
                 break
-    print(f"trained in {time.monotonic() - begin:.0f} s")
+    print(f"trained in {time.process_time() - begin:.0f} s of one processor")
     policy.save_pretrained(arguments.folder)
     before.save_pretrained(arguments.folder)
     after.save_pretrained(arguments.folder)
@@ -69,25 +69,19 @@ def answer(arguments: argparse.Namespace) -> None:
     from lerobot.policies.act.modeling_act import ACTPolicy
     from lerobot.policies.factory import make_pre_post_processors
 
-    from ferrule.task import Task
+    from ferrule.policy_program import answer as answer_program
 
     torch.set_num_threads(1)
     policy = ACTPolicy.from_pretrained(arguments.folder)
     before, after = make_pre_post_processors(policy.config, pretrained_path=arguments.folder)
+
+    def act(observation: np.ndarray) -> np.ndarray:
+        state = torch.from_numpy(observation)
+        observed = {"observation.state": state, "observation.environment_state": state[:5]}
+        return after(policy.select_action(before(observed))).squeeze(0).numpy()
+
     environment = json.loads((Path(arguments.folder) / "environment.json").read_text())
-    task = Task(overrides=None, **environment)
-    for line in sys.stdin:
-        asked = json.loads(line)
-        if "reset" in asked:
-            policy.reset()
-            answered = {}
-        else:
-            values = np.array([*asked["wrench"], asked["depth"], asked["time"]])
-            state = torch.from_numpy(task.observation(values, values[:5]))
-            observed = {"observation.state": state, "observation.environment_state": state[:5]}
-            action = after(policy.select_action(before(observed)))
-            answered = {"velocity": task.velocity(action.squeeze(0).numpy()).tolist()}
-        print(json.dumps(answered), file=out, flush=True)
+    answer_program(environment, act, policy.reset, out)
 
 
 def main() -> None:

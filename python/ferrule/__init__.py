@@ -87,6 +87,14 @@ def _load(scene: SceneLike, overrides: Overrides, plan: bool) -> Scene:
     return _core._load_scene(_os.fspath(scene), settings, plan)
 
 
+def _scene_again(document: str, name: str) -> Scene:
+    return _core._parse_scene(document, name, [], False)
+
+
+# A scene goes to other processes as its document.
+Scene.__reduce__ = lambda self: (_scene_again, (self.json, self.name))  # type: ignore[method-assign]
+
+
 def validate(scene: SceneLike, overrides: Overrides = None) -> None:
     """Raises BadInput or FileTrouble with the program's text unless the scene is right."""
     _load(scene, overrides, plan=False)
@@ -193,8 +201,8 @@ def forces(
 
     given = [gap_nm, length_um, np.nan if depth_nm is None else depth_nm]
     arrays = np.broadcast_arrays(*(np.asarray(x, dtype=float) for x in given))
-    if any((a < 0).any() for a in arrays):
-        raise BadInput("gap_nm, length_um, depth_nm: must not be negative")
+    if any((a < 0).any() for a in arrays) or np.isnan(arrays[:2]).any():
+        raise BadInput("gap_nm, length_um, depth_nm: must be numbers, not negative")
     flat = [np.ascontiguousarray(a).ravel() for a in arrays]
     rows = _core._forces(_load(scene, overrides, plan=False), *flat, tilt_mrad, speed_um_s)
     return {

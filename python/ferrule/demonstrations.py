@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 import os
 from dataclasses import dataclass
@@ -35,20 +36,6 @@ class Demonstrations:
     rate: float  # rows a second
     left_out: int  # episodes that were not inserted
     cut: float  # share of the rows whose action was beyond 1
-
-
-def undrawn(document: Mapping[str, Any]) -> dict[str, Any]:
-    """The scene that one with drawn parts was drawn from."""
-    scene = {key: value for key, value in document.items() if key != "drawn_from"}
-    drawn_from = document.get("drawn_from")
-    if drawn_from:
-        scene["tolerance"] = drawn_from["tolerance"]
-        scene["fibre"] = {**scene["fibre"], "diameter_um": drawn_from["fibre_diameter_um"]}
-        scene["ferrule"] = {
-            **scene["ferrule"],
-            "bore_diameter_um": drawn_from["ferrule_bore_diameter_um"],
-        }
-    return scene
 
 
 def episode_files(folder: str | os.PathLike) -> list[Path]:
@@ -105,7 +92,7 @@ def load_demonstrations(
         if episode.outcome != "inserted":
             left_out += 1
             continue
-        document = undrawn(episode.scene)
+        document = json.loads(episode.undrawn_scene_json)
         if scene is not None and document != scene:
             raise BadInput(f"{file}: recorded in another scene than those before: export them apart")
         scene = document
@@ -121,7 +108,7 @@ def load_demonstrations(
         last = min(rows, len(episode) - 1)
         at = np.append(first, last)
         values = np.column_stack(
-            [wrench[at], np.maximum(-episode.hand_pose[at, 0], 0), episode.time[at]]
+            [wrench[at], episode.depth[at], episode.time[at]]
         )
         kept.append((file, episode.time[first].copy(), values, command, episode.states[at, 0].copy()))
     progress(len(files), len(files))
@@ -144,7 +131,7 @@ def _built(
         "action_scale": _scale([command for _, _, _, command, _ in kept], motion),
         "relative": relative,
     }
-    task = Task(scene, None, rate, environment["action_scale"], relative)
+    task = Task(**environment)
     demonstrations, cut, rows = [], 0, 0
     for file, time, values, command, tip_x in kept:
         action = command / task.hand_scale

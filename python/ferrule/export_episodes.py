@@ -53,7 +53,11 @@ def _expect_places(a: argparse.Namespace) -> None:
         parent = Path(place).absolute().parent
         if not parent.is_dir():
             raise FileTrouble(f"{place}: there is no folder {parent}")
-        if place != a.robomimic and Path(place).exists() and any(Path(place).iterdir()):
+        if place == a.robomimic or not Path(place).exists():
+            continue
+        if not Path(place).is_dir():
+            raise FileTrouble(f"{place}: is there, and no folder")
+        if any(Path(place).iterdir()):
             raise FileTrouble(f"{place}: is there, and not empty")
 
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+import time
+from typing import Any
 
 import gymnasium
 import numpy as np
-from gymnasium.error import ClosedEnvironmentError, DependencyNotInstalled, ResetNeeded
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
-from . import Overrides, SceneLike, Simulator, outcomes
+from . import SceneLike, Simulator, outcomes
 from .picture import picture
 from .task import PERIOD, TIMEOUT, Task
+from .window import Window
 
 
 class InsertionEnv(gymnasium.Env):
@@ -28,6 +30,7 @@ class InsertionEnv(gymnasium.Env):
     the scene's speed limit is slowed to it. One that is not a number ends the episode.
     Reward: the tip's way into the bore, as part of all of it (which adds up to 1); 1 more where it
     is inserted; -1 where the insertion fails.
+    ``render_mode``: "rgb_array", pictures; "human", the same in a page of the browser, in time.
     Terminated by success and by failures (force limit, jam, missed, buckled, broken, an action that
     is no number), truncated where the scene's time runs out.
     ``info``: what no controller knows: tip (5,) [m, rad], inserted_length_m, peak_force_N, trial,
@@ -38,25 +41,15 @@ class InsertionEnv(gymnasium.Env):
     that do not fit are passed over. Without any seed it is drawn.
     """
 
-    metadata = {"render_modes": ["rgb_array"], "render_fps": 50}
+    metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
 
     def __init__(
-        self,
-        scene: SceneLike = "bench",
-        overrides: Overrides = None,
-        control_hz: float = 50,
-        action_scale: Sequence[float] | None = None,
-        relative: bool = True,
-        render_mode: str | None = None,
+        self, scene: SceneLike = "bench", *, render_mode: str | None = None, **task: Any
     ) -> None:
-        if render_mode == "human":
-            raise DependencyNotInstalled(
-                'render_mode "human": there is no window yet; "rgb_array" draws pictures'
-            )
-        if render_mode not in (None, "rgb_array"):
-            raise ValueError(f"render_mode {render_mode!r}: expected None or 'rgb_array'")
+        if render_mode not in (None, *self.metadata["render_modes"]):
+            raise ValueError(f"render_mode {render_mode!r}: expected None, 'rgb_array' or 'human'")
         self.render_mode = render_mode
-        self.task = Task(scene, overrides, control_hz, action_scale, relative)
+        self.task = Task(scene, **task)
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
         self.metadata = {**self.metadata, "render_fps": round(1 / (self.task.periods * PERIOD))}
@@ -64,6 +57,8 @@ class InsertionEnv(gymnasium.Env):
         self._seed: int | None = None
         self._next = 0
         self._running = False
+        self._window: Window | None = None
+        self._shown = 0.0
 
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
@@ -76,12 +71,13 @@ class InsertionEnv(gymnasium.Env):
         trial = self._next
         if options and "trial" in options:
             trial = options["trial"]
-            if not isinstance(trial, (int, np.integer)) or trial < 0:
+            if not isinstance(trial, (int, np.integer)) or not 0 <= trial < 2**64:
                 raise ValueError(f"options['trial'] = {trial!r}: expected a whole number >= 0")
         simulator.reset(seed=self._seed, trial=int(trial), feasible=True)
         self._next = int(trial) + 1
         self._running = True
         self._tip = simulator.tip
+        self._show()
         return self._observation(), self._info()
 
     def step(self, action: Any) -> tuple[np.ndarray, float, bool, bool, dict[str, Any]]:
@@ -91,13 +87,15 @@ class InsertionEnv(gymnasium.Env):
         action = np.asarray(action)
         if action.shape != (5,):
             raise ValueError(f"action: expected shape (5,), got {action.shape}")
-        simulator.step(self.task.velocity(action), self.task.periods)
+        if not simulator.ended:  # as a fibre may have that does not hang free at the start
+            simulator.step(self.task.velocity(action), self.task.periods)
         before, self._tip = self._tip[0], simulator.tip
         outcome = outcomes.index(simulator.ended) if simulator.ended else -1
         self._running = outcome < 0
         reward = float(self.task.reward(before, self._tip[0], outcome))
         truncated = outcome == TIMEOUT
         terminated = outcome >= 0 and not truncated
+        self._show()
         return self._observation(), reward, terminated, truncated, self._info()
 
     def render(self) -> np.ndarray | None:
@@ -105,10 +103,27 @@ class InsertionEnv(gymnasium.Env):
         if self.render_mode is None:
             gymnasium.logger.warn("render: the environment was made without render_mode")
             return None
+        if self.render_mode == "human":
+            return None  # step and reset have shown it
         return picture(self.task.scene, simulator.tip, simulator.observation)
+
+    def _show(self) -> None:
+        """In the window, in time: a second of it takes a second."""
+        if self.render_mode != "human":
+            return
+        simulator = self._open("show")
+        if self._window is None:
+            self._window = Window()
+        self._window.show(picture(self.task.scene, simulator.tip, simulator.observation))
+        due = self._shown + self.task.periods * PERIOD
+        self._shown = max(due, time.monotonic())
+        time.sleep(max(0.0, due - time.monotonic()))
 
     def close(self) -> None:
         self.simulator = None
+        if self._window is not None:
+            self._window.close()
+            self._window = None
 
     def _open(self, what: str) -> Simulator:
         if self.simulator is None:

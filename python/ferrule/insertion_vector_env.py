@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -10,7 +10,7 @@ from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.vector import AutoresetMode, VectorEnv
 from gymnasium.vector.utils import batch_space
 
-from . import Overrides, SceneLike, _core, outcomes
+from . import SceneLike, _core, outcomes
 from .task import TIMEOUT, Task
 
 _COLUMN = {name: i for i, name in enumerate(_core._trial_columns)}
@@ -31,25 +31,22 @@ class InsertionVectorEnv(VectorEnv):
         self,
         num_envs: int = 1,
         scene: SceneLike = "bench",
-        overrides: Overrides = None,
-        control_hz: float = 50,
-        action_scale: Sequence[float] | None = None,
-        relative: bool = True,
+        *,
         render_mode: str | None = None,
         threads: int = 0,
+        **task: Any,
     ) -> None:
         if render_mode is not None:
             raise ValueError("render_mode: many fibres are not drawn; make one environment")
         self.num_envs = num_envs
         self.render_mode = None
-        self.task = Task(scene, overrides, control_hz, action_scale, relative)
+        self.task = Task(scene, **task)
         self.single_observation_space = self.task.observation_space
         self.single_action_space = self.task.action_space
         self.observation_space = batch_space(self.single_observation_space, num_envs)
         self.action_space = batch_space(self.single_action_space, num_envs)
         self._trials = _core._Trials(self.task.scene, num_envs, self.task.periods, threads)
         self._seed: int | None = None
-        self._next = np.zeros(num_envs, dtype=np.int64)
         self._ended: np.ndarray | None = None
 
     def reset(
@@ -59,10 +56,11 @@ class InsertionVectorEnv(VectorEnv):
         if seed is not None or self._seed is None:
             self._np_random, drawn = gymnasium.utils.seeding.np_random(seed)
             self._seed = int(self._np_random.integers(2**31)) if seed is None else int(seed)
-            self._next = np.arange(self.num_envs)
-        rows = self._trials.reset(self._seed, self._next.tolist())
-        self._ended = np.zeros(self.num_envs, dtype=bool)
-        return self._take(rows), self._info(rows)
+            first = np.arange(self.num_envs)
+        else:
+            first = self._trial.astype(np.int64) + self.num_envs
+        rows = self._trials.reset(self._seed, first.tolist())
+        return self._take(rows, np.ones(self.num_envs, dtype=bool)), self._info(rows)
 
     def step(
         self, actions: Any
@@ -77,12 +75,11 @@ class InsertionVectorEnv(VectorEnv):
             )
         again, before = self._ended, self._tip
         rows = self._trials.step(np.ascontiguousarray(velocity), again)
-        observation = self._take(rows)
-        outcome = rows[:, _COLUMN["outcome"]].astype(int)
-        reward = np.where(again, 0.0, self.task.reward(before, self._tip, outcome))
-        truncated = outcome == TIMEOUT
-        terminated = (outcome >= 0) & ~truncated
-        self._ended = outcome >= 0
+        observation = self._take(rows, again)
+        reward = self.task.reward(before, self._tip, self._outcome)
+        reward[again] = 0.0
+        truncated = self._outcome == TIMEOUT
+        terminated = self._ended != truncated
         return observation, reward, terminated, truncated, self._info(rows)
 
     def close_extras(self, **kwargs: Any) -> None:
@@ -92,22 +89,23 @@ class InsertionVectorEnv(VectorEnv):
         if self.closed or self._trials is None:
             raise ClosedEnvironmentError(f"{what}: the environment was closed")
 
-    def _take(self, rows: np.ndarray) -> np.ndarray:
-        self._tip = rows[:, _COLUMN["tip_x"]].copy()
-        self._next = rows[:, _COLUMN["trial"]].astype(np.int64) + self.num_envs
+    def _take(self, rows: np.ndarray, begun: np.ndarray) -> np.ndarray:
+        self._tip = rows[:, _COLUMN["tip_x"]]
+        self._outcome = rows[:, _COLUMN["outcome"]].astype(np.int64)
+        self._outcome[begun] = -1  # one that ends as it begins says so in its first step
+        self._ended = self._outcome >= 0
+        self._trial = rows[:, _COLUMN["trial"]]
         return self.task.observation(rows[:, :7], rows[:, 7:12])
 
     def _info(self, rows: np.ndarray) -> dict[str, Any]:
-        outcome = rows[:, _COLUMN["outcome"]].astype(int)
-        ended = outcome >= 0
         info: dict[str, Any] = {
             "inserted_length_m": np.maximum(0.0, -self._tip),
-            "peak_force_N": rows[:, _COLUMN["peak_force"]].copy(),
-            "trial": rows[:, _COLUMN["trial"]].astype(np.int64),
+            "peak_force_N": rows[:, _COLUMN["peak_force"]],
+            "trial": self._trial.astype(np.int64),
         }
-        if ended.any():
+        if self._ended.any():
             info["outcome"] = np.array(
-                [outcomes[o] if o >= 0 else None for o in outcome], dtype=object
+                [outcomes[o] if o >= 0 else None for o in self._outcome], dtype=object
             )
-            info["_outcome"] = ended
+            info["_outcome"] = self._ended.copy()
         return info

@@ -16,6 +16,8 @@ OBSERVATION_UNITS = np.array([1, 1, 1, 1, 1, 1e3, 1.0])
 INSERTED = outcomes.index("inserted")
 TIMEOUT = outcomes.index("timeout")
 PERIOD = 1e-3  # of the simulation [s]
+# What an outcome adds to the reward; the last is that of none.
+_OF_THE_END = np.array([{INSERTED: 1.0, TIMEOUT: 0.0}.get(o, -1.0) for o in range(len(outcomes))] + [0.0])
 
 
 class Task:
@@ -23,11 +25,11 @@ class Task:
 
     def __init__(
         self,
-        scene: SceneLike,
-        overrides: Overrides,
-        control_hz: float,
-        action_scale: Sequence[float] | None,
-        relative: bool,
+        scene: SceneLike = "bench",
+        overrides: Overrides = None,
+        control_hz: float = 50,
+        action_scale: Sequence[float] | None = None,
+        relative: bool = True,
     ) -> None:
         self.scene: Scene = load_scene(scene, overrides)
         periods = 1 / (control_hz * PERIOD) if control_hz > 0 else 0
@@ -57,17 +59,16 @@ class Task:
 
     def velocity(self, action: Any) -> np.ndarray:
         """Of the hand [m/s, rad/s]; what is not a number stays none."""
-        return np.clip(np.asarray(action, dtype=float), -1, 1) * self.hand_scale
+        return np.minimum(np.maximum(np.asarray(action, dtype=float), -1), 1) * self.hand_scale
 
     def observation(self, values: np.ndarray, wrench: np.ndarray) -> np.ndarray:
         """Of (..., 7) in SI units and the wrench that is not relative to rest (..., 5)."""
         observed = values * OBSERVATION_UNITS
         if not self.relative:
             observed[..., :5] = wrench
-        return np.clip(observed, self._least, self._most).astype(np.float32)
+        np.minimum(observed, self._most, out=observed)
+        return np.maximum(observed, self._least, out=observed).astype(np.float32)
 
     def reward(self, before: Any, after: Any, outcome: Any) -> Any:
         """Of tips at x [m] before and after, and of outcomes by their number, -1 where none."""
-        outcome = np.asarray(outcome)
-        failed = (outcome >= 0) & (outcome != INSERTED) & (outcome != TIMEOUT)
-        return (before - after) / self.way + (outcome == INSERTED) - 1.0 * failed
+        return (before - after) / self.way + _OF_THE_END[outcome]

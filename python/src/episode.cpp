@@ -2,6 +2,8 @@
 #include "capture/episode.hpp"
 
 #include "bindings.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "sim/scene/draw.hpp"
 
 namespace ferrule::python {
 namespace {
@@ -12,9 +14,12 @@ struct ReadEpisode {
     episode = read_episode(file);
     const Scene scene = recorded_scene(episode, file);
     sensed = sensed_wrench(episode, scene);
+    const double entrance = registered_entrance(scene);
+    depth = (entrance - episode.rows.col(kHandPose.begin).array()).max(0.0);
   }
   Episode episode;
   SensedRows sensed;
+  Eigen::VectorXd depth;
 };
 
 using View = nb::ndarray<nb::numpy, const double>;
@@ -48,6 +53,10 @@ void add_episode(nb::module_& module) {
           "scene_json", [](const ReadEpisode& e) { return e.episode.info.scene; },
           "The scene it was recorded in, a JSON text.")
       .def_prop_ro(
+          "undrawn_scene_json",
+          [](const ReadEpisode& e) { return undrawn(parse_json(e.episode.info.scene, "")).dump(); },
+          "The same with the parts as they come: what its parts were drawn from.")
+      .def_prop_ro(
           "operator", [](const ReadEpisode& e) { return e.episode.info.operator_; },
           "Who held the fibre.")
       .def_prop_ro("outcome",
@@ -64,7 +73,15 @@ void add_episode(nb::module_& module) {
           "relative_wrench", [](const ReadEpisode& e) { return sensed_view(e, e.sensed.relative); },
           kOwned,
           "The same relative to that at rest at the start: what a controller observes. Shape "
-          "(N, 5).");
+          "(N, 5).")
+      .def_prop_ro(
+          "depth",
+          [](const ReadEpisode& e) {
+            return view(e.depth.data(), e.depth.size(), 1, 1, 0, nb::find(e));
+          },
+          kOwned,
+          "Of the hand past where it takes the entrance to be, as a controller observes it [m], >= "
+          "0, hand's world; shape (N,).");
   const auto add = [&](const char* name, const Block& b, const char* doc) {
     type.def_prop_ro(
         name, [&b](const ReadEpisode& e) { return block_view(e, b); }, kOwned, doc);

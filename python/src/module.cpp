@@ -23,6 +23,24 @@ namespace {
 
 std::atomic<bool> forked = false;
 
+// Raised where a C++ `Error` is thrown, with its text, which may hold bytes of a file that are none.
+template <class Error>
+void add_error(nb::module_& module, const char* name, PyObject* base, const char* doc) {
+  const nb::exception<Error> type(module, name, base);
+  type.attr("__doc__") = doc;
+  const auto translate = [](const std::exception_ptr& thrown, void* raised) {
+    try {
+      std::rethrow_exception(thrown);
+    } catch (const Error& error) {
+      const std::string text = error.what();
+      const auto size = static_cast<Py_ssize_t>(text.size());
+      const nb::object shown = nb::steal(PyUnicode_DecodeUTF8(text.data(), size, "replace"));
+      PyErr_SetObject(static_cast<PyObject*>(raised), shown.ptr());
+    }
+  };
+  nb::register_exception_translator(translate, type.ptr());
+}
+
 }  // namespace
 
 int threads_here(int threads) noexcept {
@@ -72,10 +90,12 @@ NB_MODULE(_core, module) {
   using namespace ferrule::python;
   module.doc() = "The C++ side of the package ferrule.";
   ::pthread_atfork(nullptr, nullptr, [] { forked = true; });
-  nb::exception<BadInput>(module, "BadInput", PyExc_ValueError).attr("__doc__") =
-      "Input that is refused: one line with place, value and the rule that it breaks.";
-  nb::exception<FileTrouble>(module, "FileTrouble", PyExc_OSError).attr("__doc__") =
-      "A file that cannot be read or written: one line that names it and the reason.";
+  add_error<BadInput>(module, "BadInput", PyExc_ValueError,
+                      "Input that is refused: one line with place, value and the rule that it "
+                      "breaks.");
+  add_error<FileTrouble>(module, "FileTrouble", PyExc_OSError,
+                         "A file that cannot be read or written: one line that names it and the "
+                         "reason.");
   module.attr("__version__") = program_version();
   add_scene(module);
   add_simulator(module);

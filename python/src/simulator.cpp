@@ -1,13 +1,11 @@
 // Stepping: one trial period by period, and many at once.
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
-
 #include <mutex>
 
 #include "bindings.hpp"
 #include "controller/stepped_trial.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/scene/terms.hpp"
+#include "worker_pool.hpp"
 
 namespace ferrule::python {
 namespace {
@@ -115,10 +113,19 @@ class Trials {
         periods_(periods),
         trials_(count),
         numbers_(count),
-        rows_(count * kWidth),
-        threads_(threads) {
+        rows_(count * kWidth) {
     if (count == 0 || periods == 0) throw nb::value_error("there must be at least one");
+    const auto cores = static_cast<int>(std::thread::hardware_concurrency());
+    pool_size_ = std::min(threads > 0 ? threads : std::max(cores, 1), static_cast<int>(count));
+    pool_size_ = threads_here(pool_size_);
+    pool_ = std::make_unique<WorkerPool>(pool_size_);
   }
+  ~Trials() {
+    // A process that was forked since has no such threads to end.
+    if (threads_here(pool_size_) != pool_size_) static_cast<void>(pool_.release());
+  }
+  Trials(const Trials&) = delete;
+  Trials& operator=(const Trials&) = delete;
 
   Array reset(std::uint64_t seed, const std::vector<std::uint64_t>& first) {
     if (first.size() != trials_.size()) throw nb::value_error("trials: one for each environment");
@@ -157,20 +164,10 @@ class Trials {
   }
 
  private:
-  // On all cores. What one throws, the first of them throws here.
+  // On all cores.
   void for_each(const std::function<void(std::size_t)>& work) {
-    const int threads = threads_here(threads_);
-    if (threads == 1 || trials_.size() == 1) {
-      for (std::size_t i = 0; i < trials_.size(); ++i) work(i);
-      return;
-    }
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-    arena.execute([&] {
-      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, trials_.size(), 1),
-                        [&](const auto& range) {
-                          for (std::size_t i = range.begin(); i != range.end(); ++i) work(i);
-                        });
-    });
+    if (threads_here(pool_size_) > 1) return pool_->for_each(trials_.size(), work);
+    for (std::size_t i = 0; i < trials_.size(); ++i) work(i);
   }
   void begin(std::size_t i, std::uint64_t trial) {
     numbers_[i] = trial;
@@ -197,7 +194,8 @@ class Trials {
   std::vector<std::uint64_t> numbers_;
   std::vector<double> rows_;
   std::uint64_t seed_ = 0;
-  int threads_;
+  int pool_size_ = 1;
+  std::unique_ptr<WorkerPool> pool_;
   std::mutex mutex_;
 };
 

@@ -72,6 +72,27 @@ def test_the_environment_it_names_takes_its_actions_to_success(robomimic, episod
             assert info["inserted_length_m"] > 0.97 * env.task.scene.success_depth
 
 
+def test_episodes_of_drawn_parts_are_of_the_scene_that_they_were_drawn_from(tmp_path):
+    changes = {"sensor.entrance_sd_um": 8, "fibre.curl_radius_m": 2}
+    folder, file = tmp_path / "drawn", tmp_path / "all.h5"
+    settings = [word for key, value in changes.items() for word in ("--set", f"{key}={value}")]
+    run("record", "--scene", "bench", *settings, "--episodes", 2, "--seed", 3, "--out", folder)
+    run("export-episodes", folder, "--robomimic", file, "--relative")
+    with h5py.File(file) as f:
+        arguments = json.loads(f["data"].attrs["env_args"])["env_kwargs"]
+        arguments.pop("seed")
+        assert arguments["scene"] == json.loads(ferrule.load_scene("bench", changes).json)
+        env = gymnasium.make("ferrule/Insertion-v0", **arguments).unwrapped
+        for number, recorded in enumerate(sorted(folder.glob("*.h5"))):
+            episode, demo = ferrule.Episode(recorded), f[f"data/demo_{number}"]
+            env.reset(seed=episode.seed, options={"trial": episode.trial})
+            assert "entrance_error_um" in episode.scene["sensor"]
+            for action, row in zip(demo["actions"][:300], demo["next_obs/flat"][:300]):
+                observation = env.step(action)[0]
+                # The hand goes the same way, and knows its depth as well as the demonstrator did.
+                np.testing.assert_allclose(observation[5], row[5], atol=1e-3)
+
+
 def test_lerobot_finds_what_it_needs(episodes, robomimic):
     folder = episodes.parent / "lerobot"
     run("export-episodes", episodes, "--lerobot", folder, "--relative")
@@ -128,6 +149,8 @@ def test_what_cannot_be_exported_is_said(episodes, tmp_path):
     (tmp_path / "full").mkdir()
     (tmp_path / "full" / "file").touch()
     run("export-episodes", episodes, "--lerobot", tmp_path / "full", code=3)
+    said = run("export-episodes", episodes, "--csv", tmp_path / "full" / "file", code=3)
+    assert said.stderr.endswith("file: is there, and no folder\n")
     (tmp_path / "broken").mkdir()
     (tmp_path / "broken" / "episode_0001.h5").write_bytes(b"no episode")
     said = run("export-episodes", tmp_path / "broken", "--robomimic", tmp_path / "x.h5", code=3)

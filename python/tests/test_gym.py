@@ -1,12 +1,21 @@
 """The Gymnasium environments."""
 
+import csv
+import http.client
+import os
+import sys
+import time
+import zlib
+from urllib.parse import urlsplit
+
 import gymnasium
 import numpy as np
 import pytest
-from gymnasium.error import ClosedEnvironmentError, DependencyNotInstalled, ResetNeeded
+from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 from gymnasium.utils.env_checker import check_env
 
 import ferrule
+from conftest import run
 from ferrule.insertion_env import InsertionEnv
 
 
@@ -90,8 +99,8 @@ def test_actions_are_cut_and_checked():
     for wrong in [dict(control_hz=300), dict(control_hz=0), dict(action_scale=[1, 1])]:
         with pytest.raises(ValueError, match=next(iter(wrong))):
             make(**wrong)
-    with pytest.raises(DependencyNotInstalled, match="window"):
-        InsertionEnv("bench", render_mode="human")
+    with pytest.raises(ValueError, match="render_mode 'ansi'"):
+        InsertionEnv("bench", render_mode="ansi")
 
 
 def test_many_at_once_are_one_after_another():
@@ -120,6 +129,26 @@ def test_many_at_once_are_one_after_another():
         assert info["outcome"] == ends[i]
 
 
+@pytest.mark.filterwarnings("ignore:.*multi-threaded.*:DeprecationWarning")
+def test_threads_and_forks_change_nothing():
+    action = np.tile(straight(0.5), (5, 1))
+
+    def steps(many):
+        return np.concatenate([many.reset(seed=2)[0]] + [many.step(action)[0] for _ in range(30)])
+
+    def made(threads):
+        return gymnasium.make_vec("ferrule/Insertion-v0", num_envs=5, scene="bench", threads=threads)
+
+    alone, many = steps(made(1)), made(3)
+    assert (steps(many) == alone).all() and (steps(made(0)) == alone).all()
+    child = os.fork()
+    if child == 0:  # without the threads of its parent, and it ends nevertheless
+        same = (steps(many) == alone).all() and (steps(made(3)) == alone).all()
+        del many
+        os._exit(0 if same else 1)
+    assert os.waitpid(child, 0)[1] == 0
+
+
 def test_an_ended_one_begins_anew_in_the_next_step():
     many = gymnasium.make_vec(
         "ferrule/Insertion-v0", num_envs=2, scene="bench", overrides={"limits.time_s": 0.05}
@@ -140,6 +169,23 @@ def test_an_ended_one_begins_anew_in_the_next_step():
         many.reset()
 
 
+def test_one_that_ends_as_it_begins_says_so_in_its_first_step():
+    overrides = {"fibre.curl_radius_m": 1}  # it touches the ferrule's face where it starts
+    one = gymnasium.make("ferrule/Insertion-v0", scene="paper", overrides=overrides).unwrapped
+    many = gymnasium.make_vec("ferrule/Insertion-v0", num_envs=6, scene="paper", overrides=overrides)
+    many.reset(seed=3)
+    still = np.zeros((6, 5), dtype=np.float32)
+    ended = many.step(still)[2]
+    at_once = []
+    for trial in range(6):
+        _, info = one.reset(seed=3, options={"trial": trial})
+        at_once.append("outcome" in info)
+        assert one.step(still[0])[2] == ended[trial]
+    assert any(at_once) and (ended[at_once]).all()
+    _, rewards, terminated, _, _ = many.step(still)
+    assert (rewards[ended] == 0).all() and not terminated[ended].any()
+
+
 def test_the_picture_shows_the_fibre():
     env = make(render_mode="rgb_array")
     env.reset(seed=1)
@@ -150,3 +196,64 @@ def test_the_picture_shows_the_fibre():
     assert first.shape == (360, 480, 3) and first.dtype == np.uint8
     fibre = (np.array([70, 130, 200]) == first).all(axis=2)
     assert 0.1 < fibre.mean() < 0.9 and (first != later).any()
+
+
+def served(address, path="", host=None):
+    url = urlsplit(address)
+    connection = http.client.HTTPConnection(url.netloc, timeout=20)
+    connection.request("GET", url.path + path, headers={"Host": host} if host else {})
+    return connection.getresponse()
+
+
+def test_the_window_shows_the_pictures_as_they_come(monkeypatch, capfd):
+    for name in ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER"):
+        monkeypatch.delenv(name, raising=False)
+    env = make(render_mode="human", control_hz=50)
+    drawn = make(render_mode="rgb_array", control_hz=50)
+    env.reset(seed=1), drawn.reset(seed=1)
+    address = capfd.readouterr().err.split()[-1]
+    assert b'<img src="pictures"' in served(address).read()
+    assert served(address, "elsewhere").status == 404
+    assert served(address, host="elsewhere.org").status == 403
+    pictures = served(address, "pictures")
+    begin = time.monotonic()
+    for _ in range(25):
+        env.step(straight()), drawn.step(straight())
+    assert time.monotonic() - begin > 0.45  # in time, not faster
+    assert env.render() is None
+    env.close()
+    parts = pictures.read().split(b"--next\r\n")[1:-1]  # ends, for the window was closed
+    assert len(parts) > 1
+    head, data = parts[-1].split(b"\r\n\r\n", 1)
+    assert b"image/png" in head and data[:8] == b"\x89PNG\r\n\x1a\n"
+    lines = np.frombuffer(zlib.decompress(data[41 : data.index(b"IEND") - 8]), dtype=np.uint8)
+    assert (lines.reshape(360, -1)[:, 1:].reshape(360, 480, 3) == drawn.render()).all()
+
+
+def test_a_policy_of_the_environment_is_a_program_for_evaluate(tmp_path):
+    script, table = tmp_path / "policy.py", tmp_path / "trials.csv"
+    script.write_text(
+        "import sys, numpy as np\n"
+        "from ferrule.policy_program import answer\n"
+        "def act(observation):  # yields to what it feels\n"
+        "    return np.array([-0.7, *(0.3 * observation[1:3]), 0, 0])\n"
+        "answer({'scene': 'bench', 'control_hz': 20, 'relative': len(sys.argv) == 1}, act)\n"
+    )
+    command = f"{sys.executable} {script}"
+    run("evaluate", "--scene", "bench", "--policy", command, "--policy-hz", 20, "--trials", 4,
+        "--trials-out", table)
+    with open(table) as rows:
+        found = list(csv.DictReader(line for line in rows if not line.startswith("#")))
+    env = make(control_hz=20)
+    observation, info = env.reset(seed=7)
+    for trial in range(4):
+        over = False
+        while not over:
+            action = np.array([-0.7, *(0.3 * observation[1:3]), 0, 0])
+            observation, _, terminated, truncated, info = env.step(action)
+            over = terminated or truncated
+        assert found[trial]["outcome"] == info["outcome"]
+        assert float(found[trial]["peak_force_uN"]) == pytest.approx(1e6 * info["peak_force_N"], rel=1e-12)
+        observation, info = env.reset()
+    said = run("evaluate", "--scene", "bench", "--policy", f"{command} absolute", "--trials", 1)
+    assert "relative = False" in said.stderr

@@ -3,6 +3,7 @@
 import json
 import multiprocessing
 import os
+import pickle
 import resource
 import signal
 import subprocess
@@ -75,6 +76,19 @@ def test_a_stepped_trial_is_the_trial_of_the_campaign(law):
         assert simulator.summary["peak_force_N"] == evaluation.peak_force_N[trial]
 
 
+def test_so_it_is_where_parts_and_the_entrance_are_drawn(law):
+    overrides = {"sensor.entrance_sd_um": 5, "fibre.curl_radius_m": 2}
+    evaluation = ferrule.evaluate(law, "bench", trials=3, seed=5, overrides=overrides)
+    controller, simulator = ferrule.load(law), ferrule.Simulator("bench", overrides)
+    for trial in range(3):
+        controller.reset()
+        observation = simulator.reset(seed=5, trial=trial)
+        while not simulator.ended:
+            observation = simulator.step(controller(observation))
+        assert simulator.summary["time_s"] == evaluation.time_s[trial]
+        assert simulator.summary["peak_force_N"] == evaluation.peak_force_N[trial]
+
+
 def test_the_forces_add_up_to_the_wrench_at_the_holder():
     simulator = ferrule.Simulator("bench")
     simulator.reset(seed=1, trial=0)
@@ -88,6 +102,19 @@ def test_the_forces_add_up_to_the_wrench_at_the_holder():
     assert (simulator.state[:5] == simulator.tip).all()
 
 
+def test_a_scene_goes_to_other_processes():
+    scene = ferrule.load_scene("bench", {"ferrule.bore_diameter_um": 125.8})
+    again = pickle.loads(pickle.dumps(scene))
+    assert again.json == scene.json and again.name == scene.name
+
+
+def test_a_file_of_bytes_is_refused_in_words(tmp_path):
+    (tmp_path / "scene.json").write_bytes(b"\x89HDF\xff\x1b[2J")
+    for read in (ferrule.load_scene, ferrule.load):
+        with pytest.raises(ferrule.BadInput, match="not valid JSON"):
+            read(str(tmp_path / "scene.json"))
+
+
 def test_force_curves_are_those_of_the_verb():
     gaps = [1.0, 5.0, 50.0]
     rows = json.loads(run("forces", "--scene", "paper", "--gap-nm", "1:50:2", "--json").stdout)[
@@ -99,6 +126,8 @@ def test_force_curves_are_those_of_the_verb():
     assert ferrule.forces("paper", gap_nm=np.ones((2, 1)), length_um=gaps)["gravity"].shape == (2, 3)
     with pytest.raises(ferrule.BadInput, match="the smallest gap is at most the clearance"):
         ferrule.forces("bench", gap_nm=1e6)
+    with pytest.raises(ferrule.BadInput, match="must be numbers"):
+        ferrule.forces("bench", gap_nm=float("nan"))
 
 
 def test_episodes_are_views_of_what_the_file_holds(episodes):

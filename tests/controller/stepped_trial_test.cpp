@@ -11,16 +11,16 @@ namespace {
 
 const InsertionLaw kLaw({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
 
-std::shared_ptr<const Scene> noisy() {
-  return std::make_shared<Scene>(testing::paper({"start.lateral_sd_um=6", "start.distance_um=20",
-                                                 "success.depth_um=10", "limits.force_uN=3",
-                                                 "sensor={\"noise_uN\":0.01,\"bias_uN\":0.01,"
-                                                 "\"bandwidth_Hz\":200,\"resolution_uN\":0.001}"}));
+std::shared_ptr<const Scene> noisy(const std::vector<std::string>& more = {}) {
+  std::vector<std::string> settings{"start.lateral_sd_um=6", "start.distance_um=20",
+                                    "success.depth_um=10", "limits.force_uN=3",
+                                    "sensor={\"noise_uN\":0.01,\"bias_uN\":0.01,"
+                                    "\"bandwidth_Hz\":200,\"resolution_uN\":0.001}"};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return std::make_shared<Scene>(testing::paper(settings));
 }
 
-// Whoever answers, the trial is the same, to the last bit.
-TEST(SteppedTrial, HasTheBitsOfATrialThatItsControllerRuns) {
-  const auto scene = noisy();
+void expect_same_trials(const std::shared_ptr<const Scene>& scene) {
   for (std::uint64_t trial = 0; trial < 6; ++trial) {
     InsertionLaw inside = kLaw, outside = kLaw;
     const TrialResult run = run_trial(*scene, scene_scaling(*scene), inside, 5, trial);
@@ -32,6 +32,15 @@ TEST(SteppedTrial, HasTheBitsOfATrialThatItsControllerRuns) {
     EXPECT_EQ(stepped.ended()->summary.friction_work, run.summary.friction_work);
     EXPECT_EQ(stepped.ended()->summary.offset, run.summary.offset);
   }
+}
+
+// Whoever answers, the trial is the same, to the last bit.
+TEST(SteppedTrial, HasTheBitsOfATrialThatItsControllerRuns) {
+  expect_same_trials(noisy());
+}
+
+TEST(SteppedTrial, HasThemWhereTheEntranceIsTakenToBeElsewhereAndTheFibreIsCurled) {
+  expect_same_trials(noisy({"sensor.entrance_sd_um=4", "fibre.curl_radius_m=2"}));
 }
 
 TEST(SteppedTrial, IsCutToTheSpeedLimitAndStaysAsItEnded) {
