@@ -121,9 +121,8 @@ Json draw_document(Chance& chance) {
   return d;
 }
 
-// What real parts have: curl, an oval bore, a fluid ahead of the end. Its own stream of chance, so
-// that the scenes are the same but for it. Cleaved and rounded ends are not among them yet: where
-// they rest on a face or an edge, more steps of such hands end unfinished.
+// What real parts have: curl, an oval bore, a fluid ahead of the end, a cleaved or rounded end. Its
+// own stream of chance, so that the scenes are the same but for it.
 void add_real_parts(Json& d, Chance& chance) {
   if (chance.with(0.25)) {
     const Json& h = d["holder"];
@@ -148,6 +147,13 @@ void add_real_parts(Json& d, Chance& chance) {
     if (!gas) d["laws"]["flow"]["vapour_pressure_kPa"] = chance.between(0, 100);
   }
   if (chance.with(0.2)) d["sensor"]["entrance_sd_um"] = chance.number(1, 20, 1e-3, 1e3);
+  if (chance.with(0.25)) {
+    d["fibre"]["cleave_deg"] = chance.between(0, 2);
+    d["fibre"]["cleave_direction_deg"] = chance.between(0, 360);
+  }
+  if (chance.with(0.25))
+    d["fibre"]["edge_um"] =
+        std::min(chance.number(0.1, 10, 1e-3, 100), 0.24 * d["fibre"]["diameter_um"].get<double>());
 }
 
 // From 0 to 1, at rest at both ends.

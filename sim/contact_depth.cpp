@@ -10,6 +10,16 @@ Vector2d face_slope(const World& world, const PoseVector& tip) noexcept {
   return tip.t + world.end.cleave;
 }
 
+// How deep the end is in the front face: its lowest point there, or, where none is supported, the
+// rim's, `rim`.
+double deepest_in_face(const World& world, const PoseVector& tip, double rim) noexcept {
+  if (!world.end.rests_lowest) return rim;
+  const FaceSupport support(world.annulus.fibre_radius - world.end.edge,
+                            world.profile.mouth_radius(), tip.e);
+  if (!support.any()) return rim;
+  return world.profile.lead_in_length - tip.x + support.rest(face_slope(world, tip)).ahead;
+}
+
 // How far the rim of the fibre's end is in bore and cone, each at the point of the rim that is
 // deepest there: |e| + r against the bore, and against the cone of half angle beta, as the rim lies
 // r (n.t) ahead in the direction n, |e + r tan(beta) t| + r.
@@ -46,8 +56,8 @@ struct RoundedEdge {
   }
 };
 
-// The end on the front face, where it is lowest. What supports it changes as it moves over the
-// opening: by central differences.
+// The end on the front face, where it is lowest; second derivatives as it moves over the opening by
+// central differences.
 void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth) noexcept {
   constexpr double kApart = 1e-9;  // [m]
   const double r = world.annulus.fibre_radius - world.end.edge;
@@ -59,7 +69,7 @@ void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth
   const FaceSupport::Rest rest = support.rest(slope);
   depth.value = world.profile.lead_in_length - tip.x + rest.ahead;
   depth.lean = -rest.point;
-  depth.slope = -Vector3d::UnitX();
+  depth.slope << -1, rest.by_e;
   depth.curve.setZero();
   depth.rests = true;
   depth.tilt_curve = rest.turning;
@@ -69,9 +79,10 @@ void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth
     const FaceSupport up(r, opening, tip.e + apart), down(r, opening, tip.e - apart);
     if (!up.any() || !down.any()) continue;
     const FaceSupport::Rest more = up.rest(slope), less = down.rest(slope);
-    depth.slope[1 + i] = (more.ahead - less.ahead) / (2 * kApart);
+    depth.curve.row(i) = (more.by_e - less.by_e).transpose() / (2 * kApart);
     depth.mixed_curve.row(i) = (more.point - less.point).transpose() / (2 * kApart);
   }
+  depth.curve = 0.5 * (depth.curve + depth.curve.transpose()).eval();
   depth.point.tail<2>() += rest.point;
 }
 
@@ -138,7 +149,9 @@ class RoundRim {
     d.cone_curve = c * c * radial.curving;
     if (bend_ > 0) {
       d.edge = 1 / bend_;
-      d.over_edge << c, s * n;
+      // By the angle the slope turns, and with it the direction in which the rim is deepest.
+      const Vector2d turn = radial.curving * turned(normal_);
+      d.over_edge = {c, s * n - c * turn, (s * rho_ - c * lever_) * n - c * d.cone_arm * turn};
     }
   }
 
@@ -158,16 +171,20 @@ class RoundRim {
     return {at[0] * across_ + at[1] * lever_ * slope_, world_, at[0]};
   }
 
+  // What that vector m changes by with the angle.
+  Vector2d turned(const Vector2d& at) const noexcept {
+    return -at[1] * across_ + at[0] * lever_ * slope_;
+  }
+
   // What the depth changes by with the angle, and that again.
   struct Slope {
     double first, second;
   };
   Slope slope_at(const Vector2d& at, double high, double wide) const noexcept {
     const Radial radial = deepest(at);
-    const Vector2d turned = -at[1] * across_ + at[0] * lever_ * slope_;
-    return {
-        wide * at[1] - high * at[0] + radial.normal.dot(turned),
-        high * at[1] + wide * at[0] - radial.eccentricity + turned.dot(radial.curving * turned)};
+    const Vector2d by = turned(at);
+    return {(wide + radial.wider) * at[1] - high * at[0] + radial.normal.dot(by),
+            high * at[1] + wide * at[0] - radial.eccentricity + by.dot(radial.curving * by)};
   }
 
   // At the angles between `from` and `to`, that have the edge `x` high, and wide by `wide`: by
@@ -216,7 +233,7 @@ ContactDepth throat_depth(const World& world, const PoseVector& tip) noexcept {
   const RoundedEdge edge(rim.depth);
   const Vector2d& outward = edge.cone > 0 ? rim.cone.normal : rim.bore.normal;
   depth.point << tip.x, tip.e + r * outward;
-  if (rim.depth.face <= 0) return depth;
+  if (deepest_in_face(world, tip, rim.depth.face) <= 0) return depth;
   const double cosine = 1 / std::sqrt(1 + tangent * tangent), sine = tangent * cosine;
   const double on_cone = edge.cone * cosine, in_bore = 1 - edge.cone;
   depth.value = edge.depth;
@@ -226,7 +243,7 @@ ContactDepth throat_depth(const World& world, const PoseVector& tip) noexcept {
   depth.cone_arm = r * tangent;
   depth.cone_curve = on_cone * rim.cone.curving;
   depth.edge = edge.bend;
-  depth.over_edge << sine, rim.bore.normal - cosine * rim.cone.normal;
+  depth.over_edge = {sine, rim.bore.normal - cosine * rim.cone.normal, sine * depth.lean};
   return depth;
 }
 
@@ -268,26 +285,31 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
   const RimDepths rim(world, tip);
   Vector2d out = tip.e;
   EdgeDepth depth = rim.depth;
+  EdgeSide before = state.side;
   if (state.side == EdgeSide::throat)
     out += RoundedEdge(rim.depth).cone * world.profile.lead_in_tangent * r * face_slope(world, tip);
   if (out.norm() > 0) at.outward = out.normalized();
-  if (state.side == EdgeSide::face)
-    depth = edge_depth(world.profile, tip.x - r * at.outward.dot(tip.t), tip.e.norm() + r);
+  if (state.side == EdgeSide::face && !world.end.rests_lowest)
+    depth = edge_depth(world.profile,
+                       tip.x - r * Radial(tip.e, world.annulus.clearance()).normal.dot(tip.t),
+                       tip.e.norm() + r);
   if (world.end.rests_lowest) {
     at.support = FaceSupport(r - world.end.edge, world.profile.mouth_radius(), tip.e);
-    if (at.support.any())
-      depth.face =
-          world.profile.lead_in_length - tip.x + at.support.rest(face_slope(world, tip)).ahead;
+    // Over the opening it is in the throat with its lowest point.
+    const Vector2d slope = face_slope(world, tip);
+    const double ahead =
+        at.support.any() ? at.support.rest(slope).ahead : (r - world.end.edge) * slope.norm();
+    depth.face = world.profile.lead_in_length - tip.x + ahead;
+    if (!at.support.any()) before = EdgeSide::throat;
   }
-  at.side =
-      world.end.edge > 0 ? round_side(world, tip, at, state.side) : edge_side(depth, state.side);
+  at.side = world.end.edge > 0 ? round_side(world, tip, at, before) : edge_side(depth, before);
   if (world.end.edge > 0 && at.side == EdgeSide::throat) {
     const Vector2d rounded = RoundRim(world, tip).outward();
     if (rounded.norm() > 0) at.outward = rounded.normalized();
   }
   const Vector2d at_mouth = eccentricity(tip, -tip.x);
   if (at_mouth.norm() > 0) at.mouth_outward = at_mouth.normalized();
-  at.side_ahead = -world.end.edge;
+  at.side_ahead = r * at.mouth_outward.dot(world.end.cleave) - world.end.edge;
   return at;
 }
 

@@ -33,6 +33,7 @@ struct Radial {
   double eccentricity;  // [m]
   Vector2d normal;      // d eccentricity / de, of length <= 1
   Matrix2d curving;     // d normal / de [1/m]
+  double wider = 0;     // by what an oval bore is wider there [m]
 
   Radial(const Vector2d& e, double clearance) noexcept {
     const double smooth = kRadialSmoothing * clearance, squared = e.squaredNorm();
@@ -54,7 +55,8 @@ struct Radial {
     const double smooth = 0.1 * world.annulus.clearance(), q = share * world.oval.amplitude;
     const Vector2d& u = world.oval.widest;
     const double inverse = 1 / (e.squaredNorm() + smooth * smooth), w = u.dot(e) * inverse;
-    eccentricity -= q * (2 * w * u.dot(e) - 1);
+    wider = world.oval.amplitude * (2 * w * u.dot(e) - 1);
+    eccentricity -= share * wider;
     normal -= 4 * q * w * (u - w * e);
     const Matrix2d mixed = u * e.transpose();
     curving -= 4 * q * inverse *
@@ -85,9 +87,9 @@ struct ContactDepth {
   // this arm, too, with the same slope.
   double cone_arm = 0;                     // [m]
   Matrix2d cone_curve = Matrix2d::Zero();  // [1/m]
-  // On the edge between bore and cone it bends also by -edge u u^T, u = `over_edge` [1/m].
+  // On an edge it bends also by -edge u u^T, u = `over_edge` by the pose [1/m].
   double edge = 0;
-  Vector3d over_edge;
+  PoseVector over_edge;
   // Where the end rests on the face it turns with the tilts: d bends by them [m].
   bool rests = false;
   Matrix2d tilt_curve, mixed_curve;  // by the tilts; by eccentricity and tilts
@@ -115,8 +117,8 @@ struct ContactDepth {
     } else {
       Matrix3d k = stiffness * slope * slope.transpose();
       k.bottomRightCorner<2, 2>() += force * curve;
-      if (edge > 0) k -= force * edge * over_edge * over_edge.transpose();
       total.add_point(arm.length, lean, force * slope, k);
+      if (edge > 0) add_square(total.hessian, -force * edge, over_edge);
       if (rests) {
         total.hessian.tt += force * tilt_curve;
         total.hessian.et += force * mixed_curve;

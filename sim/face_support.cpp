@@ -23,17 +23,29 @@ FaceSupport::FaceSupport(double radius, double opening, const Vector2d& e) noexc
   const double off = e.norm(), r = radius, R = opening;
   if (!(off + r > R)) return;
   radius_ = r;
+  off_ = off;
   if (off > 0) outward_ = e / off;
   least_ = -r;
   if (off >= r + R) return;  // beside the opening
-  if (off + R <= r) return;  // the opening is covered: the rim supports all around
+  if (off + R <= r) {        // the opening is covered: the rim supports all around
+    centroid_by_off_ = R * R / (r * r - R * R);
+    centroid_ = centroid_by_off_ * off;
+    return;
+  }
   least_ = (R * R - r * r - off * off) / (2 * off);
+  least_by_off_ = -least_ / off - 1;
   // Of the lens both discs share, the first moments of its two parts cancel about the opening's
   // centre but for that of the opening's part, -off times its area.
   const double of_opening = cap(R, least_ + off);
   const double lens = std::numbers::pi * r * r - cap(r, least_) + of_opening;
   const double crescent = std::numbers::pi * r * r - lens;
-  centroid_ = crescent > 0 ? std::clamp(off * of_opening / crescent, least_, r) : r;
+  centroid_ = crescent > 0 ? off * of_opening / crescent : r;
+  const double chord = 2 * std::sqrt(std::max(0.0, r * r - least_ * least_));
+  if (crescent > 0 && centroid_ > least_ && centroid_ < r)
+    centroid_by_off_ = (of_opening - chord * (off * (least_by_off_ + 1) + centroid_)) / crescent;
+  else
+    centroid_by_off_ = least_by_off_;
+  centroid_ = std::clamp(centroid_, least_, r);
 }
 
 FaceSupport::Rest FaceSupport::rest(const Vector2d& slope) const noexcept {
@@ -42,7 +54,8 @@ FaceSupport::Rest FaceSupport::rest(const Vector2d& slope) const noexcept {
   const Vector2d across(-n.y(), n.x()), centre = centroid_ * n, to = centre + per_tilt * slope;
   const double out = to.dot(n), aside = to.dot(across), far = to.norm();
   const double half = std::sqrt(std::max(0.0, r * r - least_ * least_));
-  Rest rest{0, to, per_tilt * kIdentity};
+  Rest rest{0, to, Vector2d::Zero(), per_tilt * kIdentity};
+  Vector2d moves = Vector2d::Zero();  // what bounds p, with |e|
   if (far > r && r * out >= least_ * far) {
     const Vector2d u = to / far;
     rest.point = r * u;
@@ -50,11 +63,21 @@ FaceSupport::Rest FaceSupport::rest(const Vector2d& slope) const noexcept {
   } else if (out < least_ && std::abs(aside) <= half) {
     rest.point = least_ * n + aside * across;
     rest.turning = per_tilt * across * across.transpose();
+    moves = least_by_off_ * n;
   } else if (far > r || out < least_) {
-    rest.point = least_ * n + std::copysign(half, aside) * across;
+    const double to_side = std::copysign(1.0, aside);
+    rest.point = least_ * n + to_side * half * across;
     rest.turning.setZero();
+    if (half > 0) moves = least_by_off_ * (n - to_side * least_ / half * across);
   }
-  rest.ahead = rest.point.dot(slope) - 0.5 * (rest.point - centre).squaredNorm() / per_tilt;
+  const Vector2d pull = (rest.point - centre) / per_tilt;
+  rest.ahead = rest.point.dot(slope) - 0.5 * pull.dot(rest.point - centre);
+  const double by_off = moves.dot(slope - pull) + centroid_by_off_ * pull.dot(n);
+  // As it turns about the opening's axis, all turns with it.
+  const double by_angle =
+      n.dot(rest.point) * across.dot(slope) - across.dot(rest.point) * n.dot(slope);
+  rest.by_e = by_off * n;
+  if (off_ > 0) rest.by_e += by_angle / off_ * across;
   return rest;
 }
 

@@ -33,7 +33,8 @@ class FaceSupport {
   // `ahead` of the end's centre, into the ferrule.
   struct Rest {
     double ahead;      // h [m]
-    Vector2d point;    // p, from the end's centre [m]
+    Vector2d point;    // p = dh/dslope, from the end's centre [m]
+    Vector2d by_e;     // dh/de [-]
     Matrix2d turning;  // dp/dslope [m]
   };
   Rest rest(const Vector2d& slope) const noexcept;
@@ -42,6 +43,8 @@ class FaceSupport {
   double radius_ = 0, least_ = 0;         // r; p.n at least [m]
   Vector2d outward_ = Vector2d::UnitX();  // n
   double centroid_ = 0;                   // along n [m]
+  double off_ = 0;                        // |e| [m]
+  double least_by_off_ = 0, centroid_by_off_ = 0;
 };
 
 }  // namespace ferrule

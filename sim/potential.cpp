@@ -208,18 +208,46 @@ void freeze_inertia(const World& world, const State& state, double dt,
   frozen.load_scale += force.head<3>().norm();
 }
 
-// Surface forces in the round bore that the oval one is stretched to.
-void add_in_oval(Energy& total, SurfaceGradients& by_term, const World& world,
+// Where the fibre is whole around, in the round bore that an oval one is stretched to.
+PoseVector whole(const World& world, const PoseVector& tip) noexcept {
+  PoseVector at = world.oval.stretched(tip);
+  at.x += world.end.behind;
+  at.e += world.end.behind * at.t;
+  return at;
+}
+PoseVector by_tip(const World& world, PoseVector gradient) noexcept {
+  gradient.t += world.end.behind * gradient.e;
+  return world.oval.by_pose(gradient);
+}
+PoseMatrix by_tip(const World& world, PoseMatrix m) noexcept {
+  const double arm = world.end.behind;
+  m.tt += arm * (m.et + m.et.transpose() + arm * m.ee);
+  m.et += arm * m.ee;
+  m.xt += arm * m.xe;
+  return world.oval.by_pose(m);
+}
+
+// The length that the printed laws act along.
+double printed_length(const World& world, const FrozenCoefficients& frozen) noexcept {
+  return std::max(0.0, frozen.length - world.end.behind);
+}
+
+void add_surface(Energy& total, SurfaceGradients& by_term, const World& world,
                  const FrozenCoefficients& frozen, const PoseVector& tip) noexcept {
-  Energy round;
+  const double length = printed_length(world, frozen);
+  if (world.oval.round() && world.end.behind == 0) {
+    add_surface_forces(total, by_term, world, length, frozen.bridge, tip);
+    return;
+  }
+  Energy there;
   SurfaceGradients terms;
-  add_surface_forces(round, terms, world, frozen.length, frozen.bridge, world.oval.stretched(tip));
-  total.value += round.value;
-  total.value_scale += round.value_scale;
-  total.force_scale += round.force_scale;
-  total.gradient += world.oval.by_pose(round.gradient);
-  total.hessian += world.oval.by_pose(round.hessian);
-  for (std::size_t i = 0; i < kSurfaceTerms; ++i) by_term[i] += world.oval.by_pose(terms[i]);
+  add_surface_forces(there, terms, world, length, frozen.bridge, whole(world, tip));
+  total.value += there.value;
+  total.value_scale += there.value_scale;
+  total.force_scale += there.force_scale;
+  total.gradient += by_tip(world, there.gradient);
+  total.hessian += by_tip(world, there.hessian);
+  for (std::size_t i = 0; i < kSurfaceTerms; ++i) by_term[i] += by_tip(world, terms[i]);
 }
 
 }  // namespace
@@ -329,9 +357,10 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
                    share * push.force + adhesion * pull.force,
                    share * push.slope + adhesion * pull.slope};
   }
-  if (frozen.contact.side == EdgeSide::face || frozen.length == 0 || !has_printed_forces(world))
+  const double length = printed_length(world, frozen);
+  if (frozen.contact.side == EdgeSide::face || length == 0 || !has_printed_forces(world))
     return laws;
-  const double clearance = world.annulus.clearance(), arm = 0.5 * frozen.length;
+  const double clearance = world.annulus.clearance(), arm = world.end.behind + 0.5 * length;
   const Radial middle(eccentricity(world.oval.stretched(tip), arm), clearance);
   const double gap = clearance - middle.eccentricity;
   const Vector2d out = world.oval.stretch * middle.normal;
@@ -340,9 +369,9 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
                           true,
                           -gap,
                           {0, out, arm * out},
-                          frozen.length * force.potential,
-                          frozen.length * force.force,
-                          -frozen.length * force.slope};
+                          length * force.potential,
+                          length * force.force,
+                          -length * force.slope};
   return laws;
 }
 
@@ -404,10 +433,7 @@ Potential::Potential(const World& world, const FrozenCoefficients& frozen,
   if (past > 0 && past < kPatch)
     cut_patch(*this, PatchShare(past), r * frozen.contact.mouth_outward, tip);
   const bool inserted = frozen.contact.side == EdgeSide::throat;
-  if (inserted && world.oval.round())
-    add_surface_forces(bore, surface, world, frozen.length, frozen.bridge, tip);
-  else if (inserted)
-    add_in_oval(bore, surface, world, frozen, tip);
+  if (inserted) add_surface(bore, surface, world, frozen, tip);
   if (world.laws.meniscus && inserted && tip.x < 0) {
     const double inwards = meniscus(*world.laws.meniscus, world.annulus.fibre_radius);
     bore.value += inwards * tip.x;
@@ -496,8 +522,8 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
 Contacts contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                   const Potential& there) noexcept {
   Contacts now;
-  now.bridge = frozen.contact.side == EdgeSide::throat &&
-               bridge_at(world, frozen.bridge, world.oval.stretched(tip));
+  now.bridge =
+      frozen.contact.side == EdgeSide::throat && bridge_at(world, frozen.bridge, whole(world, tip));
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const double depth = there.depth[at].value;

@@ -24,6 +24,9 @@ struct FibreEnd {
   // Whether it rests on the front face where it is lowest (sim/face_support.hpp), or as if it were
   // upright where it is farthest from the bore.
   bool rests_lowest = false;
+  // How far behind the centre of its face the fibre is whole around: r |cleave| + rho [m]. Surface
+  // forces act from there on.
+  double behind = 0;
 };
 
 struct World {

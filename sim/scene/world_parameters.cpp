@@ -123,8 +123,9 @@ FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
   const double direction =
       degree * (fibre.roll_deg.value_or(0) + fibre.cleave_direction_deg.value_or(0));
   const double slope = elementary::tan(degree * fibre.cleave_deg.value_or(0));
-  return {slope * Vector2d(elementary::cos(direction), elementary::sin(direction)),
-          micro * fibre.edge_um.value_or(0), true};
+  const double edge = micro * fibre.edge_um.value_or(0);
+  return {slope * Vector2d(elementary::cos(direction), elementary::sin(direction)), edge, true,
+          0.5 * micro * fibre.diameter_um * std::abs(slope) + edge};
 }
 
 World make_world(const WorldParameters& p) {
