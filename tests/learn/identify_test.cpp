@@ -19,6 +19,14 @@ Scene scene_with(std::vector<std::string> settings) {
   return testing::paper(settings);
 }
 
+// Without the printed wells: whether a recording falls into one, and when, is no smooth function of
+// the parameters.
+Scene without_wells(std::vector<std::string> settings) {
+  for (const char* none : {"laws.van_der_waals=null", "laws.electrostatic=null"})
+    settings.emplace_back(none);
+  return scene_with(std::move(settings));
+}
+
 // Simulated operators in `scene`; every force at the holder carries noise [N] of a sensor.
 std::vector<Recording> recordings(const Scene& scene, double noise, std::uint64_t seed,
                                   std::uint64_t episodes = 4) {
@@ -44,17 +52,11 @@ TEST(Identify, ReplaysARecordingInItsOwnSceneExactly) {
   EXPECT_GT(i.rows, 300u);
 }
 
-// Without the printed wells: whether a recording falls into one, and when, is no smooth function of
-// the parameters.
 TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
-  const auto scene = [](std::vector<std::string> settings) {
-    for (const char* none : {"laws.van_der_waals=null", "laws.electrostatic=null"})
-      settings.emplace_back(none);
-    return scene_with(settings);
-  };
   const auto data = recordings(
-      scene({"laws.friction.burgers_nm=0.6", "laws.adhesion.work_of_adhesion_J_m2=0.2"}), 0, 1);
-  const Identification i = identify(data, scene({}), {kFriction, kAdhesion}, 1);
+      without_wells({"laws.friction.burgers_nm=0.6", "laws.adhesion.work_of_adhesion_J_m2=0.2"}), 0,
+      1);
+  const Identification i = identify(data, without_wells({}), {kFriction, kAdhesion}, 1);
   EXPECT_CLOSE(i.parameters[0].value, 0.6, 1e-4);
   EXPECT_CLOSE(i.parameters[1].value, 0.2, 1e-3);
   EXPECT_LT(i.residual, 0.01 * i.residual_start);
@@ -64,12 +66,13 @@ TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
 TEST(Identify, IntervalsHoldTheParametersOfNoisyRecordings) {
   int inside = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-    const auto data = recordings(scene_with({}), 2e-8, seed);
-    for (const auto& [start, keys] :
-         {std::pair{scene_with({"laws.friction.burgers_nm=0.8", "ferrule.bore_diameter_um=126.4"}),
-                    std::vector<std::string>{kFriction, kBore}},
-          {scene_with({"laws.friction.burgers_nm=0.3", "laws.adhesion.work_of_adhesion_J_m2=0.3"}),
-           {kFriction, kAdhesion}}}) {
+    const auto data = recordings(without_wells({}), 2e-8, seed);
+    for (const auto& [start, keys] : {std::pair{without_wells({"laws.friction.burgers_nm=0.8",
+                                                               "ferrule.bore_diameter_um=126.4"}),
+                                                std::vector<std::string>{kFriction, kBore}},
+                                      {without_wells({"laws.friction.burgers_nm=0.3",
+                                                      "laws.adhesion.work_of_adhesion_J_m2=0.3"}),
+                                       {kFriction, kAdhesion}}}) {
       for (const IdentifiedParameter& p : identify(data, start, keys, seed).parameters) {
         const double truth = p.key == kFriction ? 0.48 : p.key == kBore ? 126 : 0.144;
         ASSERT_EQ(p.told, Told::fitted) << p.key;
