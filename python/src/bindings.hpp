@@ -39,7 +39,7 @@ Array array(const Vector& values) {
   return array(values.data(), {static_cast<std::size_t>(values.size())});
 }
 
-// In a process that was forked the threads of oneTBB are gone: everything runs on one there.
+// In a process that was forked the threads are gone: everything runs on one thread there.
 int threads_here(int threads) noexcept;
 
 }  // namespace ferrule::python
