@@ -16,6 +16,7 @@
 #include "bench/laws.hpp"
 #include "bench/parts.hpp"
 #include "bench/peers.hpp"
+#include "bench/plans.hpp"
 #include "bench/recording.hpp"
 #include "bench/stepping.hpp"
 #include "bench/tail.hpp"
@@ -405,6 +406,56 @@ int parts(const BenchArguments& a) {
   return ended(true);
 }
 
+Json plan_json(const PlanRow& r) {
+  return {{"scene", r.scene},
+          {"plan_for", r.plan_for},
+          {"planning_s", r.planning_s},
+          {"error_bound", number_or_null(r.error_bound)},
+          {"sampled_twice", r.sampled_twice},
+          {"full_us_per_simulated_s", r.full_us_per_simulated_s},
+          {"planned_us_per_simulated_s", r.planned_us_per_simulated_s},
+          {"ratio", r.ratio},
+          {"trials", r.trials},
+          {"full_inserted", r.full_inserted},
+          {"full_low", number_or_null(r.full_interval.low)},
+          {"full_high", number_or_null(r.full_interval.high)},
+          {"planned_inserted", r.planned_inserted},
+          {"planned_low", number_or_null(r.planned_interval.low)},
+          {"planned_high", number_or_null(r.planned_interval.high)}};
+}
+
+void print_plans(const std::vector<PlanRow>& rows) {
+  fmt::print("{:<10} {:<8} {:>8} {:>9} {:>14} {:>10} {:>10} {:>6} {:>7} {:>24} {:>24}\n", "scene",
+             "for", "plan [s]", "bound", "sampled twice", "full", "planned", "ratio", "trials",
+             "full inserted", "planned inserted");
+  for (const PlanRow& r : rows) {
+    const auto inserted = [](std::size_t count, const Interval& i) {
+      return fmt::format("{} ({:.1f} to {:.1f} %)", count, 100 * i.low, 100 * i.high);
+    };
+    fmt::print(
+        "{:<10} {:<8} {:>8.2f} {:>9.2g} {:>14.2g} {:>10.0f} {:>10.0f} {:>6.2f} {:>7} {:>24} "
+        "{:>24}\n",
+        r.scene, r.plan_for, r.planning_s, r.error_bound, r.sampled_twice,
+        r.full_us_per_simulated_s, r.planned_us_per_simulated_s, r.ratio, r.trials,
+        inserted(r.full_inserted, r.full_interval),
+        inserted(r.planned_inserted, r.planned_interval));
+  }
+  fmt::print("full, planned: us of the processor per simulated s of a campaign\n");
+}
+
+int plans(const BenchArguments& a) {
+  const std::vector<std::string> scenes =
+      a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
+  const std::vector<PlanRow> rows = bench_plans(a.seed, a.trials, scenes, watched("campaigns"));
+  const Provenance provenance = provenance_of_steps(a);
+  if (a.output.text()) {
+    print_plans(rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, plan_json)}}, "rows", provenance);
+  return ended(true);
+}
+
 Json peer_json(const PeerRow& r) {
   return {{"engine", r.engine},
           {"version", r.version},
@@ -461,13 +512,14 @@ void add_bench(CLI::App& app, Run& run) {
                    "capture: clearance means clearance; tail: the worst steps; events: the same "
                    "motions at ever finer steps; peers: other engines in the same motion; "
                    "recording: what a row costs; parts: "
-                   "success with curl, cleave, edge and the like")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers", "recording", "parts"}));
+                   "success with curl, cleave, edge and the like; plans: whether planning pays")
+      ->check(CLI::IsMember(
+          {"hard", "capture", "tail", "events", "peers", "recording", "parts", "plans"}));
   add_seed(*verb, a->seed,
-           "Of the scenes, starts, motions and trials that tail, events and parts draw");
-  verb->add_option("--scene", a->scene, "The scene of parts; all that ship unless given")
+           "Of the scenes, starts, motions and trials that tail, events, parts and plans draw");
+  verb->add_option("--scene", a->scene, "The scene of parts and plans; all that ship unless given")
       ->type_name("SCENE");
-  verb->add_option("--trials", a->trials, "Of every controller in every scene of parts")
+  verb->add_option("--trials", a->trials, "Of every controller in every scene of parts and plans")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   verb->add_option("--scenes", a->scenes,
@@ -487,6 +539,7 @@ void add_bench(CLI::App& app, Run& run) {
              : a->what == "peers"     ? peers(*a)
              : a->what == "recording" ? recording(*a)
              : a->what == "parts"     ? parts(*a)
+             : a->what == "plans"     ? plans(*a)
                                       : speed_and_error(*a);
     };
   });

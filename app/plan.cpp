@@ -15,6 +15,7 @@ namespace {
 struct PlanArguments {
   SceneArguments scene;
   double tolerance = 0.01;
+  std::string tolerance_of = "motion";
   std::string out;
   Output output;
 };
@@ -43,6 +44,9 @@ Json to_json(const Plan& plan, const std::vector<double>& costs) {
           {"terms", terms},
           {"dynamics", dynamics(plan)},
           {"step_s", plan.step},
+          {"tangent", plan.tangent},
+          {"sampled_twice", plan.sampled_twice},
+          {"sampling_counts", plan.sampling_counts},
           {"error_bound", number_or_null(plan.error_bound)}};
 }
 
@@ -62,28 +66,34 @@ void print(const Plan& plan, const std::vector<double>& costs) {
   if (plan.partial) return;
   fmt::print(
       "{}, steps of {:g} ms. What is left out changes the result by at most {:.2g}.\n"
-      "For a hand sampled at 1 kHz: where the fibre snaps or sticks, finer sampling ends "
-      "elsewhere.\n"
+      "{}"
+      "The same motion sampled twice as finely ends elsewhere by {:.2g}: {}.\n"
       "{}Error bound {:.2g} of the clearance, and of {:.4g} uN in force; asked for: {:g}{}\n",
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
+      plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",
+      plan.sampled_twice,
+      plan.sampling_counts ? "that counts" : "events are located, and this is how sensitive it is",
       inertia_left_out ? "Inertia: as the hand moves; how a fibre rings after a snap is not looked "
                          "at.\n"
                        : "",
       plan.error_bound, 1e6 * plan.force_scale, plan.tolerance, holds(plan) ? "" : ": NOT REACHED");
 }
 
-Plan planned_here(const Scene& scene, double tolerance) {
+Plan planned_here(const Scene& scene, const PlanArguments& a) {
   Progress progress("planning", 1);
-  return make_plan(scene, tolerance, [&](std::size_t runs, std::size_t most) {
-    progress(runs, "", most);
-    return !interrupted();
-  });
+  return make_plan(
+      scene, a.tolerance,
+      [&](std::size_t runs, std::size_t most) {
+        progress(runs, "", most);
+        return !interrupted();
+      },
+      a.tolerance_of == "success" ? PlanFor::success : PlanFor::motion);
 }
 
 int plan_verb(const PlanArguments& a) {
   // The tolerance asked for here, whatever the scene says.
   const Scene scene = a.scene.load();
-  const Plan plan = planned_here(scene, a.tolerance);
+  const Plan plan = planned_here(scene, a);
   std::vector<double> costs;
   for (const PlannedTerm& term : plan.terms)
     costs.push_back(plan.partial ? NAN : term_cost(plan, scene, term));
@@ -112,9 +122,14 @@ void add_plan(CLI::App& app, Run& run) {
           "Error of the tip over the clearance, and of the force over the largest at the holder")
       ->capture_default_str()
       ->check(number_between(1e-6, 0.5));
+  verb->add_option("--tolerance-of", a->tolerance_of,
+                   "The motion's, or that of every step, which leaves a success rate as it is")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"motion", "success"}));
   verb->add_option("--out", a->out, "Write the planned scene to a file")->type_name("FILE");
   add_output(*verb, a->output);
   add_examples(*verb, {"plan --scene bench --tolerance 0.05",
+                       "plan --scene bench --tolerance-of success --out planned.json",
                        "plan --scene paper --out planned.json --json"});
   verb->callback([a, &run] { run = [a] { return plan_verb(*a); }; });
 }

@@ -71,7 +71,6 @@ struct Insertion::Parts {
         watch(of, start),
         sensed(with.scaling, sensor, with.period, scene_tare(of)),
         grip(of, hand, settings),
-        state(start),
         result(start),
         now(grip.read(0, start)) {}
 
@@ -93,7 +92,6 @@ struct Insertion::Parts {
   InsertionWatch watch;
   SensedWrench sensed;
   Grip grip;
-  State state;
   StepResult result;
   Held now;
   HandTwist velocity = HandTwist::Zero();
@@ -134,14 +132,13 @@ const std::optional<InsertionEnd>& Insertion::feel() {
     p.grip.let_go();
     return p.ends(Outcome::interrupted, p.grip.fault());
   }
-  p.result = step(p.scene.world, p.state, p.settings.scaling.motion_to_tip(p.now.holder),
+  p.result = step(p.scene.world, p.result.state, p.settings.scaling.motion_to_tip(p.now.holder),
                   p.ticks == 0 ? 0.0 : p.settings.period);
   if (p.result.status == StepStatus::bad_command)
     return p.ends(Outcome::invalid_output, kNotFinite);
   p.sensed.read(p.result.forces.holder, p.result.state.command[0]);
   p.grip.render(p.time(), p.now.sample.age, p.result.forces.holder, p.sensed.relative());
   if (p.grip.fault()) return p.ends(Outcome::interrupted, p.grip.fault());
-  p.state = p.result.state;
   p.seen = p.watch.after(p.result);
   p.past = p.outcome == Outcome::inserted;
   if (p.seen && !p.past) p.outcome = *p.seen;
@@ -152,7 +149,7 @@ const std::optional<InsertionEnd>& Insertion::feel() {
 const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
   Parts& p = *parts_;
   const double period = p.settings.period;
-  const Held next = p.grip.read(static_cast<double>(p.ticks + 1) * period, p.state);
+  const Held next = p.grip.read(static_cast<double>(p.ticks + 1) * period, p.result.state);
   if (!next.holder.allFinite())
     return p.over ? p.ends_as_seen() : p.ends(Outcome::invalid_output, kNotFinite);
   const HandTwist command = (next.holder - p.now.holder) / period;

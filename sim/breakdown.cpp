@@ -1,5 +1,7 @@
 #include "sim/breakdown.hpp"
 
+#include "sim/world.hpp"
+
 namespace ferrule {
 
 Wrench Breakdown::sum(const Pose& tip) const noexcept {

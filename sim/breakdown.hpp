@@ -3,16 +3,18 @@
 
 #include <array>
 
-#include "sim/state.hpp"
-#include "sim/world.hpp"
+#include "sim/laws/laws.hpp"
+#include "sim/pose.hpp"
 
 namespace ferrule {
+
+struct World;
 
 struct PointForce {
   Vector3d force = {0, 0, 0};  // on the fibre [N]
   Vector3d point = {0, 0, 0};  // where it acts [m]
 
-  // As a wrench on the rod at `tip` (sim/state.hpp).
+  // As a wrench on the rod at `tip` (sim/pose.hpp).
   Wrench wrench(const Pose& tip) const noexcept {
     const Vector3d arm = point - tip.head<3>();
     Wrench w;
@@ -26,7 +28,6 @@ struct PointForce {
 // moment; the places of contact (ContactPlace) for adhesion, wall and friction; two arms that
 // together carry its moment for drag; the first alone for gravity, meniscus and flow.
 using TermForces = std::array<PointForce, 2>;
-static_assert(kContactPlaces == 2);
 
 struct Breakdown {
   std::array<TermForces, kTerms> terms;

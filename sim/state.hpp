@@ -4,6 +4,7 @@
 #include <array>
 #include <optional>
 
+#include "sim/breakdown.hpp"
 #include "sim/ferrule_profile.hpp"
 #include "sim/pose.hpp"
 
@@ -12,6 +13,7 @@ namespace ferrule {
 // The two places where the fibre can touch: the rim of its end (on the bore wall, the lead-in cone
 // or the front face) and its side (on the rim of the bore's mouth).
 enum ContactPlace { kEnd = 0, kSide = 1, kContactPlaces = 2 };
+static_assert(std::tuple_size_v<TermForces> == kContactPlaces);
 
 struct ContactState {
   bool closed = false;
@@ -30,6 +32,32 @@ struct Linearization {
   PoseVector curvature;    // what the last move changed the gradient by beyond the Hessian
 };
 
+// How the fibre follows the hand where nothing happens, to first order about the pose at which a
+// step was solved (sim/tangent.hpp).
+struct Tangent {
+  Matrix5 tip_by_command;
+  // How far the fibre has gone since, and how far it may go until a step is solved again [-].
+  double way = 0, reach = 0;
+  double least_x = 0, most_x = 0;  // the end stays between edges of the ferrule [m]
+  struct Place {
+    bool near = false;  // an open contact: the rest is set where the place is there at all
+    double depth = 0;   // of mean surfaces: now where it is open, else in the step solved [m]
+    Pose depth_slope = Pose::Zero();
+    bool rubs = false, slips = false;
+    Eigen::Matrix<double, 3, 5> stretching;  // of the stuck spring, by the pose
+    Vector3d stretch;                        // of it [m]
+    double longest;                          // that friction holds it to [m]
+    double slid;                             // beyond that, in the step solved [m]
+  };
+  std::array<Place, kContactPlaces> place;
+  Breakdown forces;  // there
+
+  // With copies of its own, so that a state without one costs none.
+  Tangent() = default;
+  Tangent(const Tangent& t) noexcept { *this = t; }
+  Tangent& operator=(const Tangent&) = default;
+};
+
 struct State {
   Pose tip = Pose::Zero();      // pose of the inserted end [m, rad]
   Pose command = Pose::Zero();  // pose of the holder at `time` [m, rad]
@@ -40,11 +68,13 @@ struct State {
   double air = 0;
   std::array<ContactState, kContactPlaces> contact;
   // Of the step before, for inertia and second order; dt_before is 0 where there was none.
-  Pose velocity = Pose::Zero();                // of the end [m/s, rad/s]
-  Pose tip_before = Pose::Zero();              // [m, rad]
-  Pose velocity_before = Pose::Zero();         // [m/s, rad/s]
-  double dt_before = 0;                        // [s]
-  std::optional<Linearization> linearization;  // no part of a row
+  Pose velocity = Pose::Zero();         // of the end [m/s, rad/s]
+  Pose tip_before = Pose::Zero();       // [m, rad]
+  Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
+  double dt_before = 0;                 // [s]
+  // No part of a row:
+  std::optional<Linearization> linearization;
+  std::optional<Tangent> tangent;
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
@@ -66,7 +96,7 @@ inline StateRow to_row(const State& s) noexcept {
   return row;
 }
 
-// The state of such a row; without linearization.
+// The state of such a row; without linearization and tangent.
 inline State state_of(const StateRow& row) noexcept {
   State s;
   s.tip = row.head<5>();

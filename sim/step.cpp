@@ -5,6 +5,7 @@
 
 #include "sim/friction_limits.hpp"
 #include "sim/minimum.hpp"
+#include "sim/tangent.hpp"
 
 namespace ferrule {
 namespace {
@@ -366,6 +367,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
   if (result.substeps > 0) result.forces = {};
   forces(world, frozen, found.tip, found.there, result.forces);
+  set_tangent(world, frozen, found, result.forces, state);
   ++result.substeps;
 }
 
@@ -445,6 +447,7 @@ StepResult follow_command(const World& world, const State& state, const Pose& co
                           double dt) noexcept {
   StepResult result(state);
   result.state.time = state.time + dt;
+  if (state.tangent) leave_tangent(result.state);
   const int parts = parts_of(world, dt);
   for (int k = 1; k <= parts; ++k)
     follow_part(world,
@@ -452,6 +455,7 @@ StepResult follow_command(const World& world, const State& state, const Pose& co
                            : Pose(state.command +
                                   static_cast<double>(k) / parts * (command - state.command)),
                 dt / parts, result);
+  set_reach(world, state, result);
   return result;
 }
 
@@ -469,6 +473,9 @@ StepResult refuse(const World& world, const State& state) noexcept {
 StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept {
   if (!command.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
   if (flies_free(world, state, command)) return hang(world, state, command, dt);
+  if (state.tangent)
+    if (const auto next = along_tangent(world, state, command))
+      return follow_tangent(world, state, command, dt, *next);
   return follow_command(world, state, command, dt);
 }
 

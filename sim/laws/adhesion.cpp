@@ -1,6 +1,8 @@
 #include "sim/laws/adhesion.hpp"
 
+#include <mutex>
 #include <numbers>
+#include <optional>
 
 #include "sim/elementary.hpp"
 
@@ -13,9 +15,22 @@ double reduced_modulus(double young_fibre, double poisson_fibre, double young_fe
           (1 - poisson_ferrule * poisson_ferrule) / young_ferrule);
 }
 
+namespace {
+
+// The last curve that was tabulated is kept: most worlds of a run have the same.
+MaugisCurve tabulated(double lambda) {
+  static std::mutex mutex;
+  static std::optional<MaugisCurve> last;
+  const std::scoped_lock lock(mutex);
+  if (!last || last->lambda() != lambda) last.emplace(lambda);
+  return *last;
+}
+
+}  // namespace
+
 MaugisContact::MaugisContact(double lambda, double work_of_adhesion, double reduced_modulus,
                              double sphere_radius)
-    : curve(lambda),
+    : curve(tabulated(lambda)),
       force(std::numbers::pi * work_of_adhesion * sphere_radius),
       depth(elementary::cbrt(force * force / (reduced_modulus * reduced_modulus * sphere_radius))),
       radius(elementary::cbrt(force * sphere_radius / reduced_modulus)) {}

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/follow.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/minimum_jerk.hpp"
 #include "sim/plan/fidelity.hpp"
 #include "sim/plan/probe.hpp"
 #include "sim/plan/sampled_run.hpp"
 #include "sim/scene/terms.hpp"
+#include "sim/tangent.hpp"
 
 namespace ferrule {
 namespace {
@@ -29,6 +31,13 @@ constexpr double kShareOfFidelity = 0.2;
 constexpr double kShareOfInertia = 0.8;     // which it may change where it is left out unmeasured
 constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
 constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
+
+constexpr double kLocatesEvents = 1e-9;    // the hand's travel in one that is located, at most [m]
+constexpr double kFinestForSteps = 1e-4;   // what a step with drag is compared with [s]
+constexpr double kTangent = 0.1;           // of the tolerance, along a tangent
+constexpr std::size_t kResampled = 2;      // probes that are sampled twice as finely
+constexpr std::size_t kEveryForSteps = 5;  // samples from which a step is compared
+constexpr double kMostSteps = 0.95;        // whose error is below the bound
 
 // The runs of a plan, which may be stopped.
 struct Runs {
@@ -69,6 +78,11 @@ struct Reference {
   // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
   // that was not run to its end.
   double error(const World& reduced, double enough) const;
+  // What all but a few of the steps of a reduced model miss those by that `full` makes from the same
+  // states.
+  double error_of_steps(const World& reduced, const World& full) const;
+  // By how much the full model ends elsewhere where the hand is sampled twice as finely.
+  double sampled_twice() const;
 };
 
 Reference::Reference(const Scene& full, Runs& watched)
@@ -110,6 +124,53 @@ double Reference::error(const World& reduced, double enough) const {
   return worst;
 }
 
+double Reference::error_of_steps(const World& reduced, const World& full) const {
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    if (!watch.next()) return INFINITY;
+    const std::vector<Pose>& hand = probes[k].hand;
+    State state = probes[k].start;
+    for (std::size_t n = 0; n < runs[k].tip.size(); ++n) {
+      const double dt = n == 0 ? 0 : kSamplePeriod;
+      State before = state;
+      leave_tangent(before);
+      const StepResult reached = step(reduced, state, hand[n], dt);
+      state = reached.state;
+      if (n % kEveryForSteps != 0) continue;
+      const StepResult exact = step(full, before, hand[n], dt);
+      const Vector3d force = (reached.forces.holder - exact.forces.holder).head<3>();
+      errors.push_back(std::max((state.tip - exact.state.tip).head<3>().norm() / clearance,
+                                force.norm() / force_scale));
+    }
+  }
+  const auto at = errors.begin() +
+                  static_cast<std::ptrdiff_t>(kMostSteps * static_cast<double>(errors.size() - 1));
+  std::nth_element(errors.begin(), at, errors.end());
+  return *at;
+}
+
+double Reference::sampled_twice() const {
+  double worst = 0;
+  for (std::size_t k = 0; k < std::min(kResampled, probes.size()) && watch.next(); ++k) {
+    const std::vector<Pose>& hand = probes[k].hand;
+    SampledRun twice;
+    follow(
+        scene.world, probes[k].start, 2 * std::ssize(runs[k].tip) - 1, 0.5 * kSamplePeriod,
+        [&](std::ptrdiff_t n) {
+          const auto i = static_cast<std::size_t>(n / 2);
+          return n % 2 == 0 ? hand[i] : Pose(0.5 * (hand[i] + hand[i + 1]));
+        },
+        [&](std::ptrdiff_t n, const StepResult& r) {
+          if (n % 2 != 0) return true;
+          twice.tip.push_back(r.state.tip.head<3>());
+          twice.force.push_back(r.forces.holder.head<3>());
+          return true;
+        });
+    worst = std::max(worst, run_error(twice, runs[k], hand, scene.world));
+  }
+  return worst;
+}
+
 // Terms that may be left out together, and what that changes at most.
 struct LeftOut {
   std::vector<Term> terms;
@@ -147,10 +208,11 @@ struct Reduced {
   std::vector<Term> without;
   Fidelity fidelity;
   Dynamics dynamics;
-  double step;  // longest [s]
+  double step;         // longest [s]
+  double tangent = 0;  // [-]
 };
 
-World reduced_world(const Scene& full, const Reduced& r) {
+World reduced_world(const Scene& full, const Reduced& r, double force_scale) {
   WorldParameters p = full.parameters;
   for (const Term term : r.without) info(term).leave_out(p.laws);
   p.dynamics = r.dynamics;
@@ -158,13 +220,15 @@ World reduced_world(const Scene& full, const Reduced& r) {
   p.numerics.quadrature = Quadrature::gauss_legendre(r.fidelity.nodes);
   p.numerics.closed_form = r.fidelity.closed_form;
   p.numerics.longest_step = r.step;
+  p.numerics.tangent_tip = r.tangent * full.world.annulus.clearance();
+  p.numerics.tangent_force = r.tangent * force_scale;
   return make_world(p);
 }
 
 // The scene file of that model.
-Json reduced_document(const Scene& full, const Reduced& r) {
+Json reduced_document(const Scene& full, const Reduced& r, double force_scale) {
   Json d = full.document;
-  for (const char* key : {"accuracy", "tilted_axes", "integrator"}) d.erase(key);
+  for (const char* key : {"accuracy", "tilted_axes", "integrator", "tangent"}) d.erase(key);
   for (const Term term : r.without) d["laws"][info(term).name] = nullptr;
   d["quadrature"] = r.fidelity.nodes;
   if (!r.fidelity.closed_form) d["tilted_axes"] = "quadrature";
@@ -173,10 +237,11 @@ Json reduced_document(const Scene& full, const Reduced& r) {
   if (inertial) d["integrator"] = "bdf2";
   d["step_s"] = r.step;
   // Which depends on the laws where it is not stated.
-  if (!d.contains("event_travel_nm")) {
-    const double travel = full.parameters.numerics.event_travel;
-    d["event_travel_nm"] = std::isfinite(travel) ? travel / 1e-9 : 1e9;
-  }
+  if (!d.contains("event_travel_nm"))
+    d["event_travel_nm"] = full.parameters.numerics.event_travel / 1e-9;
+  if (r.tangent > 0)
+    d["tangent"] = {{"tip_nm", r.tangent * full.world.annulus.clearance() / 1e-9},
+                    {"force_uN", r.tangent * force_scale / 1e-6}};
   return d;
 }
 
@@ -193,7 +258,8 @@ Fidelity choose_fidelity(const Reference& reference, const std::vector<Term>& wi
                          double enough, std::array<double, kSurfaceTerms>& coarser) {
   const auto world = [&](Fidelity f) {
     return reduced_world(reference.scene,
-                         {without, f, reference.scene.world.dynamics, kSamplePeriod});
+                         {without, f, reference.scene.world.dynamics, kSamplePeriod},
+                         reference.force_scale);
   };
   const World finest = world(kFidelities.back());
   for (const Fidelity& f : kFidelities) {
@@ -231,11 +297,21 @@ Choice choose(const Reference& reference, const Budget& budget) {
   if (budget.steps.size() > 1) {
     Reduced longer = full.model;
     longer.step = budget.steps[budget.steps.size() - 2];
-    full_error = reference.error(reduced_world(reference.scene, longer), INFINITY);
+    full_error =
+        reference.error(reduced_world(reference.scene, longer, reference.force_scale), INFINITY);
   }
   Choice nothing_reduced = full;
   nothing_reduced.error = full_error / measured;
-  if (full_error > enough) return nothing_reduced;
+  if (full_error > enough) {
+    if (world.dynamics == Dynamics::quasi_static) {  // then as the scene has it, which is no worse
+      Reduced& as_it_is = nothing_reduced.model;
+      as_it_is.step = reference.scene.document.value("step_s", kSamplePeriod);
+      const double error =
+          reference.error(reduced_world(reference.scene, as_it_is, reference.force_scale), enough);
+      nothing_reduced.error = std::max(error, full_error) / measured;
+    }
+    return nothing_reduced;
+  }
 
   std::vector<LeftOut> tries = {smallest_terms(reference, share(kShare))};
   if (!tries.front().terms.empty()) tries.emplace_back();
@@ -248,16 +324,66 @@ Choice choose(const Reference& reference, const Budget& budget) {
     std::vector<std::pair<Dynamics, double>> ways;
     if (budget.try_quasi_static) ways.emplace_back(Dynamics::quasi_static, budget.steps.front());
     for (const double step : budget.steps) ways.emplace_back(world.dynamics, step);
+    const bool timeless = budget.steps.size() == 1;
+    const bool as_full = timeless && left_out.terms.empty() && c.coarser == Choice{}.coarser;
+    if (timeless && !reference.sticks) {
+      c.model.tangent = kTangent * budget.tolerance;
+      c.error =
+          reference.error(reduced_world(reference.scene, c.model, reference.force_scale), enough);
+      if (c.error <= enough) {
+        c.error /= measured;
+        return c;
+      }
+      c.model.tangent = 0;
+    }
     for (const auto& [dynamics, step] : ways) {
       c.model.dynamics = dynamics;
       c.model.step = step;
-      c.error = reference.error(reduced_world(reference.scene, c.model), enough);
+      c.error = as_full
+                    ? 0
+                    : reference.error(
+                          reduced_world(reference.scene, c.model, reference.force_scale), enough);
       if (c.error > enough) continue;
       if (step == budget.steps.back()) c.error = std::max(c.error, full_error);
       c.error /= measured;
       return c;
     }
   }
+  return nothing_reduced;
+}
+
+// The cheapest model whose steps are good enough, by whether terms are left out and stretches are
+// followed along the tangent, at the control period; else the full one.
+Choice choose_for_success(const Reference& reference, double tolerance) {
+  const Scene& scene = reference.scene;
+  const double enough = kMeasured * tolerance;
+  const Choice full{
+      {{}, kFidelities.back(), scene.world.dynamics, kSamplePeriod}, {}, {}, INFINITY};
+  Reduced finest = full.model;
+  if (depends_on_speed(scene.world.laws)) finest.step = kFinestForSteps;
+  const World exact = reduced_world(scene, finest, reference.force_scale);
+  std::vector<LeftOut> tries = {smallest_terms(reference, kShare * tolerance)};
+  if (!tries.front().terms.empty()) tries.emplace_back();
+  for (const LeftOut& left_out : tries) {
+    Choice c = full;
+    c.left_out = left_out;
+    c.model.without = left_out.terms;
+    c.model.fidelity =
+        choose_fidelity(reference, left_out.terms, kShareOfFidelity * tolerance, c.coarser);
+    for (const double tangent : {kTangent, 0.1 * kTangent}) {
+      c.model.tangent = depends_on_speed(scene.world.laws) ? 0 : tangent * tolerance;
+      c.error =
+          reference.error_of_steps(reduced_world(scene, c.model, reference.force_scale), exact);
+      if (c.error > enough) continue;
+      c.error /= kMeasured;
+      return c;
+    }
+  }
+  Choice nothing_reduced = full;
+  if (depends_on_speed(scene.world.laws))
+    nothing_reduced.error = reference.error_of_steps(scene.world, exact) / kMeasured;
+  else
+    nothing_reduced.error = 0;
   return nothing_reduced;
 }
 
@@ -321,6 +447,8 @@ Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& s
   p.numerics.closed_form = true;
   p.numerics.quadrature = Quadrature::gauss_legendre(kFullNodes);
   p.numerics.longest_step = steps.back();
+  p.numerics.tangent_tip = p.numerics.tangent_force = 0;
+  if (!scene.document.contains("event_travel_nm")) p.numerics.event_travel = kLocatesEvents;
   full.world = make_world(p);
   return full;
 }
@@ -339,33 +467,43 @@ PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, doubl
 
 }  // namespace
 
-Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) {
+Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, PlanFor quantity) {
   if (!(tolerance >= 1e-6 && tolerance <= 0.5))
     throw BadInput("accuracy = " + Json(tolerance).dump() + ": must be from 1e-6 to 0.5");
   const Inertia inertia(scene);
   const bool rings = !inertia.stated && inertia.change > kShareOfInertia * tolerance;
   const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
-  const std::vector<double>& steps = inertial                             ? kInertialSteps
+  const bool for_success = quantity == PlanFor::success && !inertial;
+  const std::vector<double>& steps = for_success                          ? kTimeless
+                                     : inertial                           ? kInertialSteps
                                      : depends_on_speed(scene.world.laws) ? kDragSteps
                                                                           : kTimeless;
   const Scene full = full_model(scene, inertial, steps);
   const double left = inertia.stated || rings ? tolerance : tolerance - inertia.change;
   const Budget budget{left, inertial && inertia.stated, steps};
-  Runs runs{go_on, budget.most_runs(probes_of(full))};
+  const std::size_t probes = probes_of(full);
+  Runs runs{go_on, kResampled + (for_success ? 6 * probes : budget.most_runs(probes))};
   const Reference reference(full, runs);
-  const Choice choice = choose(reference, budget);
+  const Choice choice =
+      for_success ? choose_for_success(reference, left) : choose(reference, budget);
 
   Plan plan;
   plan.partial = runs.stopped;
   plan.tolerance = tolerance;
   plan.dynamics = choice.model.dynamics;
   plan.step = choice.model.step;
+  plan.tangent = choice.model.tangent;
   plan.force_scale = reference.force_scale;
   plan.error_bound =
       std::max(choice.error,
                choice.left_out.change +
                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
-  plan.terms = planned_terms(reference, choice, reduced_world(full, choice.model));
+  plan.sampled_twice = reference.sampled_twice();
+  plan.sampling_counts =
+      full.parameters.numerics.event_travel > 1.001 * kLocatesEvents && !for_success;
+  if (plan.sampling_counts) plan.error_bound = std::max(plan.error_bound, plan.sampled_twice);
+  plan.terms =
+      planned_terms(reference, choice, reduced_world(full, choice.model, reference.force_scale));
   if (const auto curl = free_curl(full.parameters)) {
     plan.terms.push_back(planned_curl(
         *curl, reference, (reference.sticks ? kShareWhereItSticks : kShare) * tolerance));
@@ -380,7 +518,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on) 
         {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia.force, change, State()});
     if (!inertia.stated) plan.error_bound += change;
   }
-  plan.document = reduced_document(full, choice.model);
+  plan.document = reduced_document(full, choice.model, reference.force_scale);
   for (const PlannedTerm& term : plan.terms)
     if (term.name == "curl" && !term.kept) plan.document["fibre"].erase("curl_radius_m");
   plan.document["planned_accuracy"] = tolerance;

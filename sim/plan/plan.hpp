@@ -8,8 +8,8 @@
 //
 // Errors are those of sim/plan/sampled_run.hpp, at 1 kHz. The full model steps as control does:
 // without drag and inertia it too takes one step per command, 1 ms, which is the input and no
-// approximation. Where the fibre snaps or sticks, commands sampled more finely end elsewhere; the
-// bound does not cover that.
+// approximation. Where the fibre snaps or sticks, commands sampled more finely end elsewhere: by
+// how much is measured, and counts in the bound where the scene does not locate events.
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
@@ -20,6 +20,18 @@
 // is that of control, 1 ms. Where even the finest two steps differ by more than that, the full
 // model is the plan. The bound is what was measured over the share it may have: other motions than
 // the probes differ by more.
+//
+// Statistics bear more than a motion does. Where a fibre snaps and sticks, a hand that is off by a
+// thousandth of the clearance ends elsewhere by a tenth of it, and a success rate over scattered
+// starts does not change. A plan for the success rate therefore asks that every step is what the
+// full model would do from the same state: the motion is then the full model's for a hand that is
+// off by no more than that. Its bound is that error of a step, of 95 % of the steps of the probes.
+// Terms may be left out by their share whether it sticks or not, drag is compared over the control
+// period, and smooth stretches are followed along the tangent (sim/tangent.hpp). A motion's plan does
+// that only where nothing sticks or snaps. Scenes with inertia are planned for the motion.
+//
+// Events are located in every full model, to 1 nm of the hand's travel unless the scene says
+// otherwise.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
 // command alone: the bound does not cover how long a fibre without damping rings where it snaps or
@@ -33,6 +45,8 @@
 #include "sim/scene/scene.hpp"
 
 namespace ferrule {
+
+enum class PlanFor { motion, success };
 
 struct PlannedTerm {
   std::string name;  // as in the table of terms, "curl" or "inertia"
@@ -50,9 +64,14 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   std::vector<PlannedTerm> terms;
   Dynamics dynamics;
   double step;         // longest step in time [s]
+  double tangent;      // error to which smooth stretches follow the tangent [-]; 0: none does
   double force_scale;  // what force errors are relative to [N]
   double error_bound;  // of tip over clearance and of force over force_scale
-  Json document;       // the planned scene
+  // By how much the same motions, sampled twice as finely, end elsewhere in the full model, in the
+  // same measure; whether that counts in the bound, events not being located.
+  double sampled_twice = 0;
+  bool sampling_counts = false;
+  Json document;  // the planned scene
   // It was stopped: nothing is left out, the error bound is infinite, the largest forces are those
   // of the probes that were run.
   bool partial = false;
@@ -64,7 +83,8 @@ using PlanProgress = std::function<bool(std::size_t runs, std::size_t most)>;
 
 // Whatever accuracy the scene itself asks for; 1e-6 <= tolerance <= 0.5. Deterministic; takes some
 // seconds. Throws BadInput if the tolerance is out of range.
-Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on = {});
+Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on = {},
+               PlanFor quantity = PlanFor::motion);
 
 // The scene itself, or where it states an accuracy the planned one. Throws BadInput, and what
 // `go_on` throws.

@@ -109,6 +109,11 @@ void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
     scene.number("event_travel_nm", positive(1e-6, 1e9), numerics.event_travel, nano);
   else if (!has_printed_wells(laws))
     numerics.event_travel = kUsualEventTravel;
+  if (scene.present("tangent")) {
+    JsonFields tangent = scene.object("tangent");
+    tangent.number("tip_nm", positive(1e-6, 1e6), numerics.tangent_tip, nano);
+    tangent.number("force_uN", positive(1e-6, 1e6), numerics.tangent_force, micro);
+  }
 }
 
 void read_world(JsonFields& scene, WorldParameters& world) {

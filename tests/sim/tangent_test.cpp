@@ -1,0 +1,72 @@
+#include "sim/tangent.hpp"
+
+#include "sim/follow.hpp"
+#include "tests/scenes.hpp"
+
+namespace ferrule {
+namespace {
+
+// Into the bore of `bench`, to one wall, along it and half way back while pressed.
+std::vector<Pose> hand(const World& world) {
+  const double c = world.annulus.clearance();
+  std::vector<Pose> commands = {testing::pose(5e-6, 0.1 * c, 0) - world.holder.sag};
+  for (const Pose& tip :
+       {testing::pose(-20e-6, 0.1 * c, 0.2 * c), testing::pose(-20e-6, 6 * c, 2 * c),
+        testing::pose(-30e-6, 6 * c, 2 * c), testing::pose(-25e-6, 6 * c, 2 * c)}) {
+    const Pose from = commands.back(), move = tip - world.holder.sag - from;
+    const double steps = std::ceil(move.head<3>().norm() / 20e-9);
+    for (double n = 1; n <= steps; ++n) commands.push_back(from + n / steps * move);
+  }
+  return commands;
+}
+
+World with_tangent(double clearances) {
+  WorldParameters p = load_scene("bench").parameters;
+  const World world = make_world(p);
+  p.numerics.tangent_tip = clearances * world.annulus.clearance();
+  p.numerics.tangent_force = clearances * 60e-6;
+  return make_world(p);
+}
+
+TEST(Tangent, LeavesMostStepsUnsolvedAndIsWhereTheWholeModelIsAfterThem) {
+  const World world = with_tangent(1e-3), full = load_scene("bench").world;
+  const std::vector<Pose> commands = hand(world);
+  State state = at_rest(world, commands.front() + world.holder.sag);
+  int solved = 0, off = 0;
+  for (const Pose& command : commands) {
+    State here = state;
+    leave_tangent(here);
+    const StepResult exact = step(full, here, command, 1e-3);
+    const StepResult followed = step(world, state, command, 1e-3);
+    state = followed.state;
+    solved += followed.evaluations > 0;
+    const double miss = (exact.state.tip - state.tip).head<3>().norm();
+    off += miss > 0.01 * world.annulus.clearance();
+    EXPECT_EQ(state.command, command);
+    EXPECT_TRUE(followed.forces.holder.isApprox(world.holder.stiffness * (state.tip - command)));
+  }
+  EXPECT_LT(solved, static_cast<int>(commands.size() / 3));
+  EXPECT_LE(off, 2);  // an event is seen a step late at most
+}
+
+TEST(Tangent, IsNotThereWhereItIsNotAskedForOrTimeMatters) {
+  World world = load_scene("bench").world;
+  for (const World& w : {world, [&] {
+                           World slow = with_tangent(1e-3);
+                           slow.dynamics = Dynamics::inertial;
+                           return slow;
+                         }()}) {
+    const std::vector<Pose> commands = hand(w);
+    const State start = at_rest(w, commands.front() + w.holder.sag);
+    follow(
+        w, start, 300, 1e-3,
+        [&](std::ptrdiff_t n) { return commands[static_cast<std::size_t>(n)]; },
+        [&](std::ptrdiff_t, const StepResult& r) {
+          EXPECT_FALSE(r.state.tangent);
+          return true;
+        });
+  }
+}
+
+}  // namespace
+}  // namespace ferrule
