@@ -1,7 +1,7 @@
 """What a simulated second costs: a campaign of the program, the Gymnasium environments, and a peg in a hole of MuJoCo.
 
     ./ferrule test --long    makes build/learners-env
-    build/learners-env/bin/python bench/environments.py [--seconds 60]
+    build/learners-env/bin/python bench/environments.py [--seconds 300]
 
 All in turns in one process, constant velocity in the scene bench, three rounds; the least time of each counts.
 """
@@ -67,7 +67,7 @@ def peg_of_mujoco(seconds: float) -> float:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--seconds", type=float, default=60)
+    parser.add_argument("--seconds", type=float, default=300)
     parser.add_argument("--rounds", type=int, default=3)
     arguments = parser.parse_args()
     tried = {
