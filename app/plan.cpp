@@ -72,7 +72,7 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
       plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",
       plan.sampled_twice,
-      plan.sampling_counts ? "that counts" : "events are located, and this is how sensitive it is",
+      plan.sampling_counts ? "that counts" : "the bound does not cover that",
       inertia_left_out ? "Inertia: as the hand moves; how a fibre rings after a snap is not looked "
                          "at.\n"
                        : "",

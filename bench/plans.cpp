@@ -56,7 +56,7 @@ PlanRow measured(const std::string& name, PlanFor quantity, std::uint64_t seed,
   row.sampled_twice = plan.sampled_twice;
   const Scene planned = parse_scene(plan.document, name);
   Json document = scene.document;
-  document["event_travel_nm"] = plan.document.at("event_travel_nm");
+  document["quadrature"] = 16;
   const Scene full = parse_scene(document, name);
   Campaign of_full, of_planned;
   for (int turn = 0; turn < kTurns; ++turn) {

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kAimedAt = 0.25;        // of the error that is allowed, at the end of a stretch
 constexpr double kLonger = 3;            // a stretch than the one before, at most
-constexpr double kLongestStretch = 0.3;  // a stretch, as way_of() has it
+constexpr double kLongestStretch = 0.15;  // a stretch, as way_of() has it
 constexpr double kAlongTheBore = 0.05;   // of a way across, in what it changes
 constexpr double kLeastGap = 1e-9;       // [m]
 constexpr double kAdheres = 20e-9;       // from so far away, at most [m]

@@ -238,7 +238,7 @@ Json reduced_document(const Scene& full, const Reduced& r, double force_scale) {
   d["step_s"] = r.step;
   // Which depends on the laws where it is not stated.
   if (!d.contains("event_travel_nm"))
-    d["event_travel_nm"] = full.parameters.numerics.event_travel / 1e-9;
+    d["event_travel_nm"] = std::min(full.parameters.numerics.event_travel / 1e-9, 1e9);
   if (r.tangent > 0)
     d["tangent"] = {{"tip_nm", r.tangent * full.world.annulus.clearance() / 1e-9},
                     {"force_uN", r.tangent * force_scale / 1e-6}};
@@ -326,16 +326,6 @@ Choice choose(const Reference& reference, const Budget& budget) {
     for (const double step : budget.steps) ways.emplace_back(world.dynamics, step);
     const bool timeless = budget.steps.size() == 1;
     const bool as_full = timeless && left_out.terms.empty() && c.coarser == Choice{}.coarser;
-    if (timeless && !reference.sticks) {
-      c.model.tangent = kTangent * budget.tolerance;
-      c.error =
-          reference.error(reduced_world(reference.scene, c.model, reference.force_scale), enough);
-      if (c.error <= enough) {
-        c.error /= measured;
-        return c;
-      }
-      c.model.tangent = 0;
-    }
     for (const auto& [dynamics, step] : ways) {
       c.model.dynamics = dynamics;
       c.model.step = step;
@@ -448,7 +438,6 @@ Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& s
   p.numerics.quadrature = Quadrature::gauss_legendre(kFullNodes);
   p.numerics.longest_step = steps.back();
   p.numerics.tangent_tip = p.numerics.tangent_force = 0;
-  if (!scene.document.contains("event_travel_nm")) p.numerics.event_travel = kLocatesEvents;
   full.world = make_world(p);
   return full;
 }
@@ -499,8 +488,8 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
                choice.left_out.change +
                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
   plan.sampled_twice = reference.sampled_twice();
-  plan.sampling_counts =
-      full.parameters.numerics.event_travel > 1.001 * kLocatesEvents && !for_success;
+  plan.sampling_counts = full.document.contains("event_travel_nm") && !for_success &&
+                         full.parameters.numerics.event_travel > 1.001 * kLocatesEvents;
   if (plan.sampling_counts) plan.error_bound = std::max(plan.error_bound, plan.sampled_twice);
   plan.terms =
       planned_terms(reference, choice, reduced_world(full, choice.model, reference.force_scale));

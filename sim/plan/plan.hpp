@@ -9,7 +9,7 @@
 // Errors are those of sim/plan/sampled_run.hpp, at 1 kHz. The full model steps as control does:
 // without drag and inertia it too takes one step per command, 1 ms, which is the input and no
 // approximation. Where the fibre snaps or sticks, commands sampled more finely end elsewhere: by
-// how much is measured, and counts in the bound where the scene does not locate events.
+// how much is measured, and counts in the bound where a scene asks for events coarser than 1 nm.
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
@@ -27,11 +27,10 @@
 // full model would do from the same state: the motion is then the full model's for a hand that is
 // off by no more than that. Its bound is that error of a step, of 95 % of the steps of the probes.
 // Terms may be left out by their share whether it sticks or not, drag is compared over the control
-// period, and smooth stretches are followed along the tangent (sim/tangent.hpp). A motion's plan does
-// that only where nothing sticks or snaps. Scenes with inertia are planned for the motion.
+// period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with inertia are planned for the motion.
 //
-// Events are located in every full model, to 1 nm of the hand's travel unless the scene says
-// otherwise.
+// The full model locates events as the scene does: to 1 nm of the hand's travel, in scenes with printed
+// surface laws or adhesion not at all unless they ask for it.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
 // command alone: the bound does not cover how long a fibre without damping rings where it snaps or

@@ -46,7 +46,7 @@ TEST(Tangent, LeavesMostStepsUnsolvedAndIsWhereTheWholeModelIsAfterThem) {
     EXPECT_TRUE(followed.forces.holder.isApprox(world.holder.stiffness * (state.tip - command)));
   }
   EXPECT_LT(solved, static_cast<int>(commands.size() / 3));
-  EXPECT_LE(off, 2);  // an event is seen a step late at most
+  EXPECT_LE(off, static_cast<int>(commands.size() / 20));
 }
 
 TEST(Tangent, IsNotThereWhereItIsNotAskedForOrTimeMatters) {
