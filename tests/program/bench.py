@@ -3,7 +3,7 @@ import os
 
 import h5py
 
-from case import Case, main
+from case import QUICK, SOURCE, Case, main
 
 
 class Bench(Case):
@@ -26,7 +26,8 @@ class Bench(Case):
     def test_a_plan_is_a_scene_and_accuracy_applies_it(self):
         plan = json.loads(self.done("plan", "--scene", "demo", "--tolerance", 0.02, "--json",
                                     "--out", self.path("planned.json")).stdout)
-        self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "error_bound",
+        self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "tangent",
+                                     "sampled_twice", "sampling_counts", "error_bound",
                                      "provenance"})
         self.assertEqual(plan["tolerance"], 0.02)
         self.assertLessEqual(plan["error_bound"], 0.02)
@@ -48,6 +49,23 @@ class Bench(Case):
             self.assertEqual(json.loads(a.attrs["scene"]), planned)
             self.assertTrue((a["data/demo_0/states"][:] == b["data/demo_0/states"][:]).all())
         self.done("replay", self.path("a/episode_0001.h5"), "--verify")
+
+    def test_a_plan_for_the_success_rate_keeps_it_and_its_recordings_replay(self):
+        planned = self.path("planned.json")
+        plan = json.loads(self.done("plan", "--scene", "bench", "--tolerance-of", "success",
+                                    "--json", "--out", planned).stdout)
+        self.assertLessEqual(plan["error_bound"], 0.01)
+        self.assertGreater(plan["tangent"], 0)
+        law = os.path.join(SOURCE, "data/controllers/tuned_by_hand.json")
+        rates = [json.loads(self.done("evaluate", law, "--scene", scene, "--trials", 30,
+                                      "--baseline", "constant-velocity", "--json").stdout)
+                 for scene in ("bench", planned)]
+        for full, reduced in zip(rates[0]["rows"], rates[1]["rows"]):
+            self.assertLessEqual(reduced["wilson_low"], full["success_rate"])
+            self.assertGreaterEqual(reduced["wilson_high"], full["success_rate"])
+        self.done("record", "--scene", planned, "--operator", "simulated", "--episodes", 1,
+                  "--seed", 4, "--out", self.path("episodes"), *QUICK)
+        self.done("replay", self.path("episodes/episode_0001.h5"), "--verify")
         self.refused(2, "plan", "--tolerance", 0.9, says=["--tolerance"])
         lines = self.done("evaluate", "--baseline", "constant-velocity", "--trials", 1, "--set",
                           "accuracy=1e-6").stdout.split("\n")
