@@ -18,6 +18,7 @@
 #include "bench/peers.hpp"
 #include "bench/plans.hpp"
 #include "bench/recording.hpp"
+#include "bench/sensors.hpp"
 #include "bench/stepping.hpp"
 #include "bench/tail.hpp"
 
@@ -374,6 +375,10 @@ int events(const BenchArguments& a) {
   return ended(true);
 }
 
+std::vector<std::string> scenes_of(const BenchArguments& a) {
+  return a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
+}
+
 Json part_json(const PartRow& r) {
   return {{"scene", r.scene},
           {"part", r.part},
@@ -394,9 +399,8 @@ void print_parts(const std::vector<PartRow>& rows) {
 }
 
 int parts(const BenchArguments& a) {
-  const std::vector<std::string> scenes =
-      a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
-  const std::vector<PartRow> rows = bench_parts(a.seed, a.trials, scenes, watched("campaigns"));
+  const std::vector<PartRow> rows =
+      bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns"));
   const Provenance provenance = provenance_of_steps(a);
   if (a.output.text()) {
     print_parts(rows);
@@ -444,15 +448,34 @@ void print_plans(const std::vector<PlanRow>& rows) {
 }
 
 int plans(const BenchArguments& a) {
-  const std::vector<std::string> scenes =
-      a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
-  const std::vector<PlanRow> rows = bench_plans(a.seed, a.trials, scenes, watched("campaigns"));
+  const std::vector<PlanRow> rows =
+      bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns"));
   const Provenance provenance = provenance_of_steps(a);
   if (a.output.text()) {
     print_plans(rows);
     fmt::print("{}", provenance.foot());
   }
   print_result(a.output, {{"rows", json_list(rows, plan_json)}}, "rows", provenance);
+  return ended(true);
+}
+
+Json sensor_json(const SensorRow& r) {
+  return {{"scene", r.scene}, {"sensor", r.sensor}, {"trials", r.trials}, {"inserted", r.inserted}};
+}
+
+int sensors(const BenchArguments& a) {
+  const std::vector<SensorRow> rows =
+      bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors"));
+  const Provenance provenance = provenance_of_steps(a);
+  if (a.output.text()) {
+    for (const SensorRow& r : rows)
+      fmt::print("{:<10} {:<32} {:>4} of {}\n", r.scene, r.sensor, r.inserted, r.trials);
+    fmt::print(
+        "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as parts "
+        "of the force limit; none: straight in at constant velocity\n{}",
+        provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, sensor_json)}}, "rows", provenance);
   return ended(true);
 }
 
@@ -512,14 +535,18 @@ void add_bench(CLI::App& app, Run& run) {
                    "capture: clearance means clearance; tail: the worst steps; events: the same "
                    "motions at ever finer steps; peers: other engines in the same motion; "
                    "recording: what a row costs; parts: "
-                   "success with curl, cleave, edge and the like; plans: whether planning pays")
-      ->check(CLI::IsMember(
-          {"hard", "capture", "tail", "events", "peers", "recording", "parts", "plans"}));
+                   "success with curl, cleave, edge and the like; plans: whether planning pays; "
+                   "sensors: success against noise and bias of the force sensor")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers", "recording", "parts",
+                             "plans", "sensors"}));
   add_seed(*verb, a->seed,
-           "Of the scenes, starts, motions and trials that tail, events, parts and plans draw");
-  verb->add_option("--scene", a->scene, "The scene of parts and plans; all that ship unless given")
+           "Of the scenes, starts, motions and trials that tail, events, parts, plans and sensors "
+           "draw");
+  verb->add_option("--scene", a->scene,
+                   "The scene of parts, plans and sensors; all that ship unless given")
       ->type_name("SCENE");
-  verb->add_option("--trials", a->trials, "Of every controller in every scene of parts and plans")
+  verb->add_option("--trials", a->trials,
+                   "Of every controller in every scene of parts, plans and sensors")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   verb->add_option("--scenes", a->scenes,
@@ -540,6 +567,7 @@ void add_bench(CLI::App& app, Run& run) {
              : a->what == "recording" ? recording(*a)
              : a->what == "parts"     ? parts(*a)
              : a->what == "plans"     ? plans(*a)
+             : a->what == "sensors"   ? sensors(*a)
                                       : speed_and_error(*a);
     };
   });

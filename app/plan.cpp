@@ -71,8 +71,7 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       "{}Error bound {:.2g} of the clearance, and of {:.4g} uN in force; asked for: {:g}{}\n",
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
       plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",
-      plan.sampled_twice,
-      plan.sampling_counts ? "that counts" : "the bound does not cover that",
+      plan.sampled_twice, plan.sampling_counts ? "that counts" : "the bound does not cover that",
       inertia_left_out ? "Inertia: as the hand moves; how a fibre rings after a snap is not looked "
                          "at.\n"
                        : "",

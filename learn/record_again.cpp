@@ -34,6 +34,12 @@ Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std:
   return episode;
 }
 
+void add_recorded(DemonstrationSet& set, const Scene& scene, double skill, std::uint64_t seed,
+                  std::uint64_t trial) {
+  set.add(recorded(scene, skill, seed, trial),
+          "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
+}
+
 }  // namespace
 
 void expect_recordable_again(const DemonstrationSet& set) {
@@ -54,10 +60,17 @@ DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
     if (go_on) go_on();
     ++trial;
     if (const std::optional<double> skill = simulated_skill(operator_name))
-      again.add(recorded(scene, *skill, seed, trial),
-                "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
+      add_recorded(again, scene, *skill, seed, trial);
   }
   return again;
+}
+
+DemonstrationSet simulated_demonstrations(const Scene& scene, double skill, std::uint64_t seed,
+                                          std::size_t count) {
+  DemonstrationSet set;
+  for (std::uint64_t trial = 1; trial <= count; ++trial)
+    add_recorded(set, scene, skill, seed, trial);
+  return set;
 }
 
 }  // namespace ferrule

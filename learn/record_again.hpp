@@ -15,4 +15,9 @@ void expect_recordable_again(const DemonstrationSet& set);
 DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
                               const std::function<void()>& go_on = {});
 
+// `count` episodes of a simulated operator of `skill` in `scene`, trials 1, 2, ... under `seed`, in
+// memory.
+DemonstrationSet simulated_demonstrations(const Scene& scene, double skill, std::uint64_t seed,
+                                          std::size_t count);
+
 }  // namespace ferrule

@@ -7,16 +7,16 @@
 namespace ferrule {
 namespace {
 
-constexpr double kAimedAt = 0.25;        // of the error that is allowed, at the end of a stretch
-constexpr double kLonger = 3;            // a stretch than the one before, at most
+constexpr double kAimedAt = 0.25;         // of the error that is allowed, at the end of a stretch
+constexpr double kLonger = 3;             // a stretch than the one before, at most
 constexpr double kLongestStretch = 0.15;  // a stretch, as way_of() has it
-constexpr double kAlongTheBore = 0.05;   // of a way across, in what it changes
-constexpr double kLeastGap = 1e-9;       // [m]
-constexpr double kAdheres = 20e-9;       // from so far away, at most [m]
-constexpr double kDepthKept = 0.5;       // of a closed contact's depth
-constexpr double kSlipKept = 0.5;        // of how far it slips in a step
-constexpr double kStraightSlip = 0.9;    // cosine of the angle by which that may turn
-constexpr double kFromEdge = 0.2e-6;     // [m]
+constexpr double kAlongTheBore = 0.05;    // of a way across, in what it changes
+constexpr double kLeastGap = 1e-9;        // [m]
+constexpr double kAdheres = 20e-9;        // from so far away, at most [m]
+constexpr double kDepthKept = 0.5;        // of a closed contact's depth
+constexpr double kSlipKept = 0.5;         // of how far it slips in a step
+constexpr double kStraightSlip = 0.9;     // cosine of the angle by which that may turn
+constexpr double kFromEdge = 0.2e-6;      // [m]
 
 bool follows_tangents(const World& world) noexcept {
   return world.numerics.tangent_tip > 0 && world.dynamics == Dynamics::quasi_static &&

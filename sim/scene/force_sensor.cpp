@@ -5,23 +5,6 @@
 #include "sim/elementary.hpp"
 
 namespace ferrule {
-namespace {
-
-struct Turn {
-  double cosine, sine;
-};
-
-// By the angle 2 x, |x| <= pi/2, from Lambert's continued fraction of tan x = x/d: of additions,
-// products and divisions alone, so that it is the same everywhere.
-Turn turn_by_twice(double x) noexcept {
-  double d = 0;
-  for (int odd = 41; odd > 0; odd -= 2) d = odd - (odd == 41 ? 0 : x * x / d);
-  const double square = d * d + x * x;
-  return {(d * d - x * x) / square, 2 * x * d / square};
-}
-
-}  // namespace
-
 double ForceSensorModel::deviation(double force, double time) const noexcept {
   double d = std::hypot(noise, bias);
   for (const double more : {bias_walk * std::sqrt(time), drift * temperature_rate * time, vibration,
@@ -63,7 +46,8 @@ Wrench ForceSensor::bias_after(double period) noexcept {
   if (model_.vibration > 0) {
     // Turned by 2 pi f T.
     const double turns = model_.vibration_frequency * period;
-    const auto [c, s] = turn_by_twice(std::numbers::pi * (turns - std::round(turns)));
+    const double angle = 2 * std::numbers::pi * (turns - std::round(turns));
+    const double c = elementary::cos(angle), s = elementary::sin(angle);
     const Wrench swing = c * swing_ - s * swing_across_;
     swing_across_ = s * swing_ + c * swing_across_;
     swing_ = swing;

@@ -228,6 +228,19 @@ TEST(Cleave, GradientAndHessianOfTheEnergyAreItsDerivatives) {
   EXPECT_GT(tried, 250);
 }
 
+// The lowest of the crescent over a sharp bore's edge: of its corners and sides.
+double lowest_on_edges(const Vector2d& e, const Vector2d& slope) {
+  double most = -INFINITY;
+  constexpr int kPoints = 8000;
+  for (int i = 0; i < kPoints; ++i) {
+    const double angle = 2 * pi * i / kPoints;
+    const Vector2d u(std::cos(angle), std::sin(angle)), rim = kRadius * u, edge = 63e-6 * u - e;
+    if ((rim + e).norm() >= 63e-6) most = std::max(most, rim.dot(slope));
+    if (edge.norm() <= kRadius) most = std::max(most, edge.dot(slope));
+  }
+  return most;
+}
+
 // A rigid upright fibre goes into a sharp bore from within the clearance, cleaved or not, unless its
 // leading side is over the opening: then it rests on two points of the opening's edge, which push a
 // soft hand towards the axis.
@@ -241,6 +254,50 @@ TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
       EXPECT_EQ(state.tip[0] < -2e-6, offset < 1) << direction << " " << offset;
       EXPECT_TRUE(offset < 1 || state.tip[0] > -1.2e-6) << direction << " " << offset;
     }
+}
+
+// Farther out it slides in where its lowest supported point, looked for among all, falls towards the
+// bore: the end is lowered by a soft hand and goes down in the energy of that hand alone.
+bool slides_in(const Vector2d& hand, const Vector2d& slope, double lowered) {
+  constexpr double kStep = 20e-9, kLower = 100e-9;
+  Vector2d e = hand;
+  const auto energy = [&](const Vector2d& at, double x) {
+    const double pressed = std::max(0.0, lowest_on_edges(at, slope) - x);
+    return 0.5 * pressed * pressed + 0.5 * (at - hand).squaredNorm();
+  };
+  for (double x = 2 * kRadius * slope.norm(); x > -lowered; x -= kLower)
+    for (double least = energy(e, x), stride = kStep; stride > 1e-9;) {
+      bool lower = false;
+      for (int k = 0; k < 8 && !lower; ++k) {
+        const Vector2d to = e + stride * Vector2d(std::cos(k * pi / 4), std::sin(k * pi / 4));
+        if (to.norm() < 0.5e-6) return true;
+        const double there = energy(to, x);
+        lower = there < least - 1e-22;
+        if (!lower) continue;
+        least = there;
+        e = to;
+      }
+      if (!lower) stride *= 0.5;
+    }
+  return false;
+}
+
+TEST(Cleave, FartherOutASharpBoreTakesItWhereItsLowestPointSlidesIn) {
+  int in = 0;
+  for (const double offset : {1.5, 3.0, 6.0})
+    for (int k = 0; k < 4; ++k) {
+      const double angle = 0.1 + k * pi / 2, degrees = 0.5 * pi / 180;
+      const Vector2d at = 0.5e-6 * offset * Vector2d(std::cos(angle), std::sin(angle));
+      const World world = cleaved(0.5, 0, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
+      State state = at_rest(world, testing::pose(3e-6, at.x(), at.y()));
+      for (int n = 1; n <= 1200; ++n)
+        state = step(world, state, testing::pose(3e-6 - n * 5e-9, at.x(), at.y()), 1e-3).state;
+      const bool expected = slides_in(at, {std::tan(degrees), 0}, 3e-6);
+      EXPECT_EQ(state.tip[0] < -2e-6, expected) << offset << " " << k;
+      in += expected;
+    }
+  EXPECT_GT(in, 2);
+  EXPECT_LT(in, 10);
 }
 
 // The face of a cleaved end meets the ferrule's before its centre does, by r times the slope.
