@@ -1,4 +1,5 @@
-// ferrule export-episodes: recorded episodes in the formats of others, written by the Python package.
+// ferrule export-episodes: recorded episodes in the formats of others, written by the Python
+// package.
 #include <fmt/format.h>
 #include <unistd.h>
 

@@ -131,8 +131,8 @@ struct Stopped {
 };
 void end_if_interrupted();  // throws Stopped
 
-// Progress of long work on a terminal: a bar with rate and time left; elsewhere nothing, or where the
-// environment says FERRULE_PROGRESS=lines, lines "progress DONE OF" on stderr.
+// Progress of long work on a terminal: a bar with rate and time left; elsewhere nothing, or where
+// the environment says FERRULE_PROGRESS=lines, lines "progress DONE OF" on stderr.
 class Progress {
  public:
   Progress(std::string what, std::size_t total);

@@ -35,7 +35,8 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
 }
 
 // Fibres lowered at `offset` clearances from the axis, in eight directions, at two speeds and in
-// steps of three lengths, where those within `capture` clearances go in. The world must outlive them.
+// steps of three lengths, where those within `capture` clearances go in. The world must outlive
+// them.
 void add_lowered(Cases<CaptureRow>& cases, const World& world, double capture, double offset,
                  double edge_um) {
   for (int k = 0; k < 8; ++k)

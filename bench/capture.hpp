@@ -24,7 +24,8 @@ struct CaptureRow {
 // take exactly those below 1 clearance. With a lead-in the same, and offsets of 0.9 to 3 times its
 // geometric capture range, mouth radius - fibre radius; it must take exactly those below that. The
 // same with ends as they are: rims rounded to 1, 5 and 10 um, square, at 0.9
-// to 3 times clearance + radius over a sharp bore, mouth radius - fibre radius + radius over a cone.
+// to 3 times clearance + radius over a sharp bore, mouth radius - fibre radius + radius over a
+// cone.
 std::vector<CaptureRow> bench_capture(const GoOn& go_on = {});
 
 }  // namespace ferrule

@@ -24,8 +24,8 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air. Files of before are read, and held against what
-// they were.
+// 1: columns as one text, no scales, no flow and air. Files of before are read, and held against
+// what they were.
 constexpr std::uint64_t kFormatVersion = 2;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";

@@ -5,7 +5,8 @@
 // holder's, n = dN/|dN| and P the sum of all dF_k n that are positive, term k reaches the hand with
 //   f_k = max(0, dF_k n) min(1, |dN|/P)
 // Terms that pull against dN are balanced within the ferrule by those that push along it, and take
-// the same share of each: an adhesion that a wall holds reaches no hand. At rest, sum of f_k = |dN|.
+// the same share of each: an adhesion that a wall holds reaches no hand. At rest, sum of f_k =
+// |dN|.
 #pragma once
 
 #include <vector>

@@ -62,8 +62,9 @@ struct Content {
   std::vector<Labels> labels;
 };
 
-// The bytes of a file with this content, always the same ones; for any thread, one after another. `name` is that of the file, for
-// messages. `progress` is called with the numbers compressed so far, and all. Throws FileTrouble.
+// The bytes of a file with this content, always the same ones; for any thread, one after another.
+// `name` is that of the file, for messages. `progress` is called with the numbers compressed so
+// far, and all. Throws FileTrouble.
 std::string image(const std::string& name, const Content& content,
                   const std::function<void(std::size_t, std::size_t)>& progress = {});
 

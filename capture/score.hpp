@@ -59,8 +59,8 @@ double spectral_arc_length(const Eigen::VectorXd& speed, double period);
 // below a tenth of it or changes sign.
 int movements(const Eigen::VectorXd& velocity, double limit, double period);
 
-// What a skilled operator takes in a scene: the median of each part over kReferences insertions by a
-// simulated one of skill 1 from starts of the scene's own, which are always the same.
+// What a skilled operator takes in a scene: the median of each part over kReferences insertions by
+// a simulated one of skill 1 from starts of the scene's own, which are always the same.
 struct Yardstick {
   std::array<double, kParts> parts;
 };

@@ -70,9 +70,10 @@ struct SupervisorLimits {
 
 // Of a scene: its speed and force limits and its holder's stiffness; what its sensor's bandwidth
 // lets through in a period, and four standard deviations of its errors (at the force limit and the
-// end of the longest trial) and its dead band with its resolution as misread; acceleration to full speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for
-// any stage); a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the
-// tip a retreat of 20 um and offsets of 10 um.
+// end of the longest trial) and its dead band with its resolution as misread; acceleration to full
+// speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any stage); a fifth of the speed
+// as disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and
+// offsets of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling);
 
 // Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.

@@ -61,8 +61,8 @@ struct InsertionEnd {
 // False ends the insertion as `interrupted`.
 using OnTick = std::function<bool(const Tick&)>;
 
-// One insertion from `start`, tick by tick, for who answers in between (a program of somebody else's
-// that steps it). All that it is given must outlive it.
+// One insertion from `start`, tick by tick, for who answers in between (a program of somebody
+// else's that steps it). All that it is given must outlive it.
 class Insertion {
  public:
   Insertion(const Scene& scene, const State& start, Device& hand, const ForceSensor& sensor,

@@ -15,8 +15,8 @@ enum class Phase { approach, face, cone, in_bore, one_point, two_point, seated, 
 inline constexpr std::array kPhases = {"approach",  "face",      "cone",   "in_bore",
                                        "one_point", "two_point", "seated", "jammed"};
 
-// Smallest gap between fibre and bore, at its mouth or at the fibre's end [m]; < 0: they overlap. Of
-// an end outside, as if the bore went on to there: < 0 is what it lacks to go in.
+// Smallest gap between fibre and bore, at its mouth or at the fibre's end [m]; < 0: they overlap.
+// Of an end outside, as if the bore went on to there: < 0 is what it lacks to go in.
 inline double smallest_gap(const World& world, const State& state) noexcept {
   const Vector2d end = state.tip.segment<2>(1);
   const Vector2d mouth = end + state.inserted_length() * state.tip.tail<2>();

@@ -39,8 +39,8 @@ struct RimDepths {
   }
 };
 
-// The edge between bore and cone: the share of the cone is 0 in the bore, 1 on the cone, and between
-// them the derivative of
+// The edge between bore and cone: the share of the cone is 0 in the bore, 1 on the cone, and
+// between them the derivative of
 //   (bore + cone)/2 - w (3 + 6 t^2 - t^4)/16,   t = (bore - cone)/w.
 struct RoundedEdge {
   double depth, cone = 0, bend = 0;  // [m], [-], [1/m]

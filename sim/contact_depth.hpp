@@ -6,13 +6,13 @@
 // bore and cone it touches where it is deepest, on the face where it is farthest from the bore, or,
 // in a world where it rests lowest, where it is lowest (sim/face_support.hpp).
 //
-// A rim that is rounded to rho is as deep as its circle in the half plane, centre (x + rho, r - rho),
-// is in the solid: touching it at the angle alpha, 0 on the bore and 90 degrees on the face, with the
-// edge at (x_v, R_v) that has such a tangent,
+// A rim that is rounded to rho is as deep as its circle in the half plane, centre (x + rho, r -
+// rho), is in the solid: touching it at the angle alpha, 0 on the bore and 90 degrees on the face,
+// with the edge at (x_v, R_v) that has such a tangent,
 //   d = min over alpha of rho - (x + rho - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
 //                         + |(e + rho tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
-// the last term being what the direction adds in which the rim is deepest. So the end goes round the
-// edges of bore and cone, and an upright one into a sharp bore from within c + rho of its axis.
+// the last term being what the direction adds in which the rim is deepest. So the end goes round
+// the edges of bore and cone, and an upright one into a sharp bore from within c + rho of its axis.
 #pragma once
 
 #include <array>

@@ -87,7 +87,8 @@ std::optional<PoseVector> FrictionLimits::settle_together(
 std::optional<PoseVector> FrictionLimits::settle(const NewtonStep& newton,
                                                  FrozenCoefficients& frozen) const noexcept {
   if (newton.falling > 0) return settle_together(newton, frozen);
-  // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j change_j
+  // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j
+  // change_j
   const PoseVector& held = newton.move;
   std::array<PoseVector, kContactPlaces> answer;
   Matrix2d system = Matrix2d::Identity();

@@ -12,8 +12,8 @@ namespace ferrule {
 
 class FrictionLimits {
  public:
-  // By how much the limits of `frozen` miss those of the contacts of the potential `there`, which is
-  // at `tip`. What is stuck has none.
+  // By how much the limits of `frozen` miss those of the contacts of the potential `there`, which
+  // is at `tip`. What is stuck has none.
   FrictionLimits(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                  const Potential& there) noexcept;
   // They miss nothing, with the end at `tip`, near to where they were frozen. What is stuck has

@@ -35,8 +35,8 @@ PoseVector moved_along(const World& world, const PoseVector& tip, const PoseVect
 
 // Shorter moves are none [m].
 inline constexpr double kResolution = 1e-15;
-// Of the sum of all forces: where so little is left and nothing lower is found, it is a minimum, and
-// the Hessian of the step before does for the last step.
+// Of the sum of all forces: where so little is left and nothing lower is found, it is a minimum,
+// and the Hessian of the step before does for the last step.
 inline constexpr double kNearForce = 1e-7;
 
 // The last Newton step, where it is so short that the forces change along it as the Hessian says

@@ -54,8 +54,8 @@ inline constexpr int kFrictionRounds = 8;  // of stuck and slipping contacts, un
 // it is where the step ends, stuck or slipping, have their minimum together; in one round, or where
 // more do not agree, friction as it is at `tip` (or, `slips_on`, slipping where it just did).
 //
-// Where the Hessian is not positive definite the step takes the magnitudes of its pivots, or, towards
-// where the gradient vanishes, whatever the energy does there, the pivots as they are.
+// Where the Hessian is not positive definite the step takes the magnitudes of its pivots, or,
+// towards where the gradient vanishes, whatever the energy does there, the pivots as they are.
 enum class Pivots { magnitudes, as_they_are };
 
 struct NewtonStep {

@@ -58,8 +58,8 @@ bool rubs_on(const World& world, const std::array<FrozenFriction, kContactPlaces
   return true;
 }
 
-// A Newton step and what the friction limits change along it. Limit and depth may hold each other in
-// check within far less than either alone would change: to first order they change together from
+// A Newton step and what the friction limits change along it. Limit and depth may hold each other
+// in check within far less than either alone would change: to first order they change together from
 // where the step begins.
 bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
                      Prediction& end, NewtonStep& newton) noexcept {
@@ -118,8 +118,8 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
 // Contacts after a step that has moved the end: new ones stick where they are, slipping ones drag
 // their stuck point along. Where a contact moves on over the fibre it is another material point's,
 // and the spring is as stretched as before. A spot that grows is not sheared where it is new: the
-// force stays and the stretch becomes less; one that shrinks gives up its part of the force (Mindlin
-// and Deresiewicz, 1953). So no energy is gained.
+// force stays and the stretch becomes less; one that shrinks gives up its part of the force
+// (Mindlin and Deresiewicz, 1953). So no energy is gained.
 void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                      const Potential& there, const Contacts& now, State& state) noexcept {
   const ContactSide side = contact_side(world, state);
@@ -210,7 +210,8 @@ double first_part(const World& world, const State& state, const Pose& command) n
 }
 
 // The part of a way along x to be taken at most where the end rubs near the edge between bore and
-// cone: up to the edge's rounding, and within it in short parts, as friction and adhesion turn there.
+// cone: up to the edge's rounding, and within it in short parts, as friction and adhesion turn
+// there.
 double part_to_edge(const World& world, const State& state, double way) noexcept {
   const double tangent = world.profile.lead_in_tangent;
   if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0))
@@ -259,9 +260,9 @@ bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen
   return any;
 }
 
-// Goes on from a minimum to where the friction limits are those of the contacts there; whether it got
-// there. Contacts that less friction lets go later are held by no minimum of given limits; they are
-// followed by Newton's method in both together, as long as that stays near.
+// Goes on from a minimum to where the friction limits are those of the contacts there; whether it
+// got there. Contacts that less friction lets go later are held by no minimum of given limits; they
+// are followed by Newton's method in both together, as long as that stays near.
 bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
                    Minimum& found) noexcept {
   bool met = false;

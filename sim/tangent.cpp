@@ -76,7 +76,8 @@ Tangent::Place place_of(const World& world, const FrozenCoefficients& frozen, co
   return place;
 }
 
-// How far the fibre goes, by what changes as it does: in clearances across, and in parts of the gaps.
+// How far the fibre goes, by what changes as it does: in clearances across, and in parts of the
+// gaps.
 double way_of(const World& world, const State& state, const Pose& by, const Pose& move) noexcept {
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
   double way =

@@ -3,16 +3,18 @@
 // Where nothing happens the fibre follows its holder as
 //   d tip = (H + K)^-1 K d command,
 // with K the holder's stiffness and H the Hessian of all other forces, friction and how its limits
-// change with the depth of the contacts included. In a world that asks for it (Numerics::tangent_tip) a
-// step that stays on a smooth stretch is that product and no more: pose, holder's force, contacts
-// and what slips are moved on; the other terms of the breakdown stay those of the last step solved.
+// change with the depth of the contacts included. In a world that asks for it
+// (Numerics::tangent_tip) a step that stays on a smooth stretch is that product and no more: pose,
+// holder's force, contacts and what slips are moved on; the other terms of the breakdown stay those
+// of the last step solved.
 //
 // A stretch ends, and the step is solved (sim/step.cpp), where
-//   an open contact would close, a stuck one slip, a slipping one turn back, or a bridge begin or end,
+//   an open contact would close, a stuck one slip, a slipping one turn back, or a bridge begin or
+//   end,
 //   the end comes near an edge of the ferrule, or
-//   the command has gone as far as the tangent is good for. That is measured where the stretch ends:
-//   what the tangent has missed there says, growing with the square of the way, how long the next
-//   one may be. After an event every step is solved until two agree with the tangent.
+//   the command has gone as far as the tangent is good for. That is measured where the stretch
+//   ends: what the tangent has missed there says, growing with the square of the way, how long the
+//   next one may be. After an event every step is solved until two agree with the tangent.
 //
 // Quasi-static worlds without drag or flow, and an end in the bore or in its cone; all others are
 // solved step by step.
@@ -37,8 +39,8 @@ std::optional<TangentStep> along_tangent(const World& world, const State& state,
 StepResult follow_tangent(const World& world, const State& state, const Pose& command, double dt,
                           const TangentStep& next) noexcept;
 
-// Before a step that is solved: the state without its tangent, the forces' linearization moved on to
-// where the end is now.
+// Before a step that is solved: the state without its tangent, the forces' linearization moved on
+// to where the end is now.
 void leave_tangent(State& state) noexcept;
 
 // For a step that has been solved, from `before`: the tangent there, with its reach.

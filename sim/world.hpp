@@ -52,7 +52,8 @@ struct ContactRadius {
 };
 
 // The contact radius that friction takes at penetration `depth` [m]: prescribed by the printed
-// form, else that of the adhesion (6c), whose force there is `pull`, or, without adhesion, of Hertz.
+// form, else that of the adhesion (6c), whose force there is `pull`, or, without adhesion, of
+// Hertz.
 ContactRadius friction_radius(const World& world, double depth, const AdhesionForce& pull) noexcept;
 ContactRadius friction_radius(const World& world, double depth, int branch) noexcept;
 

@@ -1,5 +1,5 @@
-// A fit that runs beside the window: `ferrule fit` as a process of its own, of low priority, so that
-// it never disturbs the loop.
+// A fit that runs beside the window: `ferrule fit` as a process of its own, of low priority, so
+// that it never disturbs the loop.
 #pragma once
 
 #include <sys/types.h>

@@ -1,5 +1,5 @@
-// A sitting of a person at the window: tries one after the other, each recorded as `record` does it,
-// scored, and put on the list that controllers are fitted from.
+// A sitting of a person at the window: tries one after the other, each recorded as `record` does
+// it, scored, and put on the list that controllers are fitted from.
 //
 // Texts to the page (JSON, "type"): hello, state_of_session, ended, episodes, fit, error; frames as
 // view/README.md has their layout. Messages from it: view/message.hpp.

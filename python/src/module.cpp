@@ -23,7 +23,8 @@ namespace {
 
 std::atomic<bool> forked = false;
 
-// Raised where a C++ `Error` is thrown, with its text, which may hold bytes of a file that are none.
+// Raised where a C++ `Error` is thrown, with its text, which may hold bytes of a file that are
+// none.
 template <class Error>
 void add_error(nb::module_& module, const char* name, PyObject* base, const char* doc) {
   const nb::exception<Error> type(module, name, base);

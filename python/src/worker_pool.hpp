@@ -19,9 +19,9 @@ class WorkerPool {
   WorkerPool(const WorkerPool&) = delete;
   WorkerPool& operator=(const WorkerPool&) = delete;
 
-  // work(0) ... work(count - 1): each thread does its own share, which is in its cache from the call
-  // before, then what is left of the others'. Throws what the first that failed threw, when all are
-  // done. One call at a time.
+  // work(0) ... work(count - 1): each thread does its own share, which is in its cache from the
+  // call before, then what is left of the others'. Throws what the first that failed threw, when
+  // all are done. One call at a time.
   void for_each(std::size_t count, const std::function<void(std::size_t)>& work);
 
  private:

@@ -1,8 +1,8 @@
 // What the end pushes ahead of it: the fluid in the bore in front of the fibre, which leaves
 // backwards through the annulus and, where the bore is open, forwards.
 //
-// Inserted length l, speed v into the bore, bore radius R and length L, clearance c (enlarged by the
-// roughness), eccentricity eps c:
+// Inserted length l, speed v into the bore, bore radius R and length L, clearance c (enlarged by
+// the roughness), eccentricity eps c:
 //   back through the annulus   R_back = 12 mu l/(2 pi r c^3 (1 + 1.5 eps^2))        [Pa s/m^3]
 //   ahead, open bore           R_ahead = 8 mu (L - l)/(pi R^4); blind: infinite
 // Liquid: the end displaces pi r^2 v and the fibre's side drags pi r c v in, whatever the
@@ -11,12 +11,12 @@
 // which is the pressure on the end and what the same flow shears on the side (the reciprocal of the
 // share that the side drags). p never falls below the vapour pressure when the fibre is pulled out:
 // the liquid cavitates; that the void has to close again is left out.
-// Gas in a blind bore is a cushion: isothermal (it is thinner than heat travels in a millisecond), of
-// volume V = A (L - l), with the leak of a gas of that viscosity through R_back:
+// Gas in a blind bore is a cushion: isothermal (it is thinner than heat travels in a millisecond),
+// of volume V = A (L - l), with the leak of a gas of that viscosity through R_back:
 //   d(p V)/dt = -(p^2 - p_0^2)/(2 R_back),   F = A (p - p_0).
 // How much of it there is, p V, is state (State::air). Gas in an open bore resists as a liquid.
-// Left out: sideways forces of the flow in a gap that narrows along the fibre; slip of a gas in gaps
-// below a micrometre (a mean free path is 0.07 um).
+// Left out: sideways forces of the flow in a gap that narrows along the fibre; slip of a gas in
+// gaps below a micrometre (a mean free path is 0.07 um).
 //
 // Sources: slit and tube flow, and the thin eccentric annulus: White, Viscous Fluid Flow (2006),
 // section 3-3; the leak of an ideal gas: Hamrock, Schmid and Jacobson, Fundamentals of Fluid Film

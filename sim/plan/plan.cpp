@@ -78,8 +78,8 @@ struct Reference {
   // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
   // that was not run to its end.
   double error(const World& reduced, double enough) const;
-  // What all but a few of the steps of a reduced model miss those by that `full` makes from the same
-  // states.
+  // What all but a few of the steps of a reduced model miss those by that `full` makes from the
+  // same states.
   double error_of_steps(const World& reduced, const World& full) const;
   // By how much the full model ends elsewhere where the hand is sampled twice as finely.
   double sampled_twice() const;
@@ -442,8 +442,8 @@ Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& s
   return full;
 }
 
-// Curl is a matter of where an insertion starts: what leaving it out changes is how far aside the end
-// would lie, and what holds it straight.
+// Curl is a matter of where an insertion starts: what leaving it out changes is how far aside the
+// end would lie, and what holds it straight.
 PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, double enough) {
   PlannedTerm planned{"curl", true, "offset and tilt of the free end", curl.force, 0, State()};
   const double change = std::max(curl.aside / reference.clearance, reference.changes(curl.force));

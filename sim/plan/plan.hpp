@@ -27,10 +27,11 @@
 // full model would do from the same state: the motion is then the full model's for a hand that is
 // off by no more than that. Its bound is that error of a step, of 95 % of the steps of the probes.
 // Terms may be left out by their share whether it sticks or not, drag is compared over the control
-// period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with inertia are planned for the motion.
+// period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with
+// inertia are planned for the motion.
 //
-// The full model locates events as the scene does: to 1 nm of the hand's travel, in scenes with printed
-// surface laws or adhesion not at all unless they ask for it.
+// The full model locates events as the scene does: to 1 nm of the hand's travel, in scenes with
+// printed surface laws or adhesion not at all unless they ask for it.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
 // command alone: the bound does not cover how long a fibre without damping rings where it snaps or

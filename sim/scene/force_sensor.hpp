@@ -7,8 +7,8 @@
 // per component, T the time since the reading before, t that since the first. C is the unit matrix
 // with an error on its diagonal (gain) and beside it (cross-talk), drawn once per trial;
 //   b = b_0 + walk(t) + k theta t + v(t)
-// with b_0 drawn once per trial, a random walk whose deviation after t is bias_walk sqrt(t), a drift
-// with temperature (k of each component and the rate theta of warming drawn per trial), and a
+// with b_0 drawn once per trial, a random walk whose deviation after t is bias_walk sqrt(t), a
+// drift with temperature (k of each component and the rate theta of warming drawn per trial), and a
 // vibration of one frequency with a phase per component. n is drawn for each reading,
 // independently: `noise` is what a reader at 1 kHz sees. All are normally distributed. The first
 // reading, at rest, is that of a sensor just tared: without b, and without noise since a tare takes

@@ -51,8 +51,8 @@ TEST(PressedSurfaces, PullTheFibreInByTheEnergyOfTheOverlapAtMost) {
         const StepResult r = step(scene.world, state, hand, 1e-3);
         state = r.state;
         ASSERT_TRUE(state.tip.allFinite());
-        // Not further ahead of the hand than the pull can stretch the holder; twice that where it is
-        // on its way, as the energy of the overlap allows.
+        // Not further ahead of the hand than the pull can stretch the holder; twice that where it
+        // is on its way, as the energy of the overlap allows.
         const double most = r.status == StepStatus::ok ? 1.01 : 2.02;
         ASSERT_GE(state.tip[0], hand[0] - most * reach - 1e-8) << laws << " step " << n;
         const auto depths =

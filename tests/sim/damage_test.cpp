@@ -24,7 +24,8 @@ TEST(Damage, OfTheFreeFibreIsEulersLoadAndTheBeamsStress) {
   const double inertia = pi * r * r * r * r / 4;
   EXPECT_CLOSE(d.buckling, pi * pi * young * inertia / (4 * length * length), 1e-9);
   EXPECT_CLOSE(d.bending * length * r / inertia, stress, 1e-12);
-  // The simulator's stress (its fibre sags too), of the end pushed aside by that force without tilting moment.
+  // The simulator's stress (its fibre sags too), of the end pushed aside by that force without
+  // tilting moment.
   const World world = load_scene("bench").world;
   Pose tip = Pose::Zero();
   tip[1] = d.bending * length * length * length / (3 * young * inertia);

@@ -241,9 +241,9 @@ double lowest_on_edges(const Vector2d& e, const Vector2d& slope) {
   return most;
 }
 
-// A rigid upright fibre goes into a sharp bore from within the clearance, cleaved or not, unless its
-// leading side is over the opening: then it rests on two points of the opening's edge, which push a
-// soft hand towards the axis.
+// A rigid upright fibre goes into a sharp bore from within the clearance, cleaved or not, unless
+// its leading side is over the opening: then it rests on two points of the opening's edge, which
+// push a soft hand towards the axis.
 TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
   for (const double direction : {0.0, 60.0})
     for (const double offset : {0.5, 0.98, 3.0, 30.0}) {
@@ -256,8 +256,8 @@ TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
     }
 }
 
-// Farther out it slides in where its lowest supported point, looked for among all, falls towards the
-// bore: the end is lowered by a soft hand and goes down in the energy of that hand alone.
+// Farther out it slides in where its lowest supported point, looked for among all, falls towards
+// the bore: the end is lowered by a soft hand and goes down in the energy of that hand alone.
 bool slides_in(const Vector2d& hand, const Vector2d& slope, double lowered) {
   constexpr double kStep = 20e-9, kLower = 100e-9;
   Vector2d e = hand;

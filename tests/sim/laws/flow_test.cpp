@@ -34,8 +34,8 @@ TEST(Flow, IsAsStrongAsPublishedFormulasSay) {
   EXPECT_CLOSE(steady(air, length, speed), 1.99e-6 * share * share, 1e-3);
 }
 
-// Stokes flow in the unrolled annulus, by finite differences across the gap at every angle: the wall
-// moves, the pressure is what makes the net flow that of what the end displaces.
+// Stokes flow in the unrolled annulus, by finite differences across the gap at every angle: the
+// wall moves, the pressure is what makes the net flow that of what the end displaces.
 TEST(Flow, IsStokesFlowInTheEccentricAnnulus) {
   const double mu = 0.3, length = 80e-6, speed = 20e-6, r = kTableI.fibre_radius;
   const double c = kTableI.clearance();
@@ -86,7 +86,8 @@ TEST(Flow, AnOpenBoreTakesWhatTheAnnulusDoesNot) {
                flow_resistance(blind, wide, kBore, 1e-6, 0), 1e-3);
 }
 
-// Energy, force and stiffness over a step belong together: of a liquid, where it cavitates, of a gas.
+// Energy, force and stiffness over a step belong together: of a liquid, where it cavitates, of a
+// gas.
 TEST(Flow, ForceAndStiffnessAreDerivativesOfTheEnergy) {
   const Flow laws[] = {{0.3, true, false, 2e3}, {0.3, false, false, 0}, {1.8e-5, true, true, 0}};
   for (const Flow& law : laws)
