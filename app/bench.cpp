@@ -286,6 +286,20 @@ int capture(const BenchArguments& a) {
   return ended(wrong == 0);
 }
 
+// The rows of what was measured: as a table, which `print` prints, with the provenance below it, or
+// as what was asked for.
+template <class Row>
+int tell(const BenchArguments& a, const std::vector<Row>& rows,
+         void (*print)(const std::vector<Row>&), Json (*to_json)(const Row&),
+         const Provenance& provenance) {
+  if (a.output.text()) {
+    print(rows);
+    fmt::print("{}", provenance.foot());
+  }
+  print_result(a.output, {{"rows", json_list(rows, to_json)}}, "rows", provenance);
+  return ended(true);
+}
+
 Json recording_json(const RecordingRow& r) {
   return {{"scene", r.scene},
           {"rows", r.rows},
@@ -294,20 +308,18 @@ Json recording_json(const RecordingRow& r) {
           {"kB_per_s", r.kB_per_s}};
 }
 
+void print_recording(const std::vector<RecordingRow>& rows) {
+  fmt::print("{:<10} {:>8} {:>18} {:>18} {:>14}\n", "scene", "rows", "us a row, recorded",
+             "us a row, written", "kB per second");
+  for (const RecordingRow& r : rows)
+    fmt::print("{:<10} {:>8} {:>18.2f} {:>18.2f} {:>14.0f}\n", r.scene, r.rows, r.us_per_row,
+               r.us_per_row_written, r.kB_per_s);
+  fmt::print("recorded: by the thread of the loop; written: by another one, afterwards\n");
+}
+
 int recording(const BenchArguments& a) {
-  const std::vector<RecordingRow> rows = bench_recording(watched("recording"));
-  const Provenance provenance = provenance_of_bench();
-  if (a.output.text()) {
-    fmt::print("{:<10} {:>8} {:>18} {:>18} {:>14}\n", "scene", "rows", "us a row, recorded",
-               "us a row, written", "kB per second");
-    for (const RecordingRow& r : rows)
-      fmt::print("{:<10} {:>8} {:>18.2f} {:>18.2f} {:>14.0f}\n", r.scene, r.rows, r.us_per_row,
-                 r.us_per_row_written, r.kB_per_s);
-    fmt::print("recorded: by the thread of the loop; written: by another one, afterwards\n{}",
-               provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, recording_json)}}, "rows", provenance);
-  return ended(true);
+  return tell(a, bench_recording(watched("recording")), print_recording, recording_json,
+              provenance_of_bench());
 }
 
 Json tail_json(const TailRow& r) {
@@ -334,14 +346,8 @@ void print_tail(const std::vector<TailRow>& rows) {
 }
 
 int tail(const BenchArguments& a) {
-  const std::vector<TailRow> rows = bench_tail(a.seed, a.scenes, watched("tail"));
-  const Provenance provenance = provenance_of_steps(a);
-  if (a.output.text()) {
-    print_tail(rows);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, tail_json)}}, "rows", provenance);
-  return ended(true);
+  return tell(a, bench_tail(a.seed, a.scenes, watched("tail")), print_tail, tail_json,
+              provenance_of_steps(a));
 }
 
 Json event_json(const EventRow& r) {
@@ -365,14 +371,8 @@ void print_events(const std::vector<EventRow>& rows) {
 }
 
 int events(const BenchArguments& a) {
-  const std::vector<EventRow> rows = bench_events(a.seed, 2, shipped_scenes(), watched("events"));
-  const Provenance provenance = provenance_of_steps(a);
-  if (a.output.text()) {
-    print_events(rows);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, event_json)}}, "rows", provenance);
-  return ended(true);
+  return tell(a, bench_events(a.seed, 2, shipped_scenes(), watched("events")), print_events,
+              event_json, provenance_of_steps(a));
 }
 
 std::vector<std::string> scenes_of(const BenchArguments& a) {
@@ -399,15 +399,8 @@ void print_parts(const std::vector<PartRow>& rows) {
 }
 
 int parts(const BenchArguments& a) {
-  const std::vector<PartRow> rows =
-      bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns"));
-  const Provenance provenance = provenance_of_steps(a);
-  if (a.output.text()) {
-    print_parts(rows);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, part_json)}}, "rows", provenance);
-  return ended(true);
+  return tell(a, bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")), print_parts,
+              part_json, provenance_of_steps(a));
 }
 
 Json plan_json(const PlanRow& r) {
@@ -448,35 +441,25 @@ void print_plans(const std::vector<PlanRow>& rows) {
 }
 
 int plans(const BenchArguments& a) {
-  const std::vector<PlanRow> rows =
-      bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns"));
-  const Provenance provenance = provenance_of_steps(a);
-  if (a.output.text()) {
-    print_plans(rows);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, plan_json)}}, "rows", provenance);
-  return ended(true);
+  return tell(a, bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")), print_plans,
+              plan_json, provenance_of_steps(a));
 }
 
 Json sensor_json(const SensorRow& r) {
   return {{"scene", r.scene}, {"sensor", r.sensor}, {"trials", r.trials}, {"inserted", r.inserted}};
 }
 
+void print_sensors(const std::vector<SensorRow>& rows) {
+  for (const SensorRow& r : rows)
+    fmt::print("{:<10} {:<32} {:>4} of {}\n", r.scene, r.sensor, r.inserted, r.trials);
+  fmt::print(
+      "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as parts "
+      "of the force limit; none: straight in at constant velocity\n");
+}
+
 int sensors(const BenchArguments& a) {
-  const std::vector<SensorRow> rows =
-      bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors"));
-  const Provenance provenance = provenance_of_steps(a);
-  if (a.output.text()) {
-    for (const SensorRow& r : rows)
-      fmt::print("{:<10} {:<32} {:>4} of {}\n", r.scene, r.sensor, r.inserted, r.trials);
-    fmt::print(
-        "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as parts "
-        "of the force limit; none: straight in at constant velocity\n{}",
-        provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, sensor_json)}}, "rows", provenance);
-  return ended(true);
+  return tell(a, bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")), print_sensors,
+              sensor_json, provenance_of_steps(a));
 }
 
 Json peer_json(const PeerRow& r) {
