@@ -1,7 +1,6 @@
 #include "bench/peers.hpp"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -12,6 +11,7 @@
 #include "bench/peers/peg.hpp"
 #include "capture/episode.hpp"
 #include "learn/loaded_library.hpp"
+#include "sim/measure.hpp"
 #include "sim/step.hpp"
 
 namespace ferrule {
@@ -113,25 +113,19 @@ class Theirs : public Held {
   std::unique_ptr<peers::Engine> engine_;
 };
 
-double processor_time() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 void measure_motion(Held& fibre, PeerRow& row) {
   const double dt = row.step_s;
   const auto ramp = std::lround(kRamp / dt), all = std::lround((kRamp + kRound) / dt);
   fibre.reset(around(0).pose());
-  double begin = processor_time(), force_error = 0, force = 0;
+  double begin = thread_seconds(), force_error = 0, force = 0;
   std::vector<Pose> tips;
   for (long n = 0; n < all; ++n) {
-    if (n == ramp) begin = processor_time();
+    if (n == ramp) begin = thread_seconds();
     const double t = static_cast<double>(n) * dt;
     const Pose tip = fibre.step(around(t).pose(), around(t + dt).pose(), dt);
     if (n >= ramp) tips.push_back(tip);
   }
-  row.us_per_simulated_ms = 1e3 * (processor_time() - begin) / kRound;
+  row.us_per_simulated_ms = 1e3 * (thread_seconds() - begin) / kRound;
   for (std::size_t i = 0; i < tips.size(); ++i) {
     const Hand hand = around(static_cast<double>(static_cast<long>(i) + ramp + 1) * dt);
     const Pose& tip = tips[i];

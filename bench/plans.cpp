@@ -1,13 +1,11 @@
 #include "bench/plans.hpp"
 
-#include <algorithm>
-#include <array>
-#include <ctime>
 #include <functional>
 
 #include "controller/campaign.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
+#include "sim/measure.hpp"
 
 namespace ferrule {
 namespace {
@@ -15,33 +13,25 @@ namespace {
 constexpr double kTolerance = 0.01;
 constexpr int kTurns = 3;
 
-double processor_seconds(const std::function<void()>& work) {
-  const std::clock_t before = std::clock();
+double seconds_of(const std::function<void()>& work) {
+  const double before = thread_seconds();
   work();
-  return static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC;
+  return thread_seconds() - before;
 }
 
 struct Campaign {
   std::vector<TrialResult> results;
-  std::array<double, kTurns> us_per_simulated_s{};
-
-  double median_us() const {
-    auto sorted = us_per_simulated_s;
-    std::sort(sorted.begin(), sorted.end());
-    return sorted[kTurns / 2];
-  }
+  std::vector<double> us_per_simulated_s;  // of each turn
 };
 
-void run(const Scene& scene, std::uint64_t seed, std::size_t trials, int turn, Campaign& campaign) {
+void run(const Scene& scene, std::uint64_t seed, std::size_t trials, Campaign& campaign) {
   const Scaling scaling = scene_scaling(scene);
-  const MakeController make = [&](std::uint64_t) {
-    return std::make_unique<InsertionLaw>(tuned_by_hand(scaling.motion * scene.limits.speed));
-  };
-  const double seconds = processor_seconds(
+  const MakeController make = controller_maker(tuned_by_hand(scaling.motion * scene.limits.speed));
+  const double seconds = seconds_of(
       [&] { campaign.results = run_campaign(scene, scaling, make, seed, trials, 1, {}); });
   double simulated = 0;
   for (const TrialResult& r : campaign.results) simulated += r.summary.time;
-  campaign.us_per_simulated_s[static_cast<std::size_t>(turn)] = 1e6 * seconds / simulated;
+  campaign.us_per_simulated_s.push_back(1e6 * seconds / simulated);
 }
 
 PlanRow measured(const std::string& name, PlanFor quantity, std::uint64_t seed,
@@ -51,7 +41,7 @@ PlanRow measured(const std::string& name, PlanFor quantity, std::uint64_t seed,
   row.scene = name;
   row.plan_for = quantity == PlanFor::success ? "success" : "motion";
   Plan plan;
-  row.planning_s = processor_seconds([&] { plan = make_plan(scene, kTolerance, {}, quantity); });
+  row.planning_s = seconds_of([&] { plan = make_plan(scene, kTolerance, {}, quantity); });
   row.error_bound = plan.error_bound;
   row.sampled_twice = plan.sampled_twice;
   const Scene planned = parse_scene(plan.document, name);
@@ -60,11 +50,11 @@ PlanRow measured(const std::string& name, PlanFor quantity, std::uint64_t seed,
   const Scene full = parse_scene(document, name);
   Campaign of_full, of_planned;
   for (int turn = 0; turn < kTurns; ++turn) {
-    run(full, seed, trials, turn, of_full);
-    run(planned, seed, trials, turn, of_planned);
+    run(full, seed, trials, of_full);
+    run(planned, seed, trials, of_planned);
   }
-  row.full_us_per_simulated_s = of_full.median_us();
-  row.planned_us_per_simulated_s = of_planned.median_us();
+  row.full_us_per_simulated_s = quantile(of_full.us_per_simulated_s, 0.5);
+  row.planned_us_per_simulated_s = quantile(of_planned.us_per_simulated_s, 0.5);
   row.ratio = row.full_us_per_simulated_s / row.planned_us_per_simulated_s;
   const CampaignSummary a = summarise(of_full.results), b = summarise(of_planned.results);
   row.trials = a.feasible;

@@ -25,8 +25,7 @@ struct PlanRow {
 };
 
 // Each scene, planned for a tolerance of 0.01 of the motion and of the success rate, and `trials`
-// trials of `seed`. The full model is the scene in the
-// finest fidelity (16 nodes).
+// trials of `seed`. The full model is the scene in the finest fidelity (16 nodes).
 std::vector<PlanRow> bench_plans(std::uint64_t seed, std::size_t trials,
                                  const std::vector<std::string>& scenes, const GoOn& go_on = {});
 

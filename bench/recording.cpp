@@ -3,7 +3,6 @@
 #include <unistd.h>
 
 #include <cmath>
-#include <ctime>
 #include <filesystem>
 
 #include "capture/recorder.hpp"
@@ -20,13 +19,6 @@ namespace fs = std::filesystem;
 constexpr std::uint64_t kRecordingSeed = 1;
 constexpr int kRecordings = 3;  // of which the fastest counts
 
-// Time that this thread has run [us]: what others do meanwhile is not counted.
-double thread_us() {
-  timespec t{};
-  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
-}
-
 RecordingRow measured_recording(const std::string& name) {
   const Scene scene = load_scene(name);
   const State start = draw_start(scene, kRecordingSeed, 1);
@@ -41,17 +33,18 @@ RecordingRow measured_recording(const std::string& name) {
     run_insertion(scene, start, *hand, ForceSensor(scene.sensor, kRecordingSeed, 1),
                   {.scaling = scene_scaling(scene), .period = period, .past_success = true},
                   [&](const Tick& tick) {
-                    const double begin = thread_us();
+                    const double begin = 1e6 * thread_seconds();
                     recorder.add(make_row(tick), tick.sample.counts);
-                    recorded += thread_us() - begin;
+                    recorded += 1e6 * thread_seconds() - begin;
                     return true;
                   });
-    const double begin = thread_us();
+    const double begin = 1e6 * thread_seconds();
     const std::string file = recorder.finish(Outcome::inserted);
     const auto rows = static_cast<double>(recorder.rows());
     best.rows = static_cast<long>(recorder.rows());
     best.us_per_row = std::fmin(best.us_per_row, recorded / rows);
-    best.us_per_row_written = std::fmin(best.us_per_row_written, (thread_us() - begin) / rows);
+    best.us_per_row_written =
+        std::fmin(best.us_per_row_written, (1e6 * thread_seconds() - begin) / rows);
     best.kB_per_s = 1e-3 * static_cast<double>(fs::file_size(file)) / (rows * period);
     fs::remove_all(folder);
   }

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <ctime>
 #include <limits>
 
 namespace ferrule {
@@ -13,6 +14,13 @@ inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 template <class T>
 void keep(const T& value) {
   asm volatile("" : : "g"(&value) : "memory");
+}
+
+// How long this thread has run [s]: what others do meanwhile is not counted.
+inline double thread_seconds() {
+  timespec t{};
+  ::clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 // Nanoseconds per call of `f(i)`, i = 0, 1, ..., the least of five rounds of at least `round_ns`.
