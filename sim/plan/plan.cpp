@@ -212,22 +212,22 @@ struct Reduced {
   double tangent = 0;  // [-]
 };
 
-World reduced_world(const Scene& full, const Reduced& r, double force_scale) {
-  WorldParameters p = full.parameters;
+World reduced_world(const Reference& reference, const Reduced& r) {
+  WorldParameters p = reference.scene.parameters;
   for (const Term term : r.without) info(term).leave_out(p.laws);
   p.dynamics = r.dynamics;
   if (r.dynamics == Dynamics::quasi_static) p.numerics.integrator = Integrator::backward_euler;
   p.numerics.quadrature = Quadrature::gauss_legendre(r.fidelity.nodes);
   p.numerics.closed_form = r.fidelity.closed_form;
   p.numerics.longest_step = r.step;
-  p.numerics.tangent_tip = r.tangent * full.world.annulus.clearance();
-  p.numerics.tangent_force = r.tangent * force_scale;
+  p.numerics.tangent_tip = r.tangent * reference.clearance;
+  p.numerics.tangent_force = r.tangent * reference.force_scale;
   return make_world(p);
 }
 
 // The scene file of that model.
-Json reduced_document(const Scene& full, const Reduced& r, double force_scale) {
-  Json d = full.document;
+Json reduced_document(const Reference& reference, const Reduced& r) {
+  Json d = reference.scene.document;
   for (const char* key : {"accuracy", "tilted_axes", "integrator", "tangent"}) d.erase(key);
   for (const Term term : r.without) d["laws"][info(term).name] = nullptr;
   d["quadrature"] = r.fidelity.nodes;
@@ -238,10 +238,10 @@ Json reduced_document(const Scene& full, const Reduced& r, double force_scale) {
   d["step_s"] = r.step;
   // Which depends on the laws where it is not stated.
   if (!d.contains("event_travel_nm"))
-    d["event_travel_nm"] = std::min(full.parameters.numerics.event_travel / 1e-9, 1e9);
+    d["event_travel_nm"] = std::min(reference.scene.parameters.numerics.event_travel / 1e-9, 1e9);
   if (r.tangent > 0)
-    d["tangent"] = {{"tip_nm", r.tangent * full.world.annulus.clearance() / 1e-9},
-                    {"force_uN", r.tangent * force_scale / 1e-6}};
+    d["tangent"] = {{"tip_nm", r.tangent * reference.clearance / 1e-9},
+                    {"force_uN", r.tangent * reference.force_scale / 1e-6}};
   return d;
 }
 
@@ -257,9 +257,7 @@ struct Choice {
 Fidelity choose_fidelity(const Reference& reference, const std::vector<Term>& without,
                          double enough, std::array<double, kSurfaceTerms>& coarser) {
   const auto world = [&](Fidelity f) {
-    return reduced_world(reference.scene,
-                         {without, f, reference.scene.world.dynamics, kSamplePeriod},
-                         reference.force_scale);
+    return reduced_world(reference, {without, f, reference.scene.world.dynamics, kSamplePeriod});
   };
   const World finest = world(kFidelities.back());
   for (const Fidelity& f : kFidelities) {
@@ -267,6 +265,22 @@ Fidelity choose_fidelity(const Reference& reference, const std::vector<Term>& wi
     if (reference.changes(coarser[0] + coarser[1] + coarser[2]) <= enough) return f;
   }
   return kFidelities.back();
+}
+
+// The full model without the terms that are small enough, where there are any, and with all of
+// them; each in the cheapest fidelity that is good enough.
+std::vector<Choice> with_and_without_terms(const Reference& reference, const Choice& full,
+                                           double share_of_terms, double share_of_fidelity) {
+  std::vector<LeftOut> tries = {smallest_terms(reference, share_of_terms)};
+  if (!tries.front().terms.empty()) tries.emplace_back();
+  std::vector<Choice> choices(tries.size(), full);
+  for (std::size_t i = 0; i < tries.size(); ++i) {
+    Choice& c = choices[i];
+    c.left_out = tries[i];
+    c.model.without = c.left_out.terms;
+    c.model.fidelity = choose_fidelity(reference, c.model.without, share_of_fidelity, c.coarser);
+  }
+  return choices;
 }
 
 // What may be spent, of the tolerance, and which steps there are to choose from.
@@ -297,8 +311,7 @@ Choice choose(const Reference& reference, const Budget& budget) {
   if (budget.steps.size() > 1) {
     Reduced longer = full.model;
     longer.step = budget.steps[budget.steps.size() - 2];
-    full_error =
-        reference.error(reduced_world(reference.scene, longer, reference.force_scale), INFINITY);
+    full_error = reference.error(reduced_world(reference, longer), INFINITY);
   }
   Choice nothing_reduced = full;
   nothing_reduced.error = full_error / measured;
@@ -306,33 +319,23 @@ Choice choose(const Reference& reference, const Budget& budget) {
     if (world.dynamics == Dynamics::quasi_static) {  // then as the scene has it, which is no worse
       Reduced& as_it_is = nothing_reduced.model;
       as_it_is.step = reference.scene.document.value("step_s", kSamplePeriod);
-      const double error =
-          reference.error(reduced_world(reference.scene, as_it_is, reference.force_scale), enough);
+      const double error = reference.error(reduced_world(reference, as_it_is), enough);
       nothing_reduced.error = std::max(error, full_error) / measured;
     }
     return nothing_reduced;
   }
 
-  std::vector<LeftOut> tries = {smallest_terms(reference, share(kShare))};
-  if (!tries.front().terms.empty()) tries.emplace_back();
-  for (const LeftOut& left_out : tries) {
-    Choice c = full;
-    c.left_out = left_out;
-    c.model.without = left_out.terms;
-    c.model.fidelity =
-        choose_fidelity(reference, left_out.terms, share(kShareOfFidelity), c.coarser);
+  for (Choice& c :
+       with_and_without_terms(reference, full, share(kShare), share(kShareOfFidelity))) {
     std::vector<std::pair<Dynamics, double>> ways;
     if (budget.try_quasi_static) ways.emplace_back(Dynamics::quasi_static, budget.steps.front());
     for (const double step : budget.steps) ways.emplace_back(world.dynamics, step);
     const bool timeless = budget.steps.size() == 1;
-    const bool as_full = timeless && left_out.terms.empty() && c.coarser == Choice{}.coarser;
+    const bool as_full = timeless && c.left_out.terms.empty() && c.coarser == Choice{}.coarser;
     for (const auto& [dynamics, step] : ways) {
       c.model.dynamics = dynamics;
       c.model.step = step;
-      c.error = as_full
-                    ? 0
-                    : reference.error(
-                          reduced_world(reference.scene, c.model, reference.force_scale), enough);
+      c.error = as_full ? 0 : reference.error(reduced_world(reference, c.model), enough);
       if (c.error > enough) continue;
       if (step == budget.steps.back()) c.error = std::max(c.error, full_error);
       c.error /= measured;
@@ -350,30 +353,25 @@ Choice choose_for_success(const Reference& reference, double tolerance) {
   const Choice full{
       {{}, kFidelities.back(), scene.world.dynamics, kSamplePeriod}, {}, {}, INFINITY};
   Reduced finest = full.model;
-  if (depends_on_speed(scene.world.laws)) finest.step = kFinestForSteps;
-  const World exact = reduced_world(scene, finest, reference.force_scale);
-  std::vector<LeftOut> tries = {smallest_terms(reference, kShare * tolerance)};
-  if (!tries.front().terms.empty()) tries.emplace_back();
-  for (const LeftOut& left_out : tries) {
-    Choice c = full;
-    c.left_out = left_out;
-    c.model.without = left_out.terms;
-    c.model.fidelity =
-        choose_fidelity(reference, left_out.terms, kShareOfFidelity * tolerance, c.coarser);
-    for (const double tangent : {kTangent, 0.1 * kTangent}) {
-      c.model.tangent = depends_on_speed(scene.world.laws) ? 0 : tangent * tolerance;
-      c.error =
-          reference.error_of_steps(reduced_world(scene, c.model, reference.force_scale), exact);
+  std::vector<double> tangents = {kTangent, 0.1 * kTangent};
+  const bool timeless = !depends_on_speed(scene.world.laws);
+  if (!timeless) {
+    finest.step = kFinestForSteps;
+    tangents = {0};  // every step is solved
+  }
+  const World exact = reduced_world(reference, finest);
+  for (Choice& c :
+       with_and_without_terms(reference, full, kShare * tolerance, kShareOfFidelity * tolerance)) {
+    for (const double tangent : tangents) {
+      c.model.tangent = tangent * tolerance;
+      c.error = reference.error_of_steps(reduced_world(reference, c.model), exact);
       if (c.error > enough) continue;
       c.error /= kMeasured;
       return c;
     }
   }
   Choice nothing_reduced = full;
-  if (depends_on_speed(scene.world.laws))
-    nothing_reduced.error = reference.error_of_steps(scene.world, exact) / kMeasured;
-  else
-    nothing_reduced.error = 0;
+  nothing_reduced.error = timeless ? 0 : reference.error_of_steps(scene.world, exact) / kMeasured;
   return nothing_reduced;
 }
 
@@ -407,10 +405,6 @@ std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice&
   }
   return terms;
 }
-
-}  // namespace
-
-namespace {
 
 // Inertia, where the scene does not say whether it is modelled.
 struct Inertia {
@@ -491,8 +485,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.sampling_counts = full.document.contains("event_travel_nm") && !for_success &&
                          full.parameters.numerics.event_travel > 1.001 * kLocatesEvents;
   if (plan.sampling_counts) plan.error_bound = std::max(plan.error_bound, plan.sampled_twice);
-  plan.terms =
-      planned_terms(reference, choice, reduced_world(full, choice.model, reference.force_scale));
+  plan.terms = planned_terms(reference, choice, reduced_world(reference, choice.model));
   if (const auto curl = free_curl(full.parameters)) {
     plan.terms.push_back(planned_curl(
         *curl, reference, (reference.sticks ? kShareWhereItSticks : kShare) * tolerance));
@@ -507,7 +500,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
         {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia.force, change, State()});
     if (!inertia.stated) plan.error_bound += change;
   }
-  plan.document = reduced_document(full, choice.model, reference.force_scale);
+  plan.document = reduced_document(reference, choice.model);
   for (const PlannedTerm& term : plan.terms)
     if (term.name == "curl" && !term.kept) plan.document["fibre"].erase("curl_radius_m");
   plan.document["planned_accuracy"] = tolerance;
