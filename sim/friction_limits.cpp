@@ -16,7 +16,7 @@ constexpr double kSingular = 0.05;   // less of a determinant: limit and depth d
 FrictionLimits::Place FrictionLimits::place(const World& world, const FrozenCoefficients& frozen,
                                             const PoseVector& tip, int at, const FrictionLimit& is,
                                             const PoseVector& depth_slope,
-                                            double slips_at) const noexcept {
+                                            double slips_at) noexcept {
   Place place;
   if (!(is.limit > 0)) return place;
   const FrozenFriction& friction = frozen.friction[at];
@@ -87,8 +87,8 @@ std::optional<PoseVector> FrictionLimits::settle_together(
 std::optional<PoseVector> FrictionLimits::settle(const NewtonStep& newton,
                                                  FrozenCoefficients& frozen) const noexcept {
   if (newton.falling > 0) return settle_together(newton, frozen);
-  // change = miss + d limit/d depth . depth by pose . move,   move = held + sum of answer_j
-  // change_j
+  // change = miss + d limit/d depth . depth by pose . move,
+  // move = held + sum of answer_j change_j
   const PoseVector& held = newton.move;
   std::array<PoseVector, kContactPlaces> answer;
   Matrix2d system = Matrix2d::Identity();

@@ -39,9 +39,9 @@ class FrictionLimits {
     double per_depth;              // d limit / d depth [N/m]
     PoseVector depth_slope, pull;  // depth by the pose; gradient of the friction for a limit of 1 N
   };
-  Place place(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip, int at,
-              const FrictionLimit& is, const PoseVector& depth_slope,
-              double slips_at) const noexcept;
+  static Place place(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                     int at, const FrictionLimit& is, const PoseVector& depth_slope,
+                     double slips_at) noexcept;
   std::optional<PoseVector> settle_together(const NewtonStep& newton,
                                             FrozenCoefficients& frozen) const noexcept;
 
