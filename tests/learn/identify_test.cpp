@@ -22,7 +22,8 @@ Scene scene_with(std::vector<std::string> settings) {
 // Without the printed wells: whether a recording falls into one, and when, is no smooth function of
 // the parameters.
 Scene without_wells(std::vector<std::string> settings) {
-  for (const char* none : {"laws.van_der_waals=null", "laws.electrostatic=null"})
+  for (const char* none :
+       {"laws.van_der_waals=null", "laws.electrostatic=null", "laws.capillary=null"})
     settings.emplace_back(none);
   return scene_with(std::move(settings));
 }
