@@ -86,24 +86,33 @@ void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth
   depth.point.tail<2>() += rest.point;
 }
 
-// The same, where it is farthest from the bore.
-ContactDepth face_depth(const World& world, const ContactSide& side,
-                        const PoseVector& tip) noexcept {
+// The same, where it is farthest from the bore: as the rim lies r (n.tilt) ahead in the direction
+// n = e/|e|, which turns with the eccentricity.
+ContactDepth face_depth(const World& world, const PoseVector& tip) noexcept {
   ContactDepth depth;
   if (world.end.rests_lowest) {
     rest_on_face(world, tip, depth);
     return depth;
   }
-  const double r = world.annulus.fibre_radius;
-  const Radial radial(tip.e, world);
+  const double r = world.annulus.fibre_radius, off = tip.e.norm();
+  const Vector2d n = off > 0 ? Vector2d(tip.e / off) : Vector2d(Vector2d::UnitX());
+  const double ahead = n.dot(tip.t);
   const EdgeDepth d =
-      edge_depth(world.profile, tip.x - r * side.outward.dot(tip.t), radial.eccentricity + r);
-  depth.point << tip.x, tip.e + r * radial.normal;
+      edge_depth(world.profile, tip.x - r * ahead, Radial(tip.e, world).eccentricity + r);
+  depth.point << tip.x, tip.e + r * n;
   if (d.throat() <= 0) return depth;
   depth.value = d.face;
-  depth.lean = -r * side.outward;
+  depth.lean = -r * n;
   depth.slope = -Vector3d::UnitX();
   depth.curve.setZero();
+  if (!(off > 0)) return depth;
+  const double turns = r / off;
+  const Matrix2d mixed = n * tip.t.transpose(), out = n * n.transpose();
+  depth.slope.tail<2>() = turns * (tip.t - ahead * n);
+  depth.curve = turns / off * (ahead * (3 * out - kIdentity) - mixed - mixed.transpose());
+  depth.rests = true;
+  depth.tilt_curve.setZero();
+  depth.mixed_curve = turns * (kIdentity - out);
   return depth;
 }
 
@@ -315,7 +324,7 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const PoseVector& tip) noexcept {
-  return {side.side == EdgeSide::face ? face_depth(world, side, tip) : throat_depth(world, tip),
+  return {side.side == EdgeSide::face ? face_depth(world, tip) : throat_depth(world, tip),
           side_depth(world, side, tip)};
 }
 

@@ -152,6 +152,79 @@ TEST(ContactDepth, ARoundedRimFindsASharpBoreFromWithinClearanceAndRadius) {
     }
 }
 
+// A tilted end that circles on the face around the bore, in so many steps, pressed harder on one
+// half of its way: the work of the hand over one round, and what it turns over [J].
+struct Round {
+  double work = 0, turned = 0;
+};
+Round round_on_the_face(const World& world, int steps, double way) {
+  const auto hand = [&](int n) {
+    const double angle = 2 * std::numbers::pi * way * n / steps;
+    return testing::pose((-2 - std::sin(angle)) * 1e-6, 20e-6 * std::cos(angle),
+                         20e-6 * std::sin(angle), 0.02, 0);
+  };
+  State state = at_rest(world, hand(0) + testing::pose(5e-6, 0, 0));
+  state = step(world, state, hand(0), 1e-3).state;
+  Round sum;
+  for (int n = 1; n <= 2 * steps; ++n) {
+    const Pose stretch = state.tip - 0.5 * (state.command + hand(n));
+    const double done = -(world.holder.stiffness * stretch).dot(hand(n) - state.command);
+    state = step(world, state, hand(n), 1e-3).state;
+    if (n <= steps) continue;  // the first time round it settles
+    sum.work += done;
+    sum.turned += std::abs(done);
+  }
+  return sum;
+}
+
+// Nothing rubs: what the hand loses is what an implicit step damps, and as short as the step.
+TEST(ContactDepth, OnTheFaceAClosedMotionCostsNoEnergy) {
+  const World world = testing::bare().world;
+  for (const double way : {1.0, -1.0}) {
+    const Round coarse = round_on_the_face(world, 500, way);
+    const Round fine = round_on_the_face(world, 4000, way);
+    EXPECT_GE(fine.work, -1e-9 * fine.turned);
+    EXPECT_LT(fine.work, 0.13 * coarse.work);
+  }
+}
+
+TEST(ContactDepth, OnTheFaceHasItsDerivatives) {
+  const World world = testing::bare().world;
+  RandomStream random(15, 0, Draw::start);
+  int on_face = 0;
+  for (int n = 0; n < 100; ++n) {
+    State state;
+    state.side = EdgeSide::face;
+    state.tip = testing::pose(-1e-7, 3e-6 * random.normal() + 5e-6, 3e-6 * random.normal(),
+                              0.01 * random.normal(), 0.01 * random.normal());
+    if (contact_side(world, state).side != EdgeSide::face) continue;
+    ++on_face;
+    const auto at = [&](const Pose& tip) {
+      State there = state;
+      there.tip = tip;
+      return contact_depths(world, contact_side(world, there), tip)[kEnd];
+    };
+    const auto slope = [&](const Pose& tip) { return at(tip).by_pose(PoseVector(tip).t).full(); };
+    Energy energy;
+    at(state.tip).add_to(energy, PoseVector(state.tip).t, 1, 0);
+    const Matrix5 hessian = energy.hessian.full();
+    for (int i = 0; i < 5; ++i) {
+      Pose by = Pose::Zero();
+      by[i] = i < 3 ? 1e-11 : 1e-7;
+      const double h = 2 * by[i];
+      const double scale = i < 3 ? 1 : world.annulus.fibre_radius;
+      EXPECT_NEAR((at(state.tip + by).value - at(state.tip - by).value) / h, slope(state.tip)[i],
+                  1e-5 * scale);
+      const Pose bend = (slope(state.tip + by) - slope(state.tip - by)) / h;
+      for (int j = 0; j < 5; ++j) {
+        const double unit = scale * (j < 3 ? 1 : world.annulus.fibre_radius) / 1e-6;
+        EXPECT_NEAR(bend[j], hessian(j, i), 1e-4 * unit) << i << " " << j;
+      }
+    }
+  }
+  EXPECT_GT(on_face, 50);
+}
+
 TEST(ContactDepth, WithARoundedRimNoClosedMotionGainsEnergy) {
   for (std::uint64_t k = 0; k < 30; ++k) {
     RandomStream random(13, k, Draw::start);
