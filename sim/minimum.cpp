@@ -1,5 +1,6 @@
 #include "sim/minimum.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -14,7 +15,7 @@ struct LastStep {
   double move;   // of the clearance
 };
 constexpr LastStep kLastStep = {1e-3, 1e-4};
-constexpr LastStep kLastStepInWell = {kNearForce, 2e-5};  // the printed laws turn within a_0
+constexpr LastStep kLastStepInWell = {kNearForce, 2e-5};  // near printed surfaces
 constexpr double kNearWall = 10e-9;  // moves that begin so near to a wall go along it [m]
 constexpr double kShortestLever =
     1e-6;                              // inserted length at which tilts are those of two places [m]
@@ -23,7 +24,7 @@ constexpr double kOvershoot = 0.3;     // of the slope at the begin: a move may 
 constexpr double kMostRise = 10;  // of what a Newton step should gain, where the residual falls
 constexpr double kLevel = 1e-9;   // of the sum of all energies
 constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the end of a step
-constexpr int kMostRounds = 3;
+constexpr int kMostRounds = 3, kMostRoundsInWell = 6;
 constexpr double kFurther = 3;  // a step that got ever steeper
 constexpr int kMostExpansions = 4;
 constexpr int kMostBisections = 16;
@@ -63,7 +64,7 @@ class StiffModel {
   }
 
   StiffLaws laws(double part) const noexcept {
-    return stiff_laws(world_, frozen_, moved_along(world_, tip_, part * newton_.move),
+    return stiff_laws(world_, frozen_, moved_along(world_, frozen_, tip_, part * newton_.move),
                       here_[kSide].share);
   }
   AlongStep at(double part, const StiffLaws& there) const noexcept {
@@ -110,6 +111,17 @@ class StiffModel {
   double slope_ = 0, curve_ = 0;
 };
 
+// What the printed well's pull bends by where it is so much more: along the wall.
+void bend_well(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+               double more, PoseMatrix& hessian) noexcept {
+  const double arm = printed_arm(world, frozen);
+  const Radial middle(eccentricity(world.oval.stretched(tip), arm), world.annulus.clearance());
+  const Matrix2d bend = more * world.oval.stretch * middle.curving * world.oval.stretch;
+  hessian.ee += bend;
+  hessian.et += arm * bend;
+  hessian.tt += arm * arm * bend;
+}
+
 // A Newton step whose model has the stiff laws as they are where it ends, bent surfaces included,
 // and not only where it begins: Newton's method again, for what costs little to compute. False
 // where that does not converge; the step is as it was then.
@@ -118,11 +130,12 @@ bool meet_stiff_laws(const World& world, const FrozenCoefficients& frozen, const
                      NewtonStep& newton) noexcept {
   NewtonStep step = newton;
   StiffLaws model = here;
-  for (int round = 0; round < kMostRounds; ++round) {
+  const int most = here[kContactPlaces].acts ? kMostRoundsInWell : kMostRounds;
+  for (int round = 0; round < most; ++round) {
     const StiffModel along(world, frozen, tip, here, newton);
     double part = 1;
     StiffLaws there =
-        stiff_laws(world, frozen, moved_along(world, tip, step.move), here[kSide].share);
+        stiff_laws(world, frozen, moved_along(world, frozen, tip, step.move), here[kSide].share);
     if (round == 0 && along.higher(along.at(1, there))) {
       // Beyond a wall or a well, which it must meet and not jump.
       part = along.least(1);
@@ -141,6 +154,8 @@ bool meet_stiff_laws(const World& world, const FrozenCoefficients& frozen, const
       model[i].force = there[i].force - stiffness * on;
       bent.gradient += (model[i].force - here[i].force) * here[i].slope;
       add_square(bent.hessian, stiffness - here[i].stiffness, here[i].slope);
+      if (i == kContactPlaces)
+        bend_well(world, frozen, tip, there[i].force - here[i].force, bent.hessian);
     }
     if (part == 1 && miss <= tolerance) {
       if (round == 0) return true;
@@ -177,7 +192,7 @@ bool choose_step(const World& world, const FrozenCoefficients& frozen, const Ene
                  const Minimum& found, const StiffLaws& laws, NewtonStep& newton) noexcept {
   const PoseVector& gradient = found.there.gradient;
   NewtonStep met = newton;
-  if (newton.convex &&
+  if ((newton.convex || laws[kContactPlaces].acts) &&
       meet_stiff_laws(world, frozen, smooth, found.tip, laws, kMeets * found.there.force_scale,
                       met) &&
       gradient.dot(met.move) < 0) {
@@ -189,6 +204,17 @@ bool choose_step(const World& world, const FrozenCoefficients& frozen, const Ene
 }
 
 enum class Descent { lower, nowhere, ended };  // ended: evaluations are spent, or it is at an edge
+
+// Where the printed laws turn within less than the clearance.
+bool near_printed_well(const World& world, const FrozenCoefficients& frozen,
+                       const Minimum& found) noexcept {
+  if (!has_printed_wells(world.laws)) return false;
+  const auto& depth = found.there.depth;
+  if (std::holds_alternative<printed::Adhesion>(world.laws.adhesion) &&
+      std::max(depth[kEnd].value, depth[kSide].value) > -kNearWall)
+    return true;
+  return std::abs(printed_gap(world, frozen, found.tip)) < kNearWall;
+}
 
 // Takes a part of a step, less where that is not lower and more where it gets ever steeper.
 Descent descend(const World& world, const FrozenCoefficients& frozen, const NewtonStep& newton,
@@ -203,7 +229,7 @@ Descent descend(const World& world, const FrozenCoefficients& frozen, const Newt
   Descent went = Descent::nowhere;
   for (int further = 0; part * way >= kShortestTrial;) {
     if (found.evaluations >= most_evaluations) return Descent::ended;
-    const PoseVector trial = moved_along(world, tip, part * newton.move);
+    const PoseVector trial = moved_along(world, frozen, tip, part * newton.move);
     const Potential there(world, frozen, trial);
     ++found.evaluations;
     const double more = there.value - here.value, rise = there.gradient.dot(newton.move);
@@ -230,17 +256,30 @@ Descent descend(const World& world, const FrozenCoefficients& frozen, const Newt
 
 }  // namespace
 
-PoseVector moved_along(const World& world, const PoseVector& tip, const PoseVector& move) noexcept {
+PoseVector moved_along(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                       const PoseVector& move) noexcept {
   const double clearance = world.annulus.clearance();
-  const double near = std::max(clearance - kNearWall, 0.5 * clearance);
+  const double gap = printed_gap(world, frozen, tip);
+  const bool in_well = std::abs(gap) < kInteratomicDistance;
+  const double near = in_well ? 0.5 * clearance : std::max(clearance - kNearWall, 0.5 * clearance);
   PoseVector end = tip;
   end += move;
   end.e = turned(tip.e, move.e, near);
   const double length = -tip.x, length_there = -end.x;
-  if (!(length > kShortestLever && length_there > kShortestLever)) return end;
-  const Vector2d mouth = tip.e + length * tip.t;
-  const Vector2d mouth_move = move.e + length * move.t - move.x * tip.t;
-  end.t = (turned(mouth, mouth_move, near) - end.e) / length_there;
+  if (length > kShortestLever && length_there > kShortestLever) {
+    const Vector2d mouth = tip.e + length * tip.t;
+    const Vector2d mouth_move = move.e + length * move.t - move.x * tip.t;
+    end.t = (turned(mouth, mouth_move, near) - end.e) / length_there;
+  }
+  if (!in_well) return end;
+  // In the printed well the middle keeps the gap that it would have to first order.
+  const double arm = printed_arm(world, frozen), radius = clearance - gap;
+  const auto middle = [&](const PoseVector& at) {
+    return eccentricity(world.oval.stretched(at), arm);
+  };
+  const Vector2d to = middle(end);
+  const double there = to.norm(), wanted = radius + middle(tip).dot(middle(move)) / radius;
+  if (there > near) end.e += (wanted / there - 1) * (world.oval.stretch.inverse() * to);
   return end;
 }
 
@@ -257,7 +296,7 @@ double travel_of(const World& world, const FrozenCoefficients& frozen,
 bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& rest,
                        Minimum& found) noexcept {
   Potential& there = found.there;
-  const LastStep most = has_printed_wells(world.laws) ? kLastStepInWell : kLastStep;
+  const LastStep most = near_printed_well(world, frozen, found) ? kLastStepInWell : kLastStep;
   if (!(residual(world, there.gradient) <= most.force * there.force_scale &&
         travel_of(world, frozen, rest) <= most.move * world.annulus.clearance()))
     return false;

@@ -31,7 +31,8 @@ double travel_of(const World& world, const FrozenCoefficients& frozen,
                  const PoseVector& move) noexcept;
 
 // Where a move from `tip` ends that goes along the wall and not straight; the same to first order.
-PoseVector moved_along(const World& world, const PoseVector& tip, const PoseVector& move) noexcept;
+PoseVector moved_along(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                       const PoseVector& move) noexcept;
 
 // Shorter moves are none [m].
 inline constexpr double kResolution = 1e-15;

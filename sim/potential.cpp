@@ -338,6 +338,19 @@ double side_share(const World& world, const FrozenCoefficients& frozen,
   return past < kPatch ? PatchShare(past).value : 1.0;
 }
 
+double printed_arm(const World& world, const FrozenCoefficients& frozen) noexcept {
+  const double length = printed_length(world, frozen);
+  const bool acts = frozen.contact.side == EdgeSide::throat && length > 0;
+  return acts && has_printed_forces(world) ? world.end.behind + 0.5 * length : 0;
+}
+
+double printed_gap(const World& world, const FrozenCoefficients& frozen,
+                   const PoseVector& tip) noexcept {
+  const double arm = printed_arm(world, frozen);
+  if (arm == 0) return INFINITY;
+  return world.annulus.clearance() - eccentricity(world.oval.stretched(tip), arm).norm();
+}
+
 std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoefficients& frozen,
                                             const PoseVector& tip, double side_share) noexcept {
   std::array<StiffLaw, kStiffLaws> laws;
@@ -357,10 +370,9 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
                    share * push.force + adhesion * pull.force,
                    share * push.slope + adhesion * pull.slope};
   }
-  const double length = printed_length(world, frozen);
-  if (frozen.contact.side == EdgeSide::face || length == 0 || !has_printed_forces(world))
-    return laws;
-  const double clearance = world.annulus.clearance(), arm = world.end.behind + 0.5 * length;
+  const double arm = printed_arm(world, frozen);
+  if (arm == 0) return laws;
+  const double clearance = world.annulus.clearance(), length = printed_length(world, frozen);
   const Radial middle(eccentricity(world.oval.stretched(tip), arm), clearance);
   const double gap = clearance - middle.eccentricity;
   const Vector2d out = world.oval.stretch * middle.normal;

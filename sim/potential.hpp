@@ -116,6 +116,12 @@ double stuck_stiffness(const World& world, const FrozenFriction& friction, const
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
                         const PoseVector& bore_gradient, const PoseMatrix& bore_hessian) noexcept;
 
+// From the end to where the printed laws act, in the middle of their length; 0 without any [m]. And
+// the gap there; infinite without any [m].
+double printed_arm(const World& world, const FrozenCoefficients& frozen) noexcept;
+double printed_gap(const World& world, const FrozenCoefficients& frozen,
+                   const PoseVector& tip) noexcept;
+
 // What is stiff: energies of one length each, the depths of both contacts (walls and adhesion) and
 // the printed laws' gap, less the clearance.
 struct StiffLaw {

@@ -70,7 +70,7 @@ bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients&
     frozen.friction = first;
     newton = NewtonStep(world, frozen, here, end.tip);
     if (!newton.convex) return false;
-    move = FrictionLimits(world, frozen, moved_along(world, end.tip, newton.move), 1)
+    move = FrictionLimits(world, frozen, moved_along(world, frozen, end.tip, newton.move), 1)
                .settle(newton, frozen);
   }
   if (move) end.move = *move;
@@ -96,7 +96,7 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
   end.hessian = newton.hessian;
   end.slope = std::abs(end.move.dot(newton.model.gradient));
-  end.tip = moved_along(world, state.tip, end.move);
+  end.tip = moved_along(world, frozen, state.tip, end.move);
   end.valid = true;
   return end;
 }
@@ -289,7 +289,7 @@ bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
     if (move) {
       met = settled && final_newton_step(world, frozen, *move, found);
       if (met) continue;
-      found.tip = moved_along(world, found.tip, *move);
+      found.tip = moved_along(world, frozen, found.tip, *move);
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;

@@ -82,7 +82,7 @@ TEST(FrictionLimits, SettleWhereLimitAndDepthAgree) {
         world, frozen, without_friction(frozen, state.tip, there.bore.gradient, there.bore.hessian),
         state.tip, 1);
     if (!newton.convex) continue;
-    const PoseVector end = moved_along(world, state.tip, *missed.settle(newton, frozen));
+    const PoseVector end = moved_along(world, frozen, state.tip, *missed.settle(newton, frozen));
     const FrictionLimits after(world, frozen, end, Potential(world, frozen, end));
     EXPECT_LT(after.largest_miss(), 0.5 * missed.largest_miss());
     ++settled;
