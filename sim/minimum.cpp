@@ -21,6 +21,7 @@ constexpr double kShortestLever =
     1e-6;                              // inserted length at which tilts are those of two places [m]
 constexpr double kFarthestTurn = 1.0;  // [rad]
 constexpr double kOvershoot = 0.3;     // of the slope at the begin: a move may end rising by that
+constexpr double kLeastSlope = 0.1;    // of a move's fall, or friction changes along it
 constexpr double kMostRise = 10;  // of what a Newton step should gain, where the residual falls
 constexpr double kLevel = 1e-9;   // of the sum of all energies
 constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the end of a step
@@ -199,7 +200,8 @@ bool choose_step(const World& world, const FrozenCoefficients& frozen, const Ene
     newton = met;
     return true;
   }
-  if (!(gradient.dot(newton.move) < 0)) newton = NewtonStep(world, frozen, smooth, found.tip, 1);
+  if (!(gradient.dot(newton.move) < -kLeastSlope * newton.fall))
+    newton = NewtonStep(world, frozen, smooth, found.tip, 1);
   return false;
 }
 
@@ -272,20 +274,27 @@ PoseVector moved_along(const World& world, const FrozenCoefficients& frozen, con
     end.t = (turned(mouth, mouth_move, near) - end.e) / length_there;
   }
   if (!in_well) return end;
-  // In the printed well the middle keeps the gap that it would have to first order.
+  // In the printed well the middle keeps the gap that it would have to first order: the axis turns
+  // about where the fibre is nearest to the wall, its end or the mouth.
   const double arm = printed_arm(world, frozen), radius = clearance - gap;
   const auto middle = [&](const PoseVector& at) {
     return eccentricity(world.oval.stretched(at), arm);
   };
   const Vector2d to = middle(end);
   const double there = to.norm(), wanted = radius + middle(tip).dot(middle(move)) / radius;
-  if (there > near) end.e += (wanted / there - 1) * (world.oval.stretch.inverse() * to);
+  if (!(there > near)) return end;
+  const bool about_end = tip.e.squaredNorm() > eccentricity(tip, length).squaredNorm();
+  const double pivot = about_end ? 0 : std::max(length_there, 2 * arm);
+  const Vector2d turn =
+      (wanted / there - 1) / (arm - pivot) * (world.oval.stretch.inverse() * to);
+  end.e -= pivot * turn;
+  end.t += turn;
   return end;
 }
 
 double residual(const World& world, const PoseVector& gradient) noexcept {
-  return std::max({std::abs(gradient.x), gradient.e.cwiseAbs().maxCoeff(),
-                   gradient.t.cwiseAbs().maxCoeff() / world.holder.tilt_length});
+  return std::max({std::abs(gradient.x), gradient.e.norm(),
+                   gradient.t.norm() / world.holder.tilt_length});
 }
 
 double travel_of(const World& world, const FrozenCoefficients& frozen,
