@@ -24,9 +24,9 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air. Files of before are read, and held against
-// what they were.
-constexpr std::uint64_t kFormatVersion = 2;
+// 1: columns as one text, no scales, no flow and air; 2: no linearization. Files of
+// before are read, and held against what they were.
+constexpr std::uint64_t kFormatVersion = 3;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 constexpr const char* kTimeScale = "/data/demo_0/time";
@@ -98,7 +98,8 @@ std::string scale_of(const std::vector<std::string>& names) {
                             : names.size() == kRawAxes      ? "axis"
                             : names.size() == 5             ? names[0] == "Fx" ? "wrench" : "pose"
                             : names.size() == kForces.width ? "force"
-                                                            : "state";
+                            : names.size() == kStates.width ? "state"
+                                                            : "linearization";
   return std::string(kDemo) + "/" + scale;
 }
 
@@ -183,8 +184,10 @@ std::string inputs_sha1(const Content& content) {
   return sha1(all);
 }
 
-// A block as files of a format have it: the first knew no flow ahead of the end and no air there.
+// A block as files of a format have it: the first knew no flow ahead of the end and no air there,
+// the first two no linearization (of no columns).
 Block block_of(Block block, std::uint64_t version) {
+  if (version < 3 && block.begin == kLinearization.begin) block.width = 0;
   if (version > 1) return block;
   const auto without = [](const Block& of, const std::string& last) {
     const std::string text = of.columns;
@@ -218,6 +221,7 @@ Content content_of(const Episode& episode, const Scene& scene,
   content.attributes[kDemo + std::string("/rows")];
   for (const Block& block : kBlocks) {
     const Block b = block_of(block, version);
+    if (b.width == 0) continue;
     add(content, version,
         {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
         {b.unit, b.columns, column_names(block)});
@@ -297,6 +301,7 @@ Episode read_in_child(const std::string& file) {
   episode.rows.setZero(count, kRowSize);
   for (const Block& block : kBlocks) {
     const Block b = block_of(block, in.whole("format_version"));
+    if (b.width == 0) continue;
     const Matrix values = in.table(rows_path(b), b.width, count).values;
     for (Eigen::Index n = 0; n < count; ++n)
       if (!values.row(n).allFinite())

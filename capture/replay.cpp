@@ -65,6 +65,7 @@ void verify(const Episode& episode, Verification& comparison) {
   RecordedHand hand(episode);
   const EpisodeInfo& info = episode.info;
   const Eigen::RowVectorXd scale = row_scale(rows);
+  const bool linearized = rows.col(kLinearization.begin).any();  // files of format 1 and 2 are not
   Eigen::Index n = 0;
   const InsertionEnd end = run_insertion(
       scene, draw_start(scene, info.seed, info.trial), hand,
@@ -72,6 +73,7 @@ void verify(const Episode& episode, Verification& comparison) {
       {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
       [&](const Tick& tick) {
         RowVector recomputed = make_row(tick);
+        if (!linearized) recomputed.segment<kLinearization.width>(kLinearization.begin).setZero();
         // The last command is what the recorded hand was built from, not a result.
         if (n == rows.rows() - 1)
           recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);

@@ -59,14 +59,22 @@ constexpr int force_column(Term term) noexcept {
 inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
                                "0 ok, 1 not converged, 2 bad command, 3 capped"};
 inline constexpr Block kStates{
-    "states", kStatus.begin + 1, kStateSize, "m, rad, s",
+    "states", kStatus.begin + 1, kLinearized, "m, rad, s",
     "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "
     "bridge; "
     "end contact: closed depth stuck_x stuck_y stuck_z branch; side contact: the same; "
     "velocity (5); tip before (5); velocity before (5); period before; air"};
+// The rest of the state.
+inline constexpr Block kLinearization{
+    "linearization", kStates.begin + kLinearized, kStateSize - kLinearized,
+    "1 N N N N.m N.m N/m N/m N/m N N N/m N/m N/m N/m N N N N N.m N.m N.m N.m N N N N.m N.m",
+    "there gradient_x gradient_y gradient_z gradient_tilt_y gradient_tilt_z xx xy xz xty xtz yy zy "
+    "yz zz yty zty ytz ztz tyty tzty tytz tztz curvature_x curvature_y curvature_z "
+    "curvature_tilt_y curvature_tilt_z; of the forces in the bore about the tip, from which the "
+    "next step is predicted"};
 inline constexpr int kRowSize = kStates.begin + kStateSize;
-inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,
-                                       kHolder, kForces,   kStatus,       kStates};
+inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,      kHolder,
+                                       kForces, kStatus,   kStates,       kLinearization};
 
 using RowVector = Eigen::Matrix<double, 1, kRowSize>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
@@ -82,6 +90,9 @@ StepResult step_of(const RowVector& row) noexcept;
 
 inline auto block(const RowVector& row, const Block& b) {
   return row.segment(b.begin, b.width);
+}
+inline State state_of(const RowVector& row) noexcept {
+  return state_of(StateRow(row.segment<kStateSize>(kStates.begin).transpose()));
 }
 
 }  // namespace ferrule

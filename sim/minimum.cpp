@@ -285,16 +285,15 @@ PoseVector moved_along(const World& world, const FrozenCoefficients& frozen, con
   if (!(there > near)) return end;
   const bool about_end = tip.e.squaredNorm() > eccentricity(tip, length).squaredNorm();
   const double pivot = about_end ? 0 : std::max(length_there, 2 * arm);
-  const Vector2d turn =
-      (wanted / there - 1) / (arm - pivot) * (world.oval.stretch.inverse() * to);
+  const Vector2d turn = (wanted / there - 1) / (arm - pivot) * (world.oval.stretch.inverse() * to);
   end.e -= pivot * turn;
   end.t += turn;
   return end;
 }
 
 double residual(const World& world, const PoseVector& gradient) noexcept {
-  return std::max({std::abs(gradient.x), gradient.e.norm(),
-                   gradient.t.norm() / world.holder.tilt_length});
+  return std::max(
+      {std::abs(gradient.x), gradient.e.norm(), gradient.t.norm() / world.holder.tilt_length});
 }
 
 double travel_of(const World& world, const FrozenCoefficients& frozen,

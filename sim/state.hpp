@@ -23,8 +23,8 @@ struct ContactState {
 };
 
 // The surface and contact forces linearised about the pose a step ended at: the predictor of the
-// next step (sim/step.cpp). It follows from the rest of the state: without it a step takes an
-// evaluation more.
+// next step (sim/step.cpp). Without it a step takes an evaluation more, and ends some 1e-6
+// clearances elsewhere, which the next snap magnifies.
 struct Linearization {
   Pose at = Pose::Zero();  // [m, rad]
   PoseVector gradient;     // of their energy [N, N m]
@@ -72,31 +72,37 @@ struct State {
   Pose tip_before = Pose::Zero();       // [m, rad]
   Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
   double dt_before = 0;                 // [s]
-  // No part of a row:
   std::optional<Linearization> linearization;
-  std::optional<Tangent> tangent;
+  std::optional<Tangent> tangent;  // no part of a row: without it the next step is solved
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
 };
 
-// A state as a row of numbers: for files and for comparing bit for bit.
-inline constexpr int kStateSize = 42;
+// A state as a row of numbers: for files and for comparing bit for bit. What it goes on from is
+// that state to the last bit, but for the tangent of scenes that have one.
+inline constexpr int kLinearized = 42;  // column that tells whether there is a linearization
+inline constexpr int kStateSize = kLinearized + 1 + 5 + 17 + 5;
 using StateRow = Eigen::Matrix<double, kStateSize, 1>;
 
 inline StateRow to_row(const State& s) noexcept {
-  StateRow row;
-  row << s.tip, s.command, s.time, s.side == EdgeSide::face ? 1.0 : 0.0, s.bridge ? 1.0 : 0.0,
-      StateRow::Zero().head<12>(), s.velocity, s.tip_before, s.velocity_before, s.dt_before, s.air;
+  StateRow row = StateRow::Zero();
+  row.head<kLinearized>() << s.tip, s.command, s.time, s.side == EdgeSide::face ? 1.0 : 0.0,
+      s.bridge ? 1.0 : 0.0, StateRow::Zero().head<12>(), s.velocity, s.tip_before,
+      s.velocity_before, s.dt_before, s.air;
   for (int place = 0; place < kContactPlaces; ++place) {
     const ContactState& c = s.contact[place];
     row.segment<6>(13 + 6 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck,
         static_cast<double>(c.branch);
   }
+  if (!s.linearization || s.linearization->at != s.tip) return row;
+  const PoseMatrix& h = s.linearization->hessian;
+  row.tail<kStateSize - kLinearized>() << 1, s.linearization->gradient.full(), h.xx, h.xe, h.xt,
+      h.ee.reshaped(), h.et.reshaped(), h.tt.reshaped(), s.linearization->curvature.full();
   return row;
 }
 
-// The state of such a row; without linearization and tangent.
+// The state of such a row.
 inline State state_of(const StateRow& row) noexcept {
   State s;
   s.tip = row.head<5>();
@@ -113,6 +119,18 @@ inline State state_of(const StateRow& row) noexcept {
   s.velocity_before = row.segment<5>(35);
   s.dt_before = row[40];
   s.air = row[41];
+  if (row[kLinearized] == 0) return s;
+  Linearization& l = s.linearization.emplace();
+  l.at = s.tip;
+  l.gradient = PoseVector(row.segment<5>(43));
+  const Eigen::Matrix<double, 17, 1> h = row.segment<17>(48);
+  l.hessian.xx = h[0];
+  l.hessian.xe = h.segment<2>(1);
+  l.hessian.xt = h.segment<2>(3);
+  l.hessian.ee = h.segment<4>(5).reshaped(2, 2);
+  l.hessian.et = h.segment<4>(9).reshaped(2, 2);
+  l.hessian.tt = h.segment<4>(13).reshaped(2, 2);
+  l.curvature = PoseVector(row.segment<5>(65));
   return s;
 }
 

@@ -269,7 +269,9 @@ void add_simulator(nb::module_& module) {
           [](const Simulator& s) {
             return s.look([](const SteppedTrial& t) { return array(to_row(t.result().state)); });
           },
-          kOwned, "The state as an episode's `states` has it, at the tip's scale; shape (41,).")
+          kOwned,
+          "The state as an episode's `states` and `linearization` have it, at the tip's scale; "
+          "shape (70,).")
       .def_prop_ro(
           "tip",
           [](const Simulator& s) {

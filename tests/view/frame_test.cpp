@@ -107,7 +107,7 @@ TEST(Frame, AStateSurvivesItsRow) {
   const Scene scene = load_scene("film");
   const Shown all = shown(scene, 3);
   for (std::size_t n = 0; n < all.rows.size(); n += 53) {
-    const StateRow row = block(all.rows[n], kStates).transpose();
+    const StateRow row = all.rows[n].segment<kStateSize>(kStates.begin).transpose();
     EXPECT_EQ(to_row(state_of(row)), row);
   }
 }
