@@ -54,8 +54,8 @@ td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowra
 figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
 figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
 pre { padding: 0.8rem; overflow-x: auto } .big { font-size: 1.25rem }
-iframe.replay { border: 1px solid #bbb; width: min(96vw, 1400px); aspect-ratio: 16 / 9; margin-left: 50%;
-  transform: translateX(-50%) }
+iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw, 1400px); aspect-ratio: 16 / 9;
+  margin-left: calc(50% - min(48vw, 700px)) }
 </style></head><body>
 )";
 }
