@@ -33,7 +33,7 @@
 // thousandth of the clearance ends elsewhere by a tenth of it, and a success rate over scattered
 // starts does not change. A plan for the success rate therefore asks that every step is what the
 // full model would do from the same state: the motion is then the full model's for a hand that is
-// off by no more than that. Its bound is that error of a step, of 95 % of the steps of the probes.
+// off by no more than that. Its bound is that error of a step, of 95 % of the steps of four probes.
 // Terms may be left out by their share whether it sticks or not, drag is compared over the control
 // period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with
 // inertia are planned for the motion.
