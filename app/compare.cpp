@@ -247,11 +247,23 @@ void draw(const std::string& folder, const std::vector<Entry>& entries,
   if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
 }
 
+// Which force acted when in what was learned from.
+NamedHistory forces_of(const DemonstrationSet& set) {
+  std::vector<InsertionForces> forces;
+  for (const Demonstration& d : set.demonstrations) {
+    const Episode episode = read_episode(d.file);
+    forces.emplace_back(episode, recorded_scene(episode, d.file));
+  }
+  return {fmt::format("{} demonstrations", forces.size()), force_history(std::move(forces))};
+}
+
 // All of it in one page, on which trials that failed can be watched.
-void write_report(const CompareArguments& a, const Scene& scene, const Found& found,
-                  const std::vector<Vector2d>& starts, const Provenance& provenance) {
+void write_report(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+                  const Found& found, const std::vector<Vector2d>& starts,
+                  const Provenance& provenance) {
   std::vector<ReplayRun> runs;
   std::vector<TrialMap> maps;
+  std::vector<NamedHistory> forces{forces_of(set)};
   std::string maps_drawn, table;
   std::vector<std::pair<std::string, std::vector<Ring>>> rings;
   for (const Entry& e : found.entries) {
@@ -264,15 +276,17 @@ void write_report(const CompareArguments& a, const Scene& scene, const Found& fo
                               SceneArguments{scene.name, a.scene.settings}.given(), a.seed,
                               who == kTeacher ? fmt::format(" --skill {}", a.skill) : "")
                 : "";
-    add_failures(scene, a.seed, {who, command, e.candidate.make, &e.results}, runs, maps);
+    const TestedController tested{who, command, e.candidate.make, &e.results};
+    add_failures(scene, a.seed, tested, runs, maps);
+    forces.push_back(forces_of_trials(scene, a.seed, tested));
     maps_drawn += figure(failure_map(who, e.results, starts), "");
     rings.emplace_back(who, e.rings);
     table += to_text(who, e.alone);
   }
-  std::string html = html_head("ferrule: ways to insert") +
-                     "<h1>Ways to insert, on the same trials</h1>\n" +
-                     replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) +
-                     "</pre>\n" + figure(misalignment_plot(rings), "") + maps_drawn;
+  std::string html =
+      html_head("ferrule: ways to insert") + "<h1>Ways to insert, on the same trials</h1>\n" +
+      replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) + "</pre>\n" +
+      figure(misalignment_plot(rings), "") + to_html(forces) + maps_drawn;
   if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
   write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
                                           escaped(provenance.foot()) + "</p>\n</body></html>\n");
@@ -625,7 +639,7 @@ int compare_verb(const CompareArguments& a) {
   write_trials(a, found, provenance);
   if (!a.plot.empty() && !interrupted()) {
     draw(a.plot, found.entries, found.learning, starts);
-    write_report(a, scene, found, starts, provenance);
+    write_report(a, scene, set, found, starts, provenance);
     fmt::print(stderr, "plots are in {}, all of them in report.html\n", a.plot);
   }
   return interrupted() ? kInterrupted : kDone;
@@ -669,9 +683,11 @@ void add_compare(CLI::App& app, Run& run) {
             "owes to chance");
   add_threads(*verb, a->threads);
   a->policy.add_to(*verb);
-  verb->add_option("--plot", a->plot,
-                   "Folder for plots: success against misalignment and number "
-                   "of demonstrations, maps of where each fails")
+  verb->add_option(
+          "--plot", a->plot,
+          "Folder for plots: success against misalignment and number "
+          "of demonstrations, maps of where each fails; and a report with all of them, the "
+          "trials that failed to watch, and which force acted when")
       ->type_name("DIR");
   verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
       ->type_name("FILE.csv");

@@ -96,6 +96,7 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
                   const Provenance& provenance) {
   std::vector<ReplayRun> runs;
   std::vector<TrialMap> maps;
+  std::vector<NamedHistory> forces;
   std::string text;
   for (const Tried& tried : all) {
     MakeController make = tried.make;
@@ -104,7 +105,9 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
     if (!tried.shown_by.empty())
       command = fmt::format("./ferrule view --trial TRIAL {}{} --seed {}{}", tried.shown_by,
                             a.scene.given(), a.seed, a.supervise ? " --supervise" : "");
-    add_failures(scene, a.seed, {tried.name, command, make, &tried.results}, runs, maps);
+    const TestedController tested{tried.name, command, make, &tried.results};
+    add_failures(scene, a.seed, tested, runs, maps);
+    forces.push_back(forces_of_trials(scene, a.seed, tested));
     text += to_text(tried.name, summarise(tried.results));
   }
   if (runs.empty())  // nothing failed: the first trial that went in
@@ -115,8 +118,9 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
     if (const auto comparison = compared(all[0], all[1])) text += to_text(*comparison);
   write_text(a.report, html_head("ferrule: trials") + "<h1>Trials of " + escaped(all[0].name) +
                            "</h1>\n" + replay_section("trials that failed", runs, maps) + "<pre>" +
-                           escaped(text) + "</pre>\n<p>" + escaped(provenance.head()) +
-                           "</p>\n<p>" + escaped(provenance.foot()) + "</p>\n</body></html>\n");
+                           escaped(text) + "</pre>\n" + to_html(forces) + "<p>" +
+                           escaped(provenance.head()) + "</p>\n<p>" + escaped(provenance.foot()) +
+                           "</p>\n</body></html>\n");
   fmt::print(stderr, "the report is {}\n", a.report);
 }
 
@@ -205,8 +209,10 @@ void add_evaluate(CLI::App& app, Run& run) {
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");
-  verb->add_option("--report", a->report,
-                   "A page with the map of the trials, on which those that failed can be watched")
+  verb->add_option(
+          "--report", a->report,
+          "A page with the map of the trials, on which those that failed can be watched, and "
+          "which force acted when")
       ->type_name("FILE.html");
   verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
       ->type_name("FILE.csv");

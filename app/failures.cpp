@@ -17,6 +17,7 @@ constexpr double kReportRate = 30;  // frames a second of them
 // In one report, some five megabytes; but of a controller these at least.
 constexpr std::size_t kMostShown = 1000, kShownOfEach = 50;
 constexpr std::size_t kShownAtOnce = 24;  // where the user is in a hurry
+constexpr std::size_t kForceTrials = 20;
 
 // The failed trials to be shown: of every outcome in turn.
 std::vector<std::size_t> shown_failures(const std::vector<TrialResult>& results, std::size_t most) {
@@ -61,6 +62,24 @@ void add_failures(const Scene& scene, std::uint64_t seed, const TestedController
     runs.push_back(std::move(again[i]));
   }
   maps.push_back(std::move(map));
+}
+
+NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
+                              const TestedController& tested) {
+  const std::size_t trials = std::min(tested.results->size(), kForceTrials);
+  std::vector<InsertionForces> forces(std::max<std::size_t>(trials, 1), InsertionForces(scene));
+  tbb::parallel_for(std::size_t{0}, trials, [&](std::size_t k) {
+    if (interrupted()) return;
+    const auto controller = tested.make(k);
+    run_trial(scene, scene_scaling(scene), *controller, seed, k, 1e-3, [&](const Tick& tick) {
+      forces[k].add(make_row(tick));
+      return true;
+    });
+  });
+  const ForceHistory history = force_history(std::move(forces));
+  return {fmt::format("{}, {} trial{}", tested.name, history.insertions,
+                      history.insertions == 1 ? "" : "s"),
+          history};
 }
 
 std::string replay_section(const std::string& title, const std::vector<ReplayRun>& runs,

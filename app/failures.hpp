@@ -1,9 +1,11 @@
-// The trials of campaigns for a page: where they started, how they ended, and those that failed.
+// The trials of campaigns for a page: where they started, how they ended, those that failed, and
+// which force acted when.
 #pragma once
 
 #include <string>
 #include <vector>
 
+#include "app/force_history_table.hpp"
 #include "view/recorded.hpp"
 
 namespace ferrule {
@@ -19,6 +21,10 @@ struct TestedController {
 // thousand in one report; of more than that some of every outcome.
 void add_failures(const Scene& scene, std::uint64_t seed, const TestedController& tested,
                   std::vector<ReplayRun>& runs, std::vector<TrialMap>& maps);
+
+// Which force acted when in its first trials, twenty at most, made again.
+NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
+                              const TestedController& tested);
 
 // A replay within a report: HTML with all that it needs, or where the page of the window was not
 // built what is missing. `title` is what it shows. Throws FileTrouble.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "app/html.hpp"
 #include "app/verb.hpp"
 #include "sim/scene/terms.hpp"
 
@@ -35,8 +36,8 @@ constexpr std::array kHistoryColumns = {
 
 std::string felt_text(const ForceHistory& h) {
   return fmt::format(
-      "end or side touch {} of the time; at the holder, relative to rest: median {:.4g} uN, "
-      "largest {:.4g} uN",
+      "end or side touch {} of the time; at the holder, relative to rest: median {:.3f} uN, "
+      "largest {:.3f} uN",
       percent(h.touching), 1e6 * h.felt_median, 1e6 * h.felt_largest);
 }
 
@@ -62,24 +63,35 @@ std::string to_text(const ForceHistory& history) {
              kNoticedForce, 100 * kNoticedShare);
 }
 
-std::string to_html(const ForceHistory& history) {
-  std::string html = "<table><tr><th>force</th>";
-  for (const HistoryColumn& column : kHistoryColumns)
-    html += fmt::format("<th>{}</th>", column.heading);
-  html += "</tr>\n";
-  for (const TermActivity& term : history.terms) {
-    html += fmt::format("<tr><td>{}</td>", info(term.term).label);
-    for (const HistoryColumn& column : kHistoryColumns)
-      html += fmt::format("<td class=n>{}</td>", column.cell(term));
-    html += "</tr>\n";
+std::string to_html(const std::vector<NamedHistory>& histories) {
+  std::string rows;
+  for (const auto& [name, forces] : histories) {
+    if (forces.insertions == 0) continue;
+    rows += fmt::format("<tr><th colspan={}>{}<br><small>{}</small></th></tr>\n",
+                        1 + kHistoryColumns.size(), escaped(name), felt_text(forces));
+    for (const TermActivity& term : forces.terms) {
+      rows += fmt::format("<tr><td>{}</td>", info(term.term).label);
+      for (const HistoryColumn& column : kHistoryColumns)
+        rows += fmt::format("<td class=n>{}</td>", column.cell(term));
+      rows += "</tr>\n";
+    }
   }
-  return html +
+  if (rows.empty()) return "";
+  std::string heading = "<h2>Which force acted when</h2>\n<table><tr><th>force</th>";
+  for (const HistoryColumn& column : kHistoryColumns) {
+    std::string words = column.heading;
+    std::replace(words.begin(), words.end(), '_', ' ');
+    heading += "<th>" + words + "</th>";
+  }
+  return heading + "</tr>\n" + rows +
          fmt::format(
              "</table>\n<p>Share of the time in which each force acts: of all, while nothing "
-             "touches, while end or side do; its share that reaches the hand, its share of what "
-             "is felt, and the share of the time in which a hand would notice it ({:g} N, and "
-             "{:g} % of what is felt). {}.</p>\n",
-             kNoticedForce, 100 * kNoticedShare, felt_text(history));
+             "touches, while end or side do; when it acts first and last, median and largest of "
+             "its magnitude then; its share that reaches the hand, its share of what is felt, and "
+             "the share of the time in which a hand would notice it ({:g} N, and {:g} % of what is "
+             "felt). Of several insertions all rows together, but of first and last the "
+             "median.</p>\n",
+             kNoticedForce, 100 * kNoticedShare);
 }
 
 Json to_json(const TermActivity& t) {

@@ -8,7 +8,12 @@
 namespace ferrule {
 
 std::string to_text(const ForceHistory& history);
-std::string to_html(const ForceHistory& history);
+// A section of a page: several in one table, each under its name, but for those without a row.
+struct NamedHistory {
+  std::string name;
+  ForceHistory forces;
+};
+std::string to_html(const std::vector<NamedHistory>& histories);
 // One object per term.
 Json to_json(const TermActivity& term);
 std::string to_text(const FeltDifference& difference);

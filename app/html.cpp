@@ -49,12 +49,13 @@ body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto
 h1, h2 { line-height: 1.2; font-weight: 600 } h2 { margin-top: 2.5rem }
 table { border-collapse: collapse; margin: 1rem 0; font-size: 0.9rem }
 th, td { padding: 0.3rem 0.8rem; border-bottom: 1px solid #ddd; text-align: left }
-th { vertical-align: bottom } td.n { text-align: right; font-variant-numeric: tabular-nums }
+th { vertical-align: bottom } th small { font-weight: normal }
+td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap }
 figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
 figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
 pre { padding: 0.8rem; overflow-x: auto } .big { font-size: 1.25rem }
-iframe.replay { border: 1px solid #bbb; width: min(96vw, 1400px); aspect-ratio: 16 / 9; margin-left: 50%;
-  transform: translateX(-50%) }
+iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw, 1400px); aspect-ratio: 16 / 9;
+  margin-left: calc(50% - min(48vw, 700px)) }
 </style></head><body>
 )";
 }

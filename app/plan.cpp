@@ -67,7 +67,7 @@ void print(const Plan& plan, const std::vector<double>& costs) {
   fmt::print(
       "{}, steps of {:g} ms. What is left out changes the result by at most {:.2g}.\n"
       "{}"
-      "The same motion sampled twice as finely ends elsewhere by {:.2g}: {}.\n"
+      "The same motion sampled and stepped twice as finely ends elsewhere by {:.2g}: {}.\n"
       "{}Error bound {:.2g} of the clearance, and of {:.4g} uN in force; asked for: {:g}{}\n",
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
       plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",

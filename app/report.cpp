@@ -144,6 +144,17 @@ std::string summary_section(const Report& r, const CampaignSummary& learned,
              r.evaluate_seconds);
 }
 
+std::vector<TestedController> tested_controllers(const Report& r) {
+  const Scene& scene = *r.scene;
+  const std::string command = fmt::format("./ferrule view --trial TRIAL {{}} {} --seed {}",
+                                          r.scene_arguments, r.trial_seed());
+  return {{"constant velocity", fmt::format(fmt::runtime(command), "--against constant-velocity"),
+           controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed)),
+           &r.baseline},
+          {"learned controller", fmt::format(fmt::runtime(command), "controller.json"),
+           controller_maker(r.fit.controller.law()), &r.learned}};
+}
+
 // What the demonstration that is shown and the trials looked like.
 std::string replays_section(const Report& r) {
   const Scene& scene = *r.scene;
@@ -153,18 +164,8 @@ std::string replays_section(const Report& r) {
     runs.push_back(replay_of(read_episode(r.shown), scene, "demonstration " + r.shown));
     thin(runs.back(), 100);
   }
-  const std::string command = fmt::format("./ferrule view --trial TRIAL {{}} {} --seed {}",
-                                          r.scene_arguments, r.trial_seed());
-  const auto add = [&](const char* who, const char* what, MakeController make,
-                       const std::vector<TrialResult>& results) {
-    add_failures(scene, r.trial_seed(),
-                 {who, fmt::format(fmt::runtime(command), what), std::move(make), &results}, runs,
-                 maps);
-  };
-  add("constant velocity", "--against constant-velocity",
-      controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed)),
-      r.baseline);
-  add("learned controller", "controller.json", controller_maker(r.fit.controller.law()), r.learned);
+  for (const TestedController& tested : tested_controllers(r))
+    add_failures(scene, r.trial_seed(), tested, runs, maps);
   return "<h2>Watch it</h2>\n" +
          replay_section("a demonstration, and trials that failed", runs, maps);
 }
@@ -199,13 +200,11 @@ std::string forces_section(const Scene& scene) {
 std::string demonstrations_section(const Report& r) {
   std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
   if (r.shown.empty()) return html;
-  const Episode shown = read_episode(r.shown);
   return html +
-         figure(demonstration_plot(shown, *r.scene),
+         figure(demonstration_plot(read_episode(r.shown), *r.scene),
                 "In the manner of Fig. 10 of the paper: the speed along &minus;x rises and falls "
                 "back to 0; dots are the contact force. File <code>" +
-                    escaped(r.shown) + "</code>.") +
-         to_html(force_history(shown, *r.scene));
+                    escaped(r.shown) + "</code>.");
 }
 
 std::string law_section(const LawFit& fit) {
@@ -241,6 +240,16 @@ std::string trials_section(const Report& r, const CampaignSummary& learned,
                 "the limit; beyond the rim of the lead-in the fibre lands on the front face.");
 }
 
+// In the demonstration that is drawn, and in trials.
+std::string acting_section(const Report& r) {
+  std::vector<NamedHistory> forces;
+  if (!r.shown.empty())
+    forces.push_back({"demonstration " + r.shown, force_history(read_episode(r.shown), *r.scene)});
+  for (const TestedController& tested : tested_controllers(r))
+    forces.push_back(forces_of_trials(*r.scene, r.trial_seed(), tested));
+  return to_html(forces);
+}
+
 std::string commands_section(const Report& r) {
   return "<h2>Again, step by step</h2>\n<pre>" +
          escaped(fmt::format(
@@ -260,8 +269,8 @@ void write_report(const std::string& file, const Report& r) {
   write_text(file, html_head("ferrule: demo report") + summary_section(r, learned, baseline) +
                        replays_section(r) + inputs_section(r) + forces_section(*r.scene) +
                        demonstrations_section(r) + law_section(r.fit) +
-                       trials_section(r, learned, baseline) + commands_section(r) +
-                       "</body></html>\n");
+                       trials_section(r, learned, baseline) + acting_section(r) +
+                       commands_section(r) + "</body></html>\n");
 }
 
 Json report_json(const Report& r) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "sim/scene/terms.hpp"
 
@@ -22,15 +23,6 @@ Vector3d force_of(const RowVector& row, Term term) {
   return row.segment<3>(force_column(term)).transpose();
 }
 
-// What is summed up of a term, row by row.
-struct Sums {
-  std::vector<double> magnitudes;
-  std::array<std::size_t, 2> acts{};  // apart, touching
-  double first = kNever, last = kNever;
-  double sum = 0, reaching = 0;
-  std::size_t noticed = 0;
-};
-
 // f_k of each term.
 std::array<double, kTerms> reaching(const RowVector& row, const RowVector& rest,
                                     const Vector3d& felt) {
@@ -48,25 +40,16 @@ std::array<double, kTerms> reaching(const RowVector& row, const RowVector& rest,
   return parts;
 }
 
-TermActivity activity(Term term, const Sums& s, const std::array<std::size_t, 2>& rows,
-                      double felt) {
-  const auto share = [](std::size_t part, std::size_t all) {
-    return all ? static_cast<double>(part) / static_cast<double>(all) : kNever;
-  };
-  const std::size_t all = rows[0] + rows[1];
-  return {.term = term,
-          .acts = share(s.acts[0] + s.acts[1], all),
-          .apart = share(s.acts[0], rows[0]),
-          .touching = share(s.acts[1], rows[1]),
-          .first = s.first,
-          .last = s.last,
-          .median = middle(s.magnitudes),
-          .largest = s.magnitudes.empty()
-                         ? 0
-                         : *std::max_element(s.magnitudes.begin(), s.magnitudes.end()),
-          .reaches = s.sum > 0 ? s.reaching / s.sum : kNever,
-          .of_felt = felt > 0 ? s.reaching / felt : kNever,
-          .noticed = share(s.noticed, all)};
+double share_of(std::size_t part, std::size_t all) {
+  return all ? static_cast<double>(part) / static_cast<double>(all) : kNever;
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0 : *std::max_element(values.begin(), values.end());
+}
+
+void extend(std::vector<double>& to, const std::vector<double>& more) {
+  to.insert(to.end(), more.begin(), more.end());
 }
 
 }  // namespace
@@ -75,44 +58,91 @@ bool touches(const RowVector& row) noexcept {
   return row[kStates.begin + 13] != 0 || row[kStates.begin + 19] != 0;
 }
 
-ForceHistory force_history(const Episode& episode, const Scene& scene) {
-  const double to_hand = scene_scaling(scene).force;
-  const RowVector rest = episode.rows.row(0);
-  std::array<Sums, kTerms> sums;
-  std::array<std::size_t, 2> rows{};  // apart, touching
-  std::vector<double> felt;
-  double felt_sum = 0;
-  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n) {
-    const RowVector row = episode.rows.row(n);
-    const std::size_t contact = touches(row);
-    ++rows[contact];
-    const Vector3d now = (block(row, kHolder) - block(rest, kHolder)).head<3>().transpose();
-    felt.push_back(now.norm());
-    felt_sum += felt.back();
-    const std::array<double, kTerms> parts = reaching(row, rest, now);
-    const double noticed = std::max(kNoticedForce / to_hand, kNoticedShare * felt.back());
-    for (const Term term : kAllTerms) {
-      Sums& s = sums[static_cast<std::size_t>(term)];
-      const double magnitude = force_of(row, term).norm();
-      const double part = parts[static_cast<std::size_t>(term)];
-      s.reaching += part;
-      s.noticed += part >= noticed;
-      if (magnitude == 0) continue;
-      s.sum += magnitude;
-      s.magnitudes.push_back(magnitude);
-      ++s.acts[contact];
-      s.last = row[kTime.begin];
-      if (std::isnan(s.first)) s.first = s.last;
-    }
+InsertionForces::InsertionForces(const Scene& scene) : to_hand_(scene_scaling(scene).force) {
+  for (const Term term : kAllTerms)
+    present_[static_cast<std::size_t>(term)] = info(term).present(scene.world.laws);
+}
+
+InsertionForces::InsertionForces(const Episode& episode, const Scene& scene)
+    : InsertionForces(scene) {
+  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n) add(episode.rows.row(n));
+}
+
+void InsertionForces::add(const RowVector& row) {
+  if (!rest_) rest_ = row;
+  insertions_ = 1;
+  const std::size_t contact = touches(row);
+  ++rows_[contact];
+  const Vector3d now = (block(row, kHolder) - block(*rest_, kHolder)).head<3>().transpose();
+  felt_.push_back(now.norm());
+  const std::array<double, kTerms> parts = reaching(row, *rest_, now);
+  const double noticed = std::max(kNoticedForce / to_hand_, kNoticedShare * felt_.back());
+  for (const Term term : kAllTerms) {
+    Sums& s = terms_[static_cast<std::size_t>(term)];
+    const double magnitude = force_of(row, term).norm();
+    const double part = parts[static_cast<std::size_t>(term)];
+    s.reaching += part;
+    s.noticed += part >= noticed;
+    if (magnitude == 0) continue;
+    s.sum += magnitude;
+    s.magnitudes.push_back(magnitude);
+    ++s.acts[contact];
+    s.last.assign(1, row[kTime.begin]);
+    if (s.first.empty()) s.first = s.last;
   }
-  ForceHistory history{static_cast<double>(rows[1]) / static_cast<double>(rows[0] + rows[1]),
-                       middle(felt),
-                       *std::max_element(felt.begin(), felt.end()),
+}
+
+void InsertionForces::append(const InsertionForces& other) {
+  insertions_ += other.insertions_;
+  extend(felt_, other.felt_);
+  for (std::size_t contact = 0; contact < 2; ++contact) rows_[contact] += other.rows_[contact];
+  for (std::size_t i = 0; i < kTerms; ++i) {
+    Sums& s = terms_[i];
+    const Sums& more = other.terms_[i];
+    extend(s.magnitudes, more.magnitudes);
+    extend(s.first, more.first);
+    extend(s.last, more.last);
+    for (std::size_t contact = 0; contact < 2; ++contact) s.acts[contact] += more.acts[contact];
+    s.sum += more.sum;
+    s.reaching += more.reaching;
+    s.noticed += more.noticed;
+    present_[i] = present_[i] || other.present_[i];
+  }
+}
+
+TermActivity InsertionForces::activity(Term term) const {
+  const Sums& s = terms_[static_cast<std::size_t>(term)];
+  const std::size_t all = rows_[0] + rows_[1];
+  const double felt = std::accumulate(felt_.begin(), felt_.end(), 0.0);
+  return {.term = term,
+          .acts = share_of(s.acts[0] + s.acts[1], all),
+          .apart = share_of(s.acts[0], rows_[0]),
+          .touching = share_of(s.acts[1], rows_[1]),
+          .first = s.first.empty() ? kNever : middle(s.first),
+          .last = s.last.empty() ? kNever : middle(s.last),
+          .median = middle(s.magnitudes),
+          .largest = largest(s.magnitudes),
+          .reaches = s.sum > 0 ? s.reaching / s.sum : kNever,
+          .of_felt = felt > 0 ? s.reaching / felt : kNever,
+          .noticed = share_of(s.noticed, all)};
+}
+
+ForceHistory force_history(std::vector<InsertionForces> insertions) {
+  InsertionForces all = std::move(insertions.at(0));
+  for (std::size_t i = 1; i < insertions.size(); ++i) all.append(insertions[i]);
+  const auto& [apart, touching] = all.rows_;
+  ForceHistory history{all.insertions_,
+                       share_of(touching, apart + touching),
+                       middle(all.felt_),
+                       largest(all.felt_),
                        {}};
   for (const Term term : kAllTerms)
-    if (info(term).present(scene.world.laws))
-      history.terms.push_back(activity(term, sums[static_cast<std::size_t>(term)], rows, felt_sum));
+    if (all.present_[static_cast<std::size_t>(term)]) history.terms.push_back(all.activity(term));
   return history;
+}
+
+ForceHistory force_history(const Episode& episode, const Scene& scene) {
+  return force_history({InsertionForces(episode, scene)});
 }
 
 }  // namespace ferrule

@@ -9,6 +9,8 @@
 // |dN|.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <vector>
 
 #include "capture/episode.hpp"
@@ -30,7 +32,9 @@ struct TermActivity {
   // Shares of the rows in which the term is not zero [-]: of all, of those in which nothing touches
   // and of those in which end or side do; NaN where there is no such row.
   double acts, apart, touching;
-  double first, last;      // time of the first and of the last of them [s]; NaN: it never acts
+  // Time of the first and of the last of them, of several insertions in which it acts the median
+  // [s]; NaN: it never acts.
+  double first, last;
   double median, largest;  // of its magnitude, both places added up, where it acts [N]; 0: never
   double reaches;          // sum of f_k over sum of |F_k| [-]; NaN: it never acts
   double of_felt;          // sum of f_k over sum of |dN| [-]; NaN: nothing is felt
@@ -38,12 +42,44 @@ struct TermActivity {
 };
 
 struct ForceHistory {
+  std::size_t insertions;            // that have a row
   double touching;                   // share of the rows in which end or side touch [-]
   double felt_median, felt_largest;  // |dN| [N]
   std::vector<TermActivity> terms;   // those that the scene has, in order
 };
 
-// Of an episode recorded in `scene`, one row at least.
+// One insertion in `scene` as its rows come; it may have none.
+class InsertionForces {
+ public:
+  explicit InsertionForces(const Scene& scene);
+  // All rows of an episode recorded in `scene`.
+  InsertionForces(const Episode& episode, const Scene& scene);
+  // In the order of time; the first row is at rest.
+  void add(const RowVector& row);
+
+ private:
+  friend ForceHistory force_history(std::vector<InsertionForces> insertions);
+  struct Sums {
+    std::vector<double> magnitudes;     // [N]
+    std::vector<double> first, last;    // of each insertion [s]
+    std::array<std::size_t, 2> acts{};  // rows: apart, touching
+    double sum = 0, reaching = 0;       // [N]
+    std::size_t noticed = 0;            // rows
+  };
+  void append(const InsertionForces& other);
+  TermActivity activity(Term term) const;
+
+  double to_hand_;
+  std::array<bool, kTerms> present_{};
+  std::array<Sums, kTerms> terms_;
+  std::optional<RowVector> rest_;
+  std::size_t insertions_ = 0;
+  std::array<std::size_t, 2> rows_{};  // apart, touching
+  std::vector<double> felt_;           // [N]
+};
+
+// Of one insertion or several.
+ForceHistory force_history(std::vector<InsertionForces> insertions);
 ForceHistory force_history(const Episode& episode, const Scene& scene);
 
 }  // namespace ferrule

@@ -112,12 +112,19 @@ void add_piece(Energy& total, PoseVector& gradient, const Bridge& bridge, const 
   const Vector2d t = bridge.tip.t;
   const double width = to.arm - from.arm;
   if (bridge.clearance - bridge.radial(from.arm + 0.5 * width).eccentricity >= bridge.reach) return;
+  const auto count = static_cast<std::size_t>(nodes.order);
+  std::array<double, kMostNodes> gap;
+  for (std::size_t n = 0; n < count; ++n)
+    gap[n] = bridge.clearance - bridge.radial(from.arm + nodes.node[n] * width).eccentricity;
+  std::array<LineForce, kMostNodes> forces;
+  capillary(bridge.law, bridge.annulus, bridge.present, {gap.data(), count},
+            {forces.data(), count});
   double by_from = 0, by_to = 0;
-  for (std::size_t n = 0; n < static_cast<std::size_t>(nodes.order); ++n) {
+  for (std::size_t n = 0; n < count; ++n) {
     const double node = nodes.node[n], weight = nodes.weight[n];
     const double arm = from.arm + node * width, part = weight * width;
     const Radial radial = bridge.radial(arm);
-    const LineForce force = bridge.at(bridge.clearance - radial.eccentricity);
+    const LineForce& force = forces[n];
     const Vector2d pull = part * force.force * radial.normal;
     const Matrix2d stiff = part * (force.force * radial.curving -
                                    force.slope * radial.normal * radial.normal.transpose());

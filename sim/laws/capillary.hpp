@@ -14,7 +14,10 @@
 // sqrt(2 R_e d) the force is proportional to it.
 #pragma once
 
+#include <span>
+
 #include "sim/laws/annulus.hpp"
+#include "sim/laws/quadrature.hpp"
 
 namespace ferrule {
 
@@ -43,5 +46,8 @@ double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept;
 // Force per inserted length at gap h [m], any finite h. Zero, with a constant potential, beyond
 // capillary_reach(law, bridge).
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept;
+// The same at several gaps, kMostNodes at most, which takes less time.
+void capillary(const Capillary& law, const Annulus& annulus, bool bridge,
+               std::span<const double> gaps, std::span<LineForce> forces) noexcept;
 
 }  // namespace ferrule

@@ -10,6 +10,7 @@
 #include "sim/plan/probe.hpp"
 #include "sim/plan/sampled_run.hpp"
 #include "sim/scene/terms.hpp"
+#include "sim/step.hpp"
 #include "sim/tangent.hpp"
 
 namespace ferrule {
@@ -32,12 +33,15 @@ constexpr double kShareOfInertia = 0.8;     // which it may change where it is l
 constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
 constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
 
-constexpr double kLocatesEvents = 1e-9;    // the hand's travel in one that is located, at most [m]
-constexpr double kFinestForSteps = 1e-4;   // what a step with drag is compared with [s]
-constexpr double kTangent = 0.1;           // of the tolerance, along a tangent
-constexpr std::size_t kResampled = 2;      // probes that are sampled twice as finely
-constexpr std::size_t kEveryForSteps = 5;  // samples from which a step is compared
-constexpr double kMostSteps = 0.95;        // whose error is below the bound
+constexpr double kLocatesEvents = 1e-9;     // the hand's travel in one that is located, at most [m]
+constexpr double kFinestForSteps = 1e-4;    // what a step with drag is compared with [s]
+constexpr double kTangent = 0.1;            // of the tolerance, along a tangent
+constexpr std::size_t kResampled = 2;       // probes that are sampled twice as finely
+constexpr std::size_t kProbesForSteps = 4;  // one of each kind
+constexpr std::size_t kEveryForSteps = 5;   // samples from which a step is compared
+constexpr std::size_t kEveryForStretches = 500;  // and a stretch
+constexpr double kFiner = 8;                     // times the steps that it is compared with
+constexpr double kMost = 0.95;  // of steps and stretches, whose error is below the bound
 
 // The runs of a plan, which may be stopped.
 struct Runs {
@@ -54,7 +58,7 @@ struct Runs {
 
 // The full model along its probes: what every reduced one is measured against.
 struct Reference {
-  const Scene& scene;
+  Scene scene;
   Runs& watch;
   std::vector<Probe> probes;
   std::vector<SampledRun> runs;  // of each probe
@@ -64,12 +68,14 @@ struct Reference {
     State where;
   };
   std::array<Extreme, kTerms> extremes;
-  double compliance;              // of the holder [m/N]
-  double clearance;               // [m]
-  double force_scale = INFINITY;  // what force errors are relative to [N]
-  bool sticks = false;            // or snaps
+  double compliance;                          // of the holder [m/N]
+  double clearance;                           // [m]
+  double force_scale = INFINITY;              // what force errors are relative to [N]
+  bool sticks = false;                        // or snaps
+  std::vector<std::vector<State>> stretches;  // of each probe, where they begin
+  double step_error = 0;                      // of its own step, where that was chosen [-]
 
-  Reference(const Scene& full, Runs& watched);
+  Reference(Scene full, Runs& watched);
   const Extreme& extreme(Term term) const { return extremes[static_cast<std::size_t>(term)]; }
   // What a missing force [N] can change: the felt force, and where the end is [-].
   double changes(double force) const {
@@ -81,22 +87,36 @@ struct Reference {
   // What all but a few of the steps of a reduced model miss those by that `full` makes from the
   // same states.
   double error_of_steps(const World& reduced, const World& full) const;
+  // What all but a few short stretches miss those by that begin in the same states and are taken
+  // in much finer steps.
+  double error_of_stretches() const;
   // By how much the full model ends elsewhere where the hand is sampled twice as finely.
   double sampled_twice() const;
 };
 
-Reference::Reference(const Scene& full, Runs& watched)
-    : scene(full),
+// The value that all but a few are below.
+double most_of(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(kMost * static_cast<double>(values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+Reference::Reference(Scene full, Runs& watched)
+    : scene(std::move(full)),
       watch(watched),
-      compliance(full.world.holder.compliance()),
-      clearance(full.world.annulus.clearance()) {
-  const World& world = full.world;
-  for (std::uint64_t k = 0; k < probes_of(full) && watch.next(); ++k) {
-    probes.push_back(make_probe(full, k));
+      compliance(scene.world.holder.compliance()),
+      clearance(scene.world.annulus.clearance()) {
+  const World& world = scene.world;
+  for (std::uint64_t k = 0; k < probes_of(scene) && watch.next(); ++k) {
+    probes.push_back(make_probe(scene, k));
     const Probe& p = probes.back();
-    std::size_t sample = 0;
-    runs.push_back(sample_run(world, p.start, p.hand, full.limits.force,
+    std::size_t sample = 0, number = 0;
+    std::vector<State>& begin = stretches.emplace_back();
+    runs.push_back(sample_run(world, p.start, p.hand, scene.limits.force,
                               [&](const State& s, const Breakdown& b) {
+                                if (number++ % kEveryForStretches == 0) begin.push_back(s);
                                 for (const Term term : kAllTerms) {
                                   const double force = b.force(term).norm();
                                   Extreme& most = extremes[static_cast<std::size_t>(term)];
@@ -126,7 +146,7 @@ double Reference::error(const World& reduced, double enough) const {
 
 double Reference::error_of_steps(const World& reduced, const World& full) const {
   std::vector<double> errors;
-  for (std::size_t k = 0; k < probes.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(kProbesForSteps, probes.size()); ++k) {
     if (!watch.next()) return INFINITY;
     const std::vector<Pose>& hand = probes[k].hand;
     State state = probes[k].start;
@@ -143,19 +163,50 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
                                 force.norm() / force_scale));
     }
   }
-  const auto at = errors.begin() +
-                  static_cast<std::ptrdiff_t>(kMostSteps * static_cast<double>(errors.size() - 1));
-  std::nth_element(errors.begin(), at, errors.end());
-  return *at;
+  return most_of(std::move(errors));
+}
+
+double Reference::error_of_stretches() const {
+  constexpr auto length = static_cast<std::size_t>(kSpeedingUp / kSamplePeriod);
+  WorldParameters p = scene.parameters;
+  p.numerics.longest_step /= kFiner;
+  const World finer = make_world(p);
+  std::vector<double> errors;
+  for (std::size_t k = 0; k < probes.size(); ++k) {
+    if (!watch.next()) return INFINITY;
+    for (std::size_t i = 0; i < stretches[k].size(); ++i) {
+      const auto from = static_cast<std::ptrdiff_t>(i * kEveryForStretches);
+      const auto to = static_cast<std::ptrdiff_t>(
+          std::min(i * kEveryForStretches + length, runs[k].tip.size()));
+      const auto part = [&](const auto& all) {
+        return std::remove_cvref_t<decltype(all)>(all.begin() + from, all.begin() + to);
+      };
+      const SampledRun run{part(runs[k].tip), part(runs[k].force)};
+      const std::vector<Pose> hand = part(probes[k].hand);
+      SampledRun exact{{run.tip.front()}, {run.force.front()}};
+      State state = stretches[k][i];
+      for (std::size_t n = 1; n < hand.size(); ++n) {
+        const StepResult reached = step(finer, state, hand[n], kSamplePeriod);
+        state = reached.state;
+        exact.tip.push_back(state.tip.head<3>());
+        exact.force.push_back(reached.forces.holder.head<3>());
+      }
+      errors.push_back(run_error(run, exact, hand, scene.world));
+    }
+  }
+  return most_of(std::move(errors));
 }
 
 double Reference::sampled_twice() const {
+  WorldParameters p = scene.parameters;
+  if (p.dynamics == Dynamics::quasi_static) p.numerics.longest_step *= 0.5;
+  const World finer = make_world(p);
   double worst = 0;
   for (std::size_t k = 0; k < std::min(kResampled, probes.size()) && watch.next(); ++k) {
     const std::vector<Pose>& hand = probes[k].hand;
     SampledRun twice;
     follow(
-        scene.world, probes[k].start, 2 * std::ssize(runs[k].tip) - 1, 0.5 * kSamplePeriod,
+        finer, probes[k].start, 2 * std::ssize(runs[k].tip) - 1, 0.5 * kSamplePeriod,
         [&](std::ptrdiff_t n) {
           const auto i = static_cast<std::size_t>(n / 2);
           return n % 2 == 0 ? hand[i] : Pose(0.5 * (hand[i] + hand[i + 1]));
@@ -200,8 +251,15 @@ struct Fidelity {
   int nodes;
 };
 // The cheapest first; the last is the full model's.
-constexpr std::array<Fidelity, 7> kFidelities = {
-    {{false, 1}, {true, 1}, {true, 2}, {true, 3}, {true, 5}, {true, 8}, {true, kFullNodes}}};
+constexpr std::array<Fidelity, 9> kFidelities = {{{false, 1},
+                                                  {true, 1},
+                                                  {true, 2},
+                                                  {true, 3},
+                                                  {true, 5},
+                                                  {true, 8},
+                                                  {true, 10},
+                                                  {true, 12},
+                                                  {true, kFullNodes}}};
 
 // A model to choose.
 struct Reduced {
@@ -259,10 +317,11 @@ Fidelity choose_fidelity(const Reference& reference, const std::vector<Term>& wi
   const auto world = [&](Fidelity f) {
     return reduced_world(reference, {without, f, reference.scene.world.dynamics, kSamplePeriod});
   };
-  const World finest = world(kFidelities.back());
+  const auto finest = surface_gradients(world(kFidelities.back()), reference.inside);
+  const double most = enough / reference.changes(1);
   for (const Fidelity& f : kFidelities) {
-    coarser = fidelity_error(world(f), finest, reference.inside);
-    if (reference.changes(coarser[0] + coarser[1] + coarser[2]) <= enough) return f;
+    coarser = fidelity_error(world(f), reference.inside, finest, most);
+    if (coarser[0] + coarser[1] + coarser[2] <= most) return f;
   }
   return kFidelities.back();
 }
@@ -285,9 +344,9 @@ std::vector<Choice> with_and_without_terms(const Reference& reference, const Cho
 
 // What may be spent, of the tolerance, and which steps there are to choose from.
 struct Budget {
-  double tolerance;                  // for all but inertia that is left out unmeasured
-  bool try_quasi_static;             // in place of the full model's inertia
-  const std::vector<double>& steps;  // [s], the last is the full model's
+  double tolerance;           // for all but inertia that is left out unmeasured
+  bool try_quasi_static;      // in place of the full model's inertia
+  std::vector<double> steps;  // [s], the last is the full model's
 
   std::size_t most_runs(std::size_t probes) const {
     return probes * (1 + (steps.size() > 1) + 2 * (try_quasi_static + steps.size()));
@@ -420,8 +479,8 @@ struct Inertia {
   }
 };
 
-// Every term, the finest fidelity, the finest of the steps.
-Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& steps) {
+// Every term, the finest fidelity.
+Scene full_model(const Scene& scene, bool inertial, double step) {
   Scene full = scene;
   WorldParameters& p = full.parameters;
   if (inertial) {
@@ -430,10 +489,28 @@ Scene full_model(const Scene& scene, bool inertial, const std::vector<double>& s
   }
   p.numerics.closed_form = true;
   p.numerics.quadrature = Quadrature::gauss_legendre(kFullNodes);
-  p.numerics.longest_step = steps.back();
+  p.numerics.longest_step = step;
   p.numerics.tangent_tip = p.numerics.tangent_force = 0;
   full.world = make_world(p);
   return full;
+}
+
+// With the longest steps that are good enough; where none are, with those of the scene, which are
+// no worse.
+Reference reference_in_longest_steps(const Scene& scene, double enough, Runs& watch) {
+  const auto in_steps = [&](double step) {
+    Reference r(full_model(scene, false, step), watch);
+    r.step_error = r.error_of_stretches();
+    return r;
+  };
+  double per_step = 0;  // the error, which falls with it
+  for (const double step : kDragSteps) {
+    if (per_step * step > enough) continue;
+    Reference r = in_steps(step);
+    if (r.step_error <= enough || watch.stopped) return r;
+    per_step = r.step_error / step;
+  }
+  return in_steps(scene.document.value("step_s", kSamplePeriod));
 }
 
 // Curl is a matter of where an insertion starts: what leaving it out changes is how far aside the
@@ -448,6 +525,23 @@ PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, doubl
   return planned;
 }
 
+// What is in no table of terms.
+void add_curl_and_inertia(const Reference& reference, const Choice& choice, const Inertia& inertia,
+                          Plan& plan) {
+  if (const auto curl = free_curl(reference.scene.parameters)) {
+    plan.terms.push_back(planned_curl(
+        *curl, reference, (reference.sticks ? kShareWhereItSticks : kShare) * plan.tolerance));
+    plan.error_bound += plan.terms.back().relative_error;
+  }
+  if (inertia.stated && reference.scene.world.dynamics != Dynamics::inertial) return;
+  // Where the scene has it, what leaving it out changes is measured.
+  const bool kept = plan.dynamics == Dynamics::inertial;
+  const double change = kept ? 0 : inertia.stated ? choice.error : inertia.change;
+  plan.terms.push_back(
+      {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia.force, change, State()});
+  if (!inertia.stated) plan.error_bound += change;
+}
+
 }  // namespace
 
 Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, PlanFor quantity) {
@@ -457,16 +551,22 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   const bool rings = !inertia.stated && inertia.change > kShareOfInertia * tolerance;
   const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
   const bool for_success = quantity == PlanFor::success && !inertial;
-  const std::vector<double>& steps = for_success                          ? kTimeless
-                                     : inertial                           ? kInertialSteps
-                                     : depends_on_speed(scene.world.laws) ? kDragSteps
-                                                                          : kTimeless;
-  const Scene full = full_model(scene, inertial, steps);
   const double left = inertia.stated || rings ? tolerance : tolerance - inertia.change;
-  const Budget budget{left, inertial && inertia.stated, steps};
+  const Laws& laws = scene.world.laws;
+  const bool dragged = depends_on_speed(laws) && !inertial && !for_success;
+  const bool rubs = dragged && (present(laws.friction) || present(laws.adhesion));
+  Budget budget{left, inertial && inertia.stated,
+                inertial           ? kInertialSteps
+                : dragged && !rubs ? kDragSteps
+                                   : kTimeless};
+  Scene full = full_model(scene, inertial, budget.steps.back());
   const std::size_t probes = probes_of(full);
-  Runs runs{go_on, kResampled + (for_success ? 6 * probes : budget.most_runs(probes))};
-  const Reference reference(full, runs);
+  Runs runs{go_on, kResampled + (for_success ? probes + 5 * kProbesForSteps
+                                             : budget.most_runs(probes) +
+                                                   2 * rubs * (1 + kDragSteps.size()) * probes)};
+  const Reference reference = rubs ? reference_in_longest_steps(scene, kMeasured * left, runs)
+                                   : Reference(std::move(full), runs);
+  budget.steps.back() = reference.scene.parameters.numerics.longest_step;
   const Choice choice =
       for_success ? choose_for_success(reference, left) : choose(reference, budget);
 
@@ -478,28 +578,16 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.tangent = choice.model.tangent;
   plan.force_scale = reference.force_scale;
   plan.error_bound =
-      std::max(choice.error,
-               choice.left_out.change +
-                   reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
+      std::max({choice.error, reference.step_error / kMeasured,
+                choice.left_out.change +
+                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2])});
   plan.sampled_twice = reference.sampled_twice();
-  plan.sampling_counts = full.document.contains("event_travel_nm") && !for_success &&
-                         full.parameters.numerics.event_travel > 1.001 * kLocatesEvents;
+  plan.sampling_counts = reference.scene.document.contains("event_travel_nm") && !for_success &&
+                         reference.scene.parameters.numerics.event_travel > 1.001 * kLocatesEvents;
   if (plan.sampling_counts) plan.error_bound = std::max(plan.error_bound, plan.sampled_twice);
   plan.terms = planned_terms(reference, choice, reduced_world(reference, choice.model));
-  if (const auto curl = free_curl(full.parameters)) {
-    plan.terms.push_back(planned_curl(
-        *curl, reference, (reference.sticks ? kShareWhereItSticks : kShare) * tolerance));
-    plan.error_bound += plan.terms.back().relative_error;
-  }
+  add_curl_and_inertia(reference, choice, inertia, plan);
   if (plan.partial) plan.error_bound = INFINITY;
-  if (!inertia.stated || inertial) {
-    // Where the scene has it, what leaving it out changes is measured.
-    const bool kept = plan.dynamics == Dynamics::inertial;
-    const double change = kept ? 0 : inertia.stated ? choice.error : inertia.change;
-    plan.terms.push_back(
-        {"inertia", kept, kept ? "second order (BDF2)" : "none", inertia.force, change, State()});
-    if (!inertia.stated) plan.error_bound += change;
-  }
   plan.document = reduced_document(reference, choice.model);
   for (const PlannedTerm& term : plan.terms)
     if (term.name == "curl" && !term.kept) plan.document["fibre"].erase("curl_radius_m");

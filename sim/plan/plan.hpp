@@ -8,24 +8,32 @@
 //
 // Errors are those of sim/plan/sampled_run.hpp, at 1 kHz. The full model steps as control does:
 // without drag and inertia it too takes one step per command, 1 ms, which is the input and no
-// approximation. Where the fibre snaps or sticks, commands sampled more finely end elsewhere: by
-// how much is measured, and counts in the bound where a scene asks for events coarser than 1 nm.
+// approximation. Where the fibre snaps or sticks, commands sampled and steps taken more finely end
+// elsewhere: by how much is measured, and counts in the bound where a scene asks for events
+// coarser than 1 nm.
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
 // since there small forces decide where it comes to rest, and so for a coarser fidelity. What is
 // chosen is then run, and has to stay below a third of the tolerance in every probe, with drag
 // below a twentieth: the shorter the rest of the fibre that liquid holds, the faster it moves, and
-// motions differ in that by as much. Without drag and inertia nothing depends on time, and the step
-// is that of control, 1 ms. Where even the finest two steps differ by more than that, the full
-// model is the plan. The bound is what was measured over the share it may have: other motions than
-// the probes differ by more.
+// motions differ in that by as much. The bound is what was measured over the share it may have:
+// other motions than the probes differ by more.
+//
+// Without drag, flow and inertia nothing depends on time, and the step is that of control, 1 ms.
+// With them it is the longest that is good enough. A fibre that neither rubs nor adheres, or that
+// has inertia, is run in the finest step and in the longer one: where even the finest two differ by
+// more than the measured error may be, the full model is the plan. With friction or adhesion no
+// step, however fine, ends at the same place after a snap, and a step is judged between such
+// events: along stretches of 0.1 s, the time in which a command changes speed, against eight times
+// finer steps from the same state, of 95 % of the stretches. What is left out is then measured in
+// that step.
 //
 // Statistics bear more than a motion does. Where a fibre snaps and sticks, a hand that is off by a
 // thousandth of the clearance ends elsewhere by a tenth of it, and a success rate over scattered
 // starts does not change. A plan for the success rate therefore asks that every step is what the
 // full model would do from the same state: the motion is then the full model's for a hand that is
-// off by no more than that. Its bound is that error of a step, of 95 % of the steps of the probes.
+// off by no more than that. Its bound is that error of a step, of 95 % of the steps of four probes.
 // Terms may be left out by their share whether it sticks or not, drag is compared over the control
 // period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with
 // inertia are planned for the motion.
@@ -67,8 +75,9 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   double tangent;      // error to which smooth stretches follow the tangent [-]; 0: none does
   double force_scale;  // what force errors are relative to [N]
   double error_bound;  // of tip over clearance and of force over force_scale
-  // By how much the same motions, sampled twice as finely, end elsewhere in the full model, in the
-  // same measure; whether that counts in the bound, events not being located.
+  // By how much the same motions, sampled twice as finely and taken in steps half as long, end
+  // elsewhere in the full model, in the same measure; whether that counts in the bound, events not
+  // being located.
   double sampled_twice = 0;
   bool sampling_counts = false;
   Json document;  // the planned scene
@@ -81,8 +90,8 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
 // which a good plan is found after some. False stops it.
 using PlanProgress = std::function<bool(std::size_t runs, std::size_t most)>;
 
-// Whatever accuracy the scene itself asks for; 1e-6 <= tolerance <= 0.5. Deterministic; takes some
-// seconds. Throws BadInput if the tolerance is out of range.
+// Whatever accuracy the scene itself asks for; 1e-6 <= tolerance <= 0.5. Deterministic; takes about
+// a second. Throws BadInput if the tolerance is out of range.
 Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on = {},
                PlanFor quantity = PlanFor::motion);
 

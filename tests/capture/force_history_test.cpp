@@ -26,6 +26,7 @@ class Recording {
     return *this;
   }
   ForceHistory history() const { return force_history(episode_, scene_); }
+  InsertionForces forces() const { return {episode_, scene_}; }
   TermActivity of(Term term) const {
     for (const TermActivity& t : history().terms)
       if (t.term == term) return t;
@@ -99,6 +100,40 @@ TEST(ForceHistory, IsNoticedFromAJustNoticeableDifferenceOn) {
         .force(1, Term::electrostatic, {electrostatic, 0, 0});
     EXPECT_EQ(r.of(Term::electrostatic).noticed, noticed ? 0.5 : 0) << friction;
   }
+}
+
+// All rows weigh alike, each insertion is felt relative to its own rest, and an insertion without
+// rows says nothing.
+TEST(ForceHistory, OfSeveralInsertionsIsThatOfTheirRows) {
+  const Scene scene = testing::paper();
+  Recording one(scene, 10), two(scene, 30), three(scene, 10);
+  for (int n = 0; n < 10; ++n) one.force(n, Term::gravity, {0, -1.4, 0});
+  one.force(4, Term::friction, {2, 0, 0});
+  for (int n = 10; n < 30; ++n) two.touch(n).force(n, Term::friction, {4, 0, 0});
+  three.touch(9).force(9, Term::friction, {0, 7, 0});
+  const ForceHistory all =
+      force_history({one.forces(), two.forces(), InsertionForces(scene), three.forces()});
+  EXPECT_EQ(all.insertions, 3);
+  EXPECT_CLOSE(all.touching, 21.0 / 50, 1e-12);
+  EXPECT_CLOSE(all.felt_largest, 7e-6, 1e-12);
+  for (const TermActivity& t : all.terms) {
+    if (t.term == Term::gravity) {
+      EXPECT_CLOSE(t.acts, 0.2, 1e-12);
+      EXPECT_EQ(t.reaches, 0);
+    }
+    if (t.term != Term::friction) continue;
+    EXPECT_CLOSE(t.acts, 22.0 / 50, 1e-12);
+    EXPECT_CLOSE(t.apart, 1.0 / 29, 1e-12);
+    EXPECT_CLOSE(t.touching, 1, 1e-12);
+    EXPECT_CLOSE(t.first, 9e-3, 1e-12);
+    EXPECT_CLOSE(t.last, 9e-3, 1e-12);
+    EXPECT_CLOSE(t.median, 4e-6, 1e-12);
+    EXPECT_CLOSE(t.largest, 7e-6, 1e-12);
+    EXPECT_CLOSE(t.of_felt, 1, 1e-12);
+  }
+  const ForceHistory none = force_history({InsertionForces(scene)});
+  EXPECT_EQ(none.insertions, 0);
+  EXPECT_TRUE(std::isnan(none.touching));
 }
 
 // In a quasi-static insertion the parts make up all that is felt.

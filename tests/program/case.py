@@ -6,6 +6,7 @@ usage: GROUP.py PROGRAM SOURCE_FOLDER BUILD_FOLDER [CLASS.TEST ...]
 import glob
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -44,6 +45,22 @@ class Case(unittest.TestCase):
         self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
         for text in says:
             self.assertIn(text, run.stderr)
+
+    def forces_in_report(self, file):
+        """The table of which force acted when: name of the runs -> force -> column -> text."""
+        with open(file) as report:
+            section = report.read().split("<h2>Which force acted when</h2>")[1].split("</table>")[0]
+        names, *rows = re.findall(r"<tr>(.*?)</tr>", section)
+        names = re.findall("<th>(.*?)</th>", names)
+        found = {}
+        for row in rows:
+            name = re.match(r"<th colspan=\d+>(.*?)<br>", row)
+            if name:
+                runs = found[name[1]] = {}
+            else:
+                force, *cells = re.findall("<td.*?>(.*?)</td>", row)
+                runs[force] = dict(zip(names[1:], cells, strict=True))
+        return found
 
     def schema_validator(self, name):
         with open(SOURCE + "/data/" + name) as file:

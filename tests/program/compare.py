@@ -1,3 +1,4 @@
+import glob
 import json
 import math
 import os
@@ -5,6 +6,9 @@ import signal
 import subprocess
 import time
 import xml.dom.minidom
+
+import h5py
+import numpy
 
 from case import PROGRAM, Case, main
 
@@ -91,6 +95,25 @@ class Compare(Case):
         self.assertEqual(len(drawn), 2 + len(rows))
         for name in drawn:
             xml.dom.minidom.parse(os.path.join(plots, name))
+        forces = self.forces_in_report(plots + "/report.html")
+        self.assertEqual(list(forces),
+                         ["5 demonstrations", *(f"{name}, {TRIALS} trials" for name in rows)])
+        for runs in forces.values():
+            self.assertEqual(list(runs), list(forces["5 demonstrations"]))
+            self.assertEqual(runs["gravity"]["acts"], "100.0 %")
+            self.assertEqual(runs["gravity"]["reaches"], "0.0 %")
+        friction = []  # of all rows that were learned from [uN]
+        for file in glob.glob(self.out + "/*.h5"):
+            with h5py.File(file) as episode:
+                rows = episode["data/demo_0/rows/forces"]
+                at = list(rows.attrs["columns"]).index(b"friction_x")
+                friction.append(1e6 * numpy.linalg.norm(rows[:, at:at + 3], axis=1))
+        friction = numpy.concatenate(friction)
+        acting = friction[friction > 0]
+        told = forces["5 demonstrations"]["friction"]
+        self.assertEqual(told["acts"], f"{100 * len(acting) / len(friction):.1f} %")
+        self.assertEqual(told["median uN"], f"{numpy.median(acting):.4g}")
+        self.assertEqual(told["largest uN"], f"{acting.max():.4g}")
 
     def test_the_result_does_not_depend_on_threads(self):
         def timeless(text):  # without what is measured by a clock

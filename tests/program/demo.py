@@ -19,6 +19,8 @@ class Demo(Case):
             self.assertIn(text, html)
         self.assertNotRegex(html, r"(src|href)=\"(?!data:)")
         self.assertEqual(html.count("<figure>"), 5)
+        self.assertEqual([name.split()[-2] for name in self.forces_in_report(out + "/report.html")],
+                         ["demonstration", "20", "20"])
         # The steps that the report names give the same numbers.
         again, controller = self.path("again"), self.path("controller.json")
         for skill, more in ((0.5, []), (0.9, ["--append"])):

@@ -87,6 +87,10 @@ class ViewReplay(Case):
             self.assertNotEqual(point["outcome"], "inserted")
             self.assertEqual(recorded["runs"][point["run"]]["outcome"], point["outcome"])
             self.assertTrue(recorded["runs"][point["run"]]["why"])
+        forces = self.forces_in_report(report)
+        self.assertEqual(list(forces), ["constant-velocity, 20 trials"])
+        friction = forces["constant-velocity, 20 trials"]["friction"]
+        self.assertEqual((friction["apart"], friction["touching"]), ("0.0 %", "100.0 %"))
 
     def test_a_trial_against_another(self):
         out = self.path("out.html")
@@ -103,6 +107,11 @@ class ViewReplay(Case):
         self.installed("evaluate", "--baseline", "constant-velocity", "--trials", 3, "--report", report)
         html = open(report).read()
         self.assertTrue("srcdoc=" in html or "install the packages nodejs and npm" in html)
+        self.assertEqual(list(self.forces_in_report(report)), ["constant-velocity, 3 trials"])
+        # Of parts that do not fit no force acted.
+        self.installed("evaluate", "--baseline", "constant-velocity", "--scene", "tolerance", "--set",
+                       "tolerance.bore_diameter_um=[124,124.2]", "--trials", 2, "--report", report)
+        self.assertNotIn("Which force acted when", open(report).read())
 
     def test_what_is_refused(self):
         self.refused(2, "view", "--export", self.path("a.html"), says=["--trial"])
