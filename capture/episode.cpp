@@ -24,9 +24,9 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air. Files of before are read, and held against
-// what they were.
-constexpr std::uint64_t kFormatVersion = 2;
+// 1: columns as one text, no scales, no flow and air. 2: no particle. Files of before are read, and
+// held against what they were.
+constexpr std::uint64_t kFormatVersion = 3;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 constexpr const char* kTimeScale = "/data/demo_0/time";
@@ -94,11 +94,11 @@ struct Columns {
 
 // The scale of a dimension, in the folder of the demonstration: of rows, and of columns named so.
 std::string scale_of(const std::vector<std::string>& names) {
-  const std::string scale = names.size() == 1               ? "value"
-                            : names.size() == kRawAxes      ? "axis"
-                            : names.size() == 5             ? names[0] == "Fx" ? "wrench" : "pose"
-                            : names.size() == kForces.width ? "force"
-                                                            : "state";
+  const std::string scale = names.size() == 1          ? "value"
+                            : names.size() == kRawAxes ? "axis"
+                            : names.size() == 5        ? names[0] == "Fx" ? "wrench" : "pose"
+                            : names[0] == "tip_x"      ? "state"
+                                                       : "force";
   return std::string(kDemo) + "/" + scale;
 }
 
@@ -183,18 +183,21 @@ std::string inputs_sha1(const Content& content) {
   return sha1(all);
 }
 
-// A block as files of a format have it: the first knew no flow ahead of the end and no air there.
+// A block as files of a format have it: the second knew no particle, the first neither flow ahead
+// of the end nor air there.
 Block block_of(Block block, std::uint64_t version) {
-  if (version > 1) return block;
+  if (version == kFormatVersion) return block;
   const auto without = [](const Block& of, const std::string& last) {
     const std::string text = of.columns;
     return text.substr(0, text.size() - last.size());
   };
-  static const std::string forces = without(kForces, " flow"), states = without(kStates, "; air");
+  static const std::string second = without(kForces, " particle"),
+                           first = without(kForces, " flow particle"),
+                           states = without(kStates, "; air");
   if (block.begin == kForces.begin) {
-    block.width -= 3;
-    block.columns = forces.c_str();
-  } else if (block.begin == kStates.begin) {
+    block.width -= version == 1 ? 6 : 3;
+    block.columns = version == 1 ? first.c_str() : second.c_str();
+  } else if (block.begin == kStates.begin && version == 1) {
     block.width -= 1;
     block.columns = states.c_str();
   }
@@ -220,7 +223,7 @@ Content content_of(const Episode& episode, const Scene& scene,
     const Block b = block_of(block, version);
     add(content, version,
         {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
-        {b.unit, b.columns, column_names(block)});
+        {b.unit, b.columns, column_names(b)});
   }
   if (!info.mapping.empty()) {
     content.attributes[kDemo + std::string("/raw")];

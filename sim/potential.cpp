@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/particle_depth.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -128,6 +130,22 @@ void add_axial(Energy& total, const AxialForce& axial) noexcept {
   total.force_scale += std::abs(axial.force);
   total.gradient.x -= axial.force;
   total.hessian.xx += axial.stiffness;
+}
+
+bool particle_acts(const World& world, const FrozenCoefficients& frozen) noexcept {
+  return world.laws.particle && frozen.contact.side == EdgeSide::throat;
+}
+
+void add_particle(Energy& total, const World& world, const PoseVector& tip) noexcept {
+  const ParticleDepth there = particle_depth(world, tip);
+  if (!(there.value > 0)) return;
+  const ContactForce push = particle_push(*world.laws.particle, there.value);
+  total.value += push.potential;
+  total.value_scale += push.potential;
+  total.force_scale += push.force;
+  total.gradient += push.force * there.slope;
+  total.hessian += push.force * there.curve;
+  add_square(total.hessian, push.slope, there.slope);
 }
 
 void add_frictions(Energy& total, const World& world, const FrozenCoefficients& frozen,
@@ -357,6 +375,12 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
                    share * push.force + adhesion * pull.force,
                    share * push.slope + adhesion * pull.slope};
   }
+  if (particle_acts(world, frozen)) {
+    const ParticleDepth there = particle_depth(world, tip);
+    const ContactForce push = particle_push(*world.laws.particle, there.value);
+    laws[kContactPlaces + 1] = {1,          true,      there.value, there.slope, push.potential,
+                                push.force, push.slope};
+  }
   const double length = printed_length(world, frozen);
   if (frozen.contact.side == EdgeSide::face || length == 0 || !has_printed_forces(world))
     return laws;
@@ -450,6 +474,7 @@ Potential::Potential(const World& world, const FrozenCoefficients& frozen,
     bore.force_scale += push[at].force + std::abs(pull[at].force);
     depth[at].add_to(bore, tip.t, force, stiffness);
   }
+  if (particle_acts(world, frozen)) add_particle(bore, world, tip);
   static_cast<Energy&>(*this) = bore;
   add_step(*this, world, frozen, tip);
 }
@@ -495,6 +520,12 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
     }
   }
   if (frozen.flow.acts()) b[Term::flow][0] = {{flow_ahead(frozen, tip).force, 0, 0}, end};
+  if (particle_acts(world, frozen)) {
+    const ParticleDepth touch = particle_depth(world, tip);
+    const double push = particle_push(*world.laws.particle, touch.value).force;
+    const Vector2d sideways = -push * touch.slope.e;
+    b[Term::particle][0] = {{-push * touch.slope.x, sideways.x(), sideways.y()}, touch.point};
+  }
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = there.depth[at];

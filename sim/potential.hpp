@@ -116,8 +116,8 @@ double stuck_stiffness(const World& world, const FrozenFriction& friction, const
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,
                         const PoseVector& bore_gradient, const PoseMatrix& bore_hessian) noexcept;
 
-// What is stiff: energies of one length each, the depths of both contacts (walls and adhesion) and
-// the printed laws' gap, less the clearance.
+// What is stiff: energies of one length each, the depths of both contacts (walls and adhesion), the
+// printed laws' gap, less the clearance, and the depth in a particle.
 struct StiffLaw {
   double share = 1;   // of the patch that acts
   bool acts = false;  // the rest is only set where it does
@@ -127,7 +127,7 @@ struct StiffLaw {
   double force;       // derivative of the energy by it [N]
   double stiffness;   // second derivative [N/m]
 };
-inline constexpr std::size_t kStiffLaws = 3;
+inline constexpr std::size_t kStiffLaws = 4;
 // The share of the side's patch that the end leaves is held.
 std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoefficients& frozen,
                                             const PoseVector& tip, double side_share) noexcept;

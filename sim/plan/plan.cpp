@@ -75,6 +75,13 @@ struct Reference {
   double changes(double force) const {
     return force * std::max(1 / force_scale, compliance / clearance);
   }
+  // What leaving a term out changes at most. A particle is not where the probes are: it lifts the
+  // end by its height.
+  double changes_without(Term term) const {
+    const std::optional<Particle>& particle = scene.world.laws.particle;
+    return changes(term == Term::particle && particle ? particle->height / compliance
+                                                      : extreme(term).force);
+  }
   // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
   // that was not run to its end.
   double error(const World& reduced, double enough) const;
@@ -178,16 +185,16 @@ struct LeftOut {
 };
 
 LeftOut smallest_terms(const Reference& reference, double enough) {
-  const auto most = [&](Term term) { return reference.extreme(term).force; };
+  const auto change = [&](Term term) { return reference.changes_without(term); };
   std::vector<Term> order;
   for (const Term term : kAllTerms)  // one that was not seen may act elsewhere; walls are no choice
-    if (info(term).read && info(term).present(reference.scene.world.laws) && most(term) > 0)
+    if (info(term).read && info(term).present(reference.scene.world.laws) && change(term) > 0)
       order.push_back(term);
   std::sort(order.begin(), order.end(),
-            [&](Term a, Term b) { return std::pair(most(a), a) < std::pair(most(b), b); });
+            [&](Term a, Term b) { return std::pair(change(a), a) < std::pair(change(b), b); });
   LeftOut out;
   for (const Term term : order) {
-    const double more = reference.changes(most(term));
+    const double more = change(term);
     if (out.change + more > enough) break;
     out.change += more;
     out.terms.push_back(term);
@@ -398,7 +405,7 @@ std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice&
     planned.state = reference.extreme(term).where;
     planned.relative_error = 0;
     if (!planned.kept)
-      planned.relative_error = reference.changes(planned.max_force);
+      planned.relative_error = reference.changes_without(term);
     else if (planned.max_force > 0)
       planned.relative_error = coarser_by(choice, term) / planned.max_force;
     if (planned.kept && term == Term::electrostatic && electrostatic_in_closed_form(chosen))

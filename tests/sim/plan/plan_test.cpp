@@ -134,6 +134,26 @@ TEST(Plan, LeavesOutWhatDoesNotActAndSaysWhatItWouldHaveChanged) {
   EXPECT_LE(plan.error_bound, 0.01);
 }
 
+TEST(Plan, LeavesOutAParticleThatIsLowWhereverItIs) {
+  const auto planned = [](const std::string& height_um) {
+    const Plan plan =
+        make_plan(load_scene("bench", {"laws.particle={\"form\":\"corrected\",\"at_um\":60,"
+                                       "\"direction_deg\":10,\"height_um\":" +
+                                       height_um + "}"}),
+                  0.05);
+    const auto found = std::find_if(plan.terms.begin(), plan.terms.end(),
+                                    [](const PlannedTerm& t) { return t.name == "particle"; });
+    const Scene scene = parse_scene(plan.document, "planned");
+    EXPECT_EQ(scene.world.laws.particle.has_value(), found->kept);
+    return *found;
+  };
+  EXPECT_TRUE(planned("0.3").kept);
+  EXPECT_TRUE(planned("0.001").kept);
+  const PlannedTerm low = planned("0.000001");
+  EXPECT_FALSE(low.kept);
+  EXPECT_GE(low.relative_error, 0.99e-12 / 0.5e-6);
+}
+
 TEST(Plan, ChoosesInertiaWhereItMatters) {
   // A soft and fast hand: m a/(k c) is far above the tolerance.
   const Scene fast = testing::bare({"holder.stiffness_N_m=0.05", "limits.speed_um_s=1000"});
