@@ -8,7 +8,8 @@ namespace ferrule {
 
 double unusual_height(const Particle& law) noexcept {
   constexpr double kOneIn = 50;
-  if (!(law.number > 0)) return 0;
+  if (!std::isnan(law.height)) return law.height;
+  if (law.number == 0) return 0;
   const double z = std::sqrt(std::max(0.0, 2 * elementary::log(0.5 * kOneIn * law.number)));
   return std::min(law.median * elementary::exp(law.spread * z), kHighestParticle);
 }

@@ -44,8 +44,9 @@ struct Particle {
 
 inline constexpr double kHighestParticle = 1e-3;  // what is drawn higher is as high as this [m]
 
-// The height that the highest one exceeds in one trial of 50 at most: no more than N Q(z) are
-// higher, Q(z) <= exp(-z^2/2)/2 being the normal distribution's tail.
+// The height [m] that the highest one exceeds in one trial of 50 at most: no more than N Q(z) are
+// higher on average, Q(z) <= exp(-z^2/2)/2 being the normal distribution's tail. Of one that is
+// there its own.
 double unusual_height(const Particle& law) noexcept;
 
 // The least s_p [m] for which the bump of height h, met by a rim that is rounded to rho, is in the

@@ -78,8 +78,8 @@ struct Reference {
   // What leaving a term out changes at most. A particle is not where the probes are: it lifts the
   // end by its height.
   double changes_without(Term term) const {
-    const std::optional<Particle>& particle = scene.world.laws.particle;
-    return changes(term == Term::particle && particle ? particle->height / compliance
+    const std::optional<Particle>& particle = scene.parameters.laws.particle;
+    return changes(term == Term::particle && particle ? unusual_height(*particle) / compliance
                                                       : extreme(term).force);
   }
   // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where

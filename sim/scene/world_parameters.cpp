@@ -1,5 +1,6 @@
 #include "sim/scene/world_parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -145,7 +146,8 @@ std::optional<Particle> particle(const WorldParameters& p) noexcept {
   std::optional<Particle> law = p.laws.particle;
   if (!law) return law;
   if (std::isnan(law->height)) {
-    law->height = unusual_height(*law);
+    const double clearance = 0.5 * micro * (p.ferrule.bore_diameter_um - p.fibre.diameter_um);
+    law->height = std::min(unusual_height(*law), clearance);
     law->depth = shallowest(p, law->height);
   }
   if (law->height == 0) return std::nullopt;

@@ -83,7 +83,8 @@ OvalBore oval_bore(const WorldParameters& parameters) noexcept;
 FibreEnd fibre_end(const FibreParameters& fibre) noexcept;
 
 // The particle on the wall, if there is one. Before chance decides: as high as hardly any
-// (unusual_height), in the direction of y, as near the entrance as one may be.
+// (unusual_height), but no higher than c, so that fibres pass, in the direction of y, as near the
+// entrance as one may be.
 std::optional<Particle> particle(const WorldParameters& parameters) noexcept;
 
 // The least depth of a particle of that height [m].

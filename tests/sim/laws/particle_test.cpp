@@ -107,6 +107,10 @@ TEST(Particle, IsSeldomHigherThanUnusuallyHigh) {
     EXPECT_GE(unusual_height(law), kMedian);
   }
   EXPECT_EQ(unusual_height({.number = 0, .median = kMedian, .spread = kSpread}), 0);
+  EXPECT_EQ(unusual_height({.number = 3, .median = kMedian, .height = 1e-7}), 1e-7);
+  // Before it is drawn a fibre passes it.
+  EXPECT_CLOSE(load_scene("bench", {dust(30)}).world.laws.particle->height, 0.5e-6, 1e-12);
+  EXPECT_FALSE(load_scene("bench", {dust(0)}).world.laws.particle);
   // Of any spread none is higher than a scene may state.
   EXPECT_EQ(unusual_height({.number = 1000, .median = 100e-6, .spread = 3}), kHighestParticle);
 }
