@@ -206,6 +206,21 @@ void freeze_flow(const World& world, const State& state, double dt,
                          std::min(1.0, square), state.air, dt);
 }
 
+// Of what bends, by the velocity that inertia has at the step's end, relative to the hand's.
+void freeze_damping(const World& world, const State& state, double dt,
+                    FrozenCoefficients& frozen) noexcept {
+  const Matrix5& damping = world.holder.damping;
+  if (damping(1, 1) == 0) return;
+  Pose drift = (frozen.command.full() - state.command) / dt;
+  if (frozen.second_order) drift += (state.tip - state.tip_before) / (2 * dt);
+  frozen.damping_rate = (frozen.second_order ? 1.5 : 1) / dt;
+  frozen.damping_drift = drift;
+  const Wrench force = damping * drift;
+  frozen.stiffness += PoseMatrix(frozen.damping_rate * damping);
+  frozen.load += PoseVector(force);
+  frozen.load_scale += force.head<3>().norm();
+}
+
 void freeze_inertia(const World& world, const State& state, double dt,
                     FrozenCoefficients& frozen) noexcept {
   if (world.dynamics != Dynamics::inertial || dt == 0) return;
@@ -224,6 +239,7 @@ void freeze_inertia(const World& world, const State& state, double dt,
   frozen.stiffness += PoseMatrix(inertia);
   frozen.load = PoseVector(frozen.load.full() + force);
   frozen.load_scale += force.head<3>().norm();
+  freeze_damping(world, state, dt, frozen);
 }
 
 // Where the fibre is whole around, in the round bore that an oval one is stretched to.
@@ -495,6 +511,9 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
             const Potential& there, Breakdown& b) noexcept {
   const Vector3d end = tip.position();
   b.holder = PoseMatrix(world.holder.stiffness).times(tip - frozen.command).full();
+  if (frozen.damping_rate > 0)
+    b.holder += world.holder.damping *
+                (frozen.damping_rate * (tip - frozen.from) - frozen.damping_drift).full();
   b[Term::gravity][0] = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
 
   const double length = -tip.x, inverse = 1 / length;

@@ -70,6 +70,10 @@ struct FrozenCoefficients {
 
   FlowStep flow;  // of the fluid ahead of the end
 
+  // Of the holder's damping at the step's end: damping (rate move - drift), over dt; 0 without it.
+  double damping_rate = 0;   // [1/s]
+  PoseVector damping_drift;  // of the holder, less what the fibre had before [m/s, rad/s]
+
   bool inertial = false;
   bool second_order = false;  // this step is one of BDF2
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/elementary.hpp"
 #include "sim/follow.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/minimum_jerk.hpp"
@@ -424,12 +425,18 @@ struct Inertia {
   bool stated;    // by the scene
   double force;   // that speeds the fibre up as the hand moves [N]
   double change;  // what leaving it out changes [-]
+  double rings;   // how long a clearance rings until it is within the tolerance [s]
 
-  explicit Inertia(const Scene& scene) : stated(scene.document.contains("dynamics")) {
+  Inertia(const Scene& scene, double tolerance) : stated(scene.document.contains("dynamics")) {
     const Holder& holder = scene.world.holder;
     const double mass = holder.mass.topLeftCorner<3, 3>().norm();
-    force = mass * kPeakOfMinimumJerk * scene.limits.speed / kSpeedingUp;
-    change = force * holder.compliance() / scene.world.annulus.clearance();
+    const double clearance = scene.world.annulus.clearance(), speed = scene.limits.speed;
+    force = mass * kPeakOfMinimumJerk * speed / kSpeedingUp;
+    change = force * holder.compliance() / clearance;
+    const auto* elastic = std::get_if<ElasticFibre>(&scene.parameters.holder);
+    const double loss = elastic ? elastic->loss_factor : 0;
+    rings = -2 * elementary::log(tolerance) / (loss * holder.bending_frequency());
+    if (loss > 0) change = std::max(change, speed * rings / clearance);
   }
 };
 
@@ -466,7 +473,7 @@ PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, doubl
 Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, PlanFor quantity) {
   if (!(tolerance >= 1e-6 && tolerance <= 0.5))
     throw BadInput("accuracy = " + Json(tolerance).dump() + ": must be from 1e-6 to 0.5");
-  const Inertia inertia(scene);
+  const Inertia inertia(scene, tolerance);
   const bool rings = !inertia.stated && inertia.change > kShareOfInertia * tolerance;
   const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
   const bool for_success = quantity == PlanFor::success && !inertial;
@@ -486,6 +493,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   Plan plan;
   plan.partial = runs.stopped;
   plan.tolerance = tolerance;
+  plan.rings = inertia.rings;
   plan.dynamics = choice.model.dynamics;
   plan.step = choice.model.step;
   plan.tangent = choice.model.tangent;

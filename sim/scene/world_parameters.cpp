@@ -65,7 +65,7 @@ Holder make_holder(const WorldParameters& p, const World& world) {
                       world.fibre_young, world.laws.gravity);
   const auto& elastic = std::get<ElasticFibre>(p.holder);
   return elastic_fibre(milli * elastic.free_length_mm, elastic.gripper_stiffness_N_m, world.fibre,
-                       world.fibre_young, world.laws.gravity);
+                       world.fibre_young, world.laws.gravity, elastic.loss_factor);
 }
 
 constexpr double kLeastCurl = 10;  // radius over free length: a slope of 0.1

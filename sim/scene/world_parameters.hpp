@@ -39,6 +39,7 @@ struct RigidHand {
 };
 struct ElasticFibre {
   double free_length_mm, gripper_stiffness_N_m;
+  double loss_factor = 0;  // of its bending; 0: none is stated
 };
 
 struct WorldParameters {

@@ -162,6 +162,29 @@ TEST(Plan, ChoosesInertiaWhereItMatters) {
   EXPECT_EQ(make_plan(slow, 0.01).dynamics, Dynamics::quasi_static);
 }
 
+// A snap that rings as the hand moves on is not left out; one that is over before it has is.
+TEST(Plan, JudgesInertiaByHowLongASnapRings) {
+  const auto planned = [](double loss_factor, double speed) {
+    const Scene scene = testing::bare(
+        {"holder={\"type\":\"elastic_fibre\",\"free_length_mm\":10,\"gripper_stiffness_N_m\":100,"
+         "\"loss_factor\":" +
+             std::to_string(loss_factor) + "}",
+         "limits.speed_um_s=" + std::to_string(speed)});
+    return std::pair(make_plan(scene, 0.1), scene.world.holder.bending_frequency());
+  };
+  const auto [quick, omega] = planned(0.1, 20);
+  EXPECT_CLOSE(quick.rings, 2 * std::log(10) / (0.1 * omega), 1e-12);
+  EXPECT_EQ(quick.dynamics, Dynamics::inertial);  // 0.3 clearances
+  const Plan slow = planned(0.1, 3).first;
+  EXPECT_EQ(slow.dynamics, Dynamics::quasi_static);
+  EXPECT_CLOSE(slow.terms.back().relative_error, 3e-6 * slow.rings / 0.5e-6, 1e-9);
+  EXPECT_LE(slow.terms.back().relative_error, slow.error_bound);
+  EXPECT_EQ(planned(0.002, 3).first.dynamics, Dynamics::inertial);
+  const Plan undamped = planned(0, 20).first;
+  EXPECT_EQ(undamped.rings, INFINITY);
+  EXPECT_EQ(undamped.dynamics, Dynamics::quasi_static);
+}
+
 TEST(Plan, OfASceneThatIsPlannedAlreadyIsAppliedOnce) {
   Json document = testing::paper().document;
   document["accuracy"] = 0.02;
