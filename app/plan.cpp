@@ -47,18 +47,29 @@ Json to_json(const Plan& plan, const std::vector<double>& costs) {
           {"tangent", plan.tangent},
           {"sampled_twice", plan.sampled_twice},
           {"sampling_counts", plan.sampling_counts},
+          {"rings_s", number_or_null(plan.rings)},
           {"error_bound", number_or_null(plan.error_bound)}};
+}
+
+// What the judgement of inertia knows of how a fibre rings.
+std::string ringing(const Plan& plan, bool inertia_kept) {
+  if (std::isfinite(plan.rings))
+    return fmt::format("A snap rings for {:.2g} s until it is within the tolerance{}.\n",
+                       plan.rings, inertia_kept ? "" : ", which is in the bound");
+  return inertia_kept ? ""
+                      : "Inertia: as the hand moves; how a fibre rings after a snap is not looked "
+                        "at.\n";
 }
 
 void print(const Plan& plan, const std::vector<double>& costs) {
   fmt::print("{:<15} {:<9} {:<28} {:>13} {:>10} {:>8}\n", "term", "", "fidelity", "largest [uN]",
              "error", "ns");
   double bound_left_out = 0;
-  bool inertia_left_out = false;
+  bool inertia = true;
   for (std::size_t i = 0; i < plan.terms.size(); ++i) {
     const PlannedTerm& t = plan.terms[i];
     if (!t.kept) bound_left_out += t.relative_error;
-    inertia_left_out |= t.name == "inertia" && !t.kept;
+    inertia &= t.name != "inertia" || t.kept;
     fmt::print("{:<15} {:<9} {:<28} {:>13.4g} {:>10.2g} {:>8}\n", t.name,
                t.kept ? "kept" : "left out", t.kept ? t.fidelity : "", 1e6 * t.max_force,
                t.relative_error, number_or("-", "{:.1f}", costs[i]));
@@ -72,10 +83,8 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
       plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",
       plan.sampled_twice, plan.sampling_counts ? "that counts" : "the bound does not cover that",
-      inertia_left_out ? "Inertia: as the hand moves; how a fibre rings after a snap is not looked "
-                         "at.\n"
-                       : "",
-      plan.error_bound, 1e6 * plan.force_scale, plan.tolerance, holds(plan) ? "" : ": NOT REACHED");
+      ringing(plan, inertia), plan.error_bound, 1e6 * plan.force_scale, plan.tolerance,
+      holds(plan) ? "" : ": NOT REACHED");
 }
 
 Plan planned_here(const Scene& scene, const PlanArguments& a) {

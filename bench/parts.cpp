@@ -34,7 +34,9 @@ std::vector<Part> parts_of(const Scene& scene) {
           {"flow, blind bore", {flow(scene, "blind")}},
           {"cleave of 1 degree", {"fibre.cleave_deg=1"}},
           {"edge of 3 um", {"fibre.edge_um=3"}},
-          {"ovality of 0.2 um", {"ferrule.ovality_um=0.2"}}};
+          {"ovality of 0.2 um", {"ferrule.ovality_um=0.2"}},
+          {"a particle of 0.3 um",
+           {R"(laws.particle={"form":"corrected","number":1,"median_um":0.3,"spread":0.8})"}}};
 }
 
 PartRow measured(const std::string& name, const Part& part, const char* controller,

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/error.hpp"
+#include "sim/laws/particle.hpp"
 #include "sim/scene/random.hpp"
 
 namespace ferrule {
@@ -121,8 +122,24 @@ Json draw_document(Chance& chance) {
   return d;
 }
 
-// What real parts have: curl, an oval bore, a fluid ahead of the end, a cleaved or rounded end. Its
-// own stream of chance, so that the scenes are the same but for it.
+// Up to three clearances high.
+void add_particle(Json& d, Chance& chance) {
+  const double wider =
+      d["ferrule"]["bore_diameter_um"].get<double>() - d["fibre"]["diameter_um"].get<double>();
+  const double height = std::min(1e3, chance.decades(0.05, 1.5) * wider);
+  const Json& cone = d["ferrule"]["lead_in"];
+  const double tangent =
+      cone.is_null() ? 0 : std::tan(0.25 * kTurn / 180 * cone["angle_deg"].get<double>());
+  const double least = 1.001 * shallowest(height, d["fibre"].value("edge_um", 0.0), tangent);
+  d["laws"]["particle"] = {
+      {"form", "corrected"},
+      {"height_um", height},
+      {"at_um", least + d["success"]["depth_um"].get<double>() * chance.between(0, 1)},
+      {"direction_deg", chance.between(0, 360)}};
+}
+
+// What real parts have: curl, an oval bore, a fluid ahead of the end, a cleaved or rounded end, a
+// particle. Its own stream of chance, so that the scenes are the same but for it.
 void add_real_parts(Json& d, Chance& chance) {
   if (chance.with(0.25)) {
     const Json& h = d["holder"];
@@ -154,6 +171,7 @@ void add_real_parts(Json& d, Chance& chance) {
   if (chance.with(0.25))
     d["fibre"]["edge_um"] =
         std::min(chance.number(0.1, 10, 1e-3, 100), 0.24 * d["fibre"]["diameter_um"].get<double>());
+  if (chance.with(0.25)) add_particle(d, chance);
 }
 
 // From 0 to 1, at rest at both ends.

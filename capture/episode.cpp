@@ -24,7 +24,7 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air; 2: no linearization. Files of
+// 1: columns as one text, no scales, no flow and air; 2: no particle, no linearization. Files of
 // before are read, and held against what they were.
 constexpr std::uint64_t kFormatVersion = 3;
 constexpr const char* kDemo = "/data/demo_0";
@@ -94,12 +94,12 @@ struct Columns {
 
 // The scale of a dimension, in the folder of the demonstration: of rows, and of columns named so.
 std::string scale_of(const std::vector<std::string>& names) {
-  const std::string scale = names.size() == 1               ? "value"
-                            : names.size() == kRawAxes      ? "axis"
-                            : names.size() == 5             ? names[0] == "Fx" ? "wrench" : "pose"
-                            : names.size() == kForces.width ? "force"
-                            : names.size() == kStates.width ? "state"
-                                                            : "linearization";
+  const std::string scale = names.size() == 1          ? "value"
+                            : names.size() == kRawAxes ? "axis"
+                            : names.size() == 5        ? names[0] == "Fx" ? "wrench" : "pose"
+                            : names[0] == "tip_x"      ? "state"
+                            : names[0] == "there"      ? "linearization"
+                                                       : "force";
   return std::string(kDemo) + "/" + scale;
 }
 
@@ -184,20 +184,22 @@ std::string inputs_sha1(const Content& content) {
   return sha1(all);
 }
 
-// A block as files of a format have it: the first knew no flow ahead of the end and no air there,
-// the first two no linearization (of no columns).
+// A block as files of a format have it: the second knew no particle and no linearization (of no
+// columns), the first neither flow ahead of the end nor air there.
 Block block_of(Block block, std::uint64_t version) {
-  if (version < 3 && block.begin == kLinearization.begin) block.width = 0;
-  if (version > 1) return block;
+  if (version == kFormatVersion) return block;
+  if (block.begin == kLinearization.begin) block.width = 0;
   const auto without = [](const Block& of, const std::string& last) {
     const std::string text = of.columns;
     return text.substr(0, text.size() - last.size());
   };
-  static const std::string forces = without(kForces, " flow"), states = without(kStates, "; air");
+  static const std::string second = without(kForces, " particle"),
+                           first = without(kForces, " flow particle"),
+                           states = without(kStates, "; air");
   if (block.begin == kForces.begin) {
-    block.width -= 3;
-    block.columns = forces.c_str();
-  } else if (block.begin == kStates.begin) {
+    block.width -= version == 1 ? 6 : 3;
+    block.columns = version == 1 ? first.c_str() : second.c_str();
+  } else if (block.begin == kStates.begin && version == 1) {
     block.width -= 1;
     block.columns = states.c_str();
   }
@@ -224,7 +226,7 @@ Content content_of(const Episode& episode, const Scene& scene,
     if (b.width == 0) continue;
     add(content, version,
         {rows_path(b), episode.rows.middleCols(b.begin, b.width), Table::exact, b.width == 1},
-        {b.unit, b.columns, column_names(block)});
+        {b.unit, b.columns, column_names(b)});
   }
   if (!info.mapping.empty()) {
     content.attributes[kDemo + std::string("/raw")];

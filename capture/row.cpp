@@ -47,6 +47,7 @@ std::vector<std::string> column_names(const Block& block) {
   std::vector<std::string> all;
   for (const char* term : kTermNames)
     for (const std::string& name : prefixed(std::string(term) + "_", "x y z")) all.push_back(name);
+  all.resize(static_cast<std::size_t>(block.width));
   return all;
 }
 

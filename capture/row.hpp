@@ -79,7 +79,7 @@ inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kComma
 using RowVector = Eigen::Matrix<double, 1, kRowSize>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
 
-// The names of a block's columns, one each.
+// The names of a block's columns, one each; of the forces also those of its first columns.
 std::vector<std::string> column_names(const Block& block);
 
 RowVector make_row(const Tick& tick) noexcept;

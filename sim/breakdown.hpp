@@ -26,7 +26,7 @@ struct PointForce {
 
 // Two points per term: the ends of the inserted length for surface forces, which together carry the
 // moment; the places of contact (ContactPlace) for adhesion, wall and friction; two arms that
-// together carry its moment for drag; the first alone for gravity, meniscus and flow.
+// together carry its moment for drag; the first alone for gravity, meniscus, flow and particle.
 using TermForces = std::array<PointForce, 2>;
 
 struct Breakdown {

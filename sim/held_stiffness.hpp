@@ -12,7 +12,9 @@
 //
 // Over one step of dt drag and inertia resist too: they are part of the step's Hessian, and K of
 // that step, K_dt, is at least K. What the step adds, B = dt (K_dt - K), is a damping [N s/m]: for
-// a drag c in series with a holder k it is c k dt/(k dt + c), c where the holder is stiff.
+// a drag c in series with a holder k it is c k dt/(k dt + c), c where the holder is stiff. What the
+// hand's own motion damps of the fibre's bending (sim/holder.hpp), eta/(omega_1 dt) of K, is left
+// out.
 #pragma once
 
 #include "sim/world.hpp"

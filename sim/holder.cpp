@@ -35,6 +35,16 @@ double Holder::bending_stress(const Pose& tip, const Pose& command) const noexce
   return moment * fibre_radius / second_moment(fibre_radius);
 }
 
+// The lower root of det(K - omega^2 M) in y and its tilt.
+double Holder::bending_frequency() const noexcept {
+  Matrix2d k, m;
+  k << stiffness(1, 1), stiffness(1, 3), stiffness(3, 1), stiffness(3, 3);
+  m << mass(1, 1), mass(1, 3), mass(3, 1), mass(3, 3);
+  const double a = m.determinant(), c = k.determinant();
+  const double b = k(0, 0) * m(1, 1) + k(1, 1) * m(0, 0) - 2 * k(0, 1) * m(0, 1);
+  return std::sqrt(2 * c / (b + std::sqrt(b * b - 4 * a * c)));
+}
+
 double Holder::compliance() const noexcept {
   return Matrix5(stiffness.inverse()).topLeftCorner<3, 3>().norm();
 }
@@ -53,7 +63,7 @@ Holder rigid_hand(double stiffness, double tilt_stiffness, const FibreMass& fibr
 }
 
 Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMass& fibre,
-                     double young, const GravityLaw& gravity) {
+                     double young, const GravityLaw& gravity, double loss_factor) {
   Holder holder;
   const double L = free_length, r = fibre.radius;
   const double EI = young * second_moment(r);
@@ -81,6 +91,8 @@ Holder elastic_fibre(double free_length, double gripper_stiffness, const FibreMa
   holder.free_length = L;
   holder.fibre_radius = r;
   holder.euler_load = euler(EI, L);
+  holder.damping.bottomRightCorner<4, 4>() =
+      loss_factor / holder.bending_frequency() * holder.stiffness.bottomRightCorner<4, 4>();
   finish(holder);
   return holder;
 }

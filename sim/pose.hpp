@@ -96,6 +96,15 @@ struct PoseMatrix {
     tt += m.tt;
     return *this;
   }
+  friend PoseMatrix operator*(double factor, PoseMatrix m) noexcept {
+    m.xx *= factor;
+    m.xe *= factor;
+    m.xt *= factor;
+    m.ee *= factor;
+    m.et *= factor;
+    m.tt *= factor;
+    return m;
+  }
   Matrix5 full() const noexcept {
     Matrix5 m;
     m << xx, xe.transpose(), xt.transpose(), xe, ee, et, xt, et.transpose(), tt;

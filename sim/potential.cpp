@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/particle_depth.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -130,6 +132,22 @@ void add_axial(Energy& total, const AxialForce& axial) noexcept {
   total.hessian.xx += axial.stiffness;
 }
 
+bool particle_acts(const World& world, const FrozenCoefficients& frozen) noexcept {
+  return world.laws.particle && frozen.contact.side == EdgeSide::throat;
+}
+
+void add_particle(Energy& total, const World& world, const PoseVector& tip) noexcept {
+  const ParticleDepth there = particle_depth(world, tip);
+  if (!(there.value > 0)) return;
+  const ContactForce push = particle_push(*world.laws.particle, there.value);
+  total.value += push.potential;
+  total.value_scale += push.potential;
+  total.force_scale += push.force;
+  total.gradient += push.force * there.slope;
+  total.hessian += push.force * there.curve;
+  add_square(total.hessian, push.slope, there.slope);
+}
+
 void add_frictions(Energy& total, const World& world, const FrozenCoefficients& frozen,
                    const PoseVector& tip) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
@@ -188,6 +206,21 @@ void freeze_flow(const World& world, const State& state, double dt,
                          std::min(1.0, square), state.air, dt);
 }
 
+// Of what bends, by the velocity that inertia has at the step's end, relative to the hand's.
+void freeze_damping(const World& world, const State& state, double dt,
+                    FrozenCoefficients& frozen) noexcept {
+  const Matrix5& damping = world.holder.damping;
+  if (damping(1, 1) == 0) return;
+  Pose drift = (frozen.command.full() - state.command) / dt;
+  if (frozen.second_order) drift += (state.tip - state.tip_before) / (2 * dt);
+  frozen.damping_rate = (frozen.second_order ? 1.5 : 1) / dt;
+  frozen.damping_drift = drift;
+  const Wrench force = damping * drift;
+  frozen.stiffness += PoseMatrix(frozen.damping_rate * damping);
+  frozen.load += PoseVector(force);
+  frozen.load_scale += force.head<3>().norm();
+}
+
 void freeze_inertia(const World& world, const State& state, double dt,
                     FrozenCoefficients& frozen) noexcept {
   if (world.dynamics != Dynamics::inertial || dt == 0) return;
@@ -206,6 +239,7 @@ void freeze_inertia(const World& world, const State& state, double dt,
   frozen.stiffness += PoseMatrix(inertia);
   frozen.load = PoseVector(frozen.load.full() + force);
   frozen.load_scale += force.head<3>().norm();
+  freeze_damping(world, state, dt, frozen);
 }
 
 // Where the fibre is whole around, in the round bore that an oval one is stretched to.
@@ -370,6 +404,12 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
                    share * push.force + adhesion * pull.force,
                    share * push.slope + adhesion * pull.slope};
   }
+  if (particle_acts(world, frozen)) {
+    const ParticleDepth there = particle_depth(world, tip);
+    const ContactForce push = particle_push(*world.laws.particle, there.value);
+    laws[kContactPlaces + 1] = {1,          true,      there.value, there.slope, push.potential,
+                                push.force, push.slope};
+  }
   const double arm = printed_arm(world, frozen);
   if (arm == 0) return laws;
   const double clearance = world.annulus.clearance(), length = printed_length(world, frozen);
@@ -462,6 +502,7 @@ Potential::Potential(const World& world, const FrozenCoefficients& frozen,
     bore.force_scale += push[at].force + std::abs(pull[at].force);
     depth[at].add_to(bore, tip.t, force, stiffness);
   }
+  if (particle_acts(world, frozen)) add_particle(bore, world, tip);
   static_cast<Energy&>(*this) = bore;
   add_step(*this, world, frozen, tip);
 }
@@ -482,6 +523,9 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
             const Potential& there, Breakdown& b) noexcept {
   const Vector3d end = tip.position();
   b.holder = PoseMatrix(world.holder.stiffness).times(tip - frozen.command).full();
+  if (frozen.damping_rate > 0)
+    b.holder += world.holder.damping *
+                (frozen.damping_rate * (tip - frozen.from) - frozen.damping_drift).full();
   b[Term::gravity][0] = {{0, world.holder.weight[1], 0}, end + world.holder.weight_arm};
 
   const double length = -tip.x, inverse = 1 / length;
@@ -507,6 +551,12 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
     }
   }
   if (frozen.flow.acts()) b[Term::flow][0] = {{flow_ahead(frozen, tip).force, 0, 0}, end};
+  if (particle_acts(world, frozen)) {
+    const ParticleDepth touch = particle_depth(world, tip);
+    const double push = particle_push(*world.laws.particle, touch.value).force;
+    const Vector2d sideways = -push * touch.slope.e;
+    b[Term::particle][0] = {{-push * touch.slope.x, sideways.x(), sideways.y()}, touch.point};
+  }
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);
     const ContactDepth& depth = there.depth[at];

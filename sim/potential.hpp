@@ -70,6 +70,10 @@ struct FrozenCoefficients {
 
   FlowStep flow;  // of the fluid ahead of the end
 
+  // Of the holder's damping at the step's end: damping (rate move - drift), over dt; 0 without it.
+  double damping_rate = 0;   // [1/s]
+  PoseVector damping_drift;  // of the holder, less what the fibre had before [m/s, rad/s]
+
   bool inertial = false;
   bool second_order = false;  // this step is one of BDF2
 };
@@ -122,8 +126,8 @@ double printed_arm(const World& world, const FrozenCoefficients& frozen) noexcep
 double printed_gap(const World& world, const FrozenCoefficients& frozen,
                    const PoseVector& tip) noexcept;
 
-// What is stiff: energies of one length each, the depths of both contacts (walls and adhesion) and
-// the printed laws' gap, less the clearance.
+// What is stiff: energies of one length each, the depths of both contacts (walls and adhesion), the
+// printed laws' gap, less the clearance, and the depth in a particle.
 struct StiffLaw {
   double share = 1;   // of the patch that acts
   bool acts = false;  // the rest is only set where it does
@@ -133,7 +137,7 @@ struct StiffLaw {
   double force;       // derivative of the energy by it [N]
   double stiffness;   // second derivative [N/m]
 };
-inline constexpr std::size_t kStiffLaws = 3;
+inline constexpr std::size_t kStiffLaws = 4;
 // The share of the side's patch that the end leaves is held.
 std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoefficients& frozen,
                                             const PoseVector& tip, double side_share) noexcept;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/particle_depth.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -30,6 +32,13 @@ void set_range(const World& world, const PoseVector& tip, Tangent& tangent) noex
   const bool inside = tip.x < 0;
   tangent.least_x = inside ? rim - world.profile.length : rim;
   tangent.most_x = inside ? -rim - kPatch : world.profile.lead_in_length - rim;
+}
+
+constexpr double kFromParticle = 50e-9;  // [m]
+
+// Is no particle near?
+bool is_clear(const World& world, const PoseVector& tip) noexcept {
+  return !world.laws.particle || particle_depth(world, tip).value < -kFromParticle;
 }
 
 // The Hessian of all forces, with the limits of friction.
@@ -120,6 +129,7 @@ std::optional<TangentStep> along_tangent(const World& world, const State& state,
   if (!(next.way <= tangent.reach)) return std::nullopt;
   const Pose tip = state.tip + next.move;
   if (!(tip[0] >= tangent.least_x && tip[0] <= tangent.most_x)) return std::nullopt;
+  if (!is_clear(world, tip)) return std::nullopt;
   if (present(world.laws.capillary) &&
       bridge_at(world, state.bridge, world.oval.stretched(tip)) != state.bridge)
     return std::nullopt;
@@ -167,6 +177,7 @@ void set_tangent(const World& world, const FrozenCoefficients& frozen, const Min
   Tangent tangent;
   set_range(world, found.tip, tangent);
   if (!(found.tip.x >= tangent.least_x && found.tip.x <= tangent.most_x)) return;
+  if (!is_clear(world, found.tip)) return;
   tangent.tip_by_command =
       stiffness(world, frozen, found).partialPivLu().solve(world.holder.stiffness);
   for (int at = 0; at < kContactPlaces; ++at)

@@ -17,6 +17,7 @@
 #include "sim/laws/friction.hpp"
 #include "sim/laws/gravity.hpp"
 #include "sim/laws/meniscus.hpp"
+#include "sim/laws/particle.hpp"
 #include "sim/laws/printed/adhesion.hpp"
 #include "sim/laws/printed/capillary.hpp"
 #include "sim/laws/printed/electrostatic.hpp"
@@ -40,12 +41,13 @@ enum class Term {
   friction,
   drag,
   meniscus,
-  flow
+  flow,
+  particle
 };
-inline constexpr std::size_t kTerms = 10;
+inline constexpr std::size_t kTerms = 11;
 inline constexpr std::array<const char*, kTerms> kTermNames = {
-    "van_der_waals", "electrostatic", "gravity", "capillary", "adhesion",
-    "wall",          "friction",      "drag",    "meniscus",  "flow"};
+    "van_der_waals", "electrostatic", "gravity",  "capillary", "adhesion", "wall",
+    "friction",      "drag",          "meniscus", "flow",      "particle"};
 
 // All of them, in order.
 inline constexpr std::array<Term, kTerms> kAllTerms = [] {
@@ -70,6 +72,7 @@ struct Laws {
   std::optional<Drag> drag;          // the paper prints none
   std::optional<Meniscus> meniscus;  // nor this
   std::optional<Flow> flow;          // nor this
+  std::optional<Particle> particle;  // nor this
 };
 
 // Is the law there, in one form or the other?

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/elementary.hpp"
 #include "sim/follow.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/minimum_jerk.hpp"
@@ -80,6 +81,13 @@ struct Reference {
   // What a missing force [N] can change: the felt force, and where the end is [-].
   double changes(double force) const {
     return force * std::max(1 / force_scale, compliance / clearance);
+  }
+  // What leaving a term out changes at most. A particle is not where the probes are: it lifts the
+  // end by its height.
+  double changes_without(Term term) const {
+    const std::optional<Particle>& particle = scene.parameters.laws.particle;
+    return changes(term == Term::particle && particle ? unusual_height(*particle) / compliance
+                                                      : extreme(term).force);
   }
   // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
   // that was not run to its end.
@@ -229,16 +237,16 @@ struct LeftOut {
 };
 
 LeftOut smallest_terms(const Reference& reference, double enough) {
-  const auto most = [&](Term term) { return reference.extreme(term).force; };
+  const auto change = [&](Term term) { return reference.changes_without(term); };
   std::vector<Term> order;
   for (const Term term : kAllTerms)  // one that was not seen may act elsewhere; walls are no choice
-    if (info(term).read && info(term).present(reference.scene.world.laws) && most(term) > 0)
+    if (info(term).read && info(term).present(reference.scene.world.laws) && change(term) > 0)
       order.push_back(term);
   std::sort(order.begin(), order.end(),
-            [&](Term a, Term b) { return std::pair(most(a), a) < std::pair(most(b), b); });
+            [&](Term a, Term b) { return std::pair(change(a), a) < std::pair(change(b), b); });
   LeftOut out;
   for (const Term term : order) {
-    const double more = reference.changes(most(term));
+    const double more = change(term);
     if (out.change + more > enough) break;
     out.change += more;
     out.terms.push_back(term);
@@ -455,7 +463,7 @@ std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice&
     planned.state = reference.extreme(term).where;
     planned.relative_error = 0;
     if (!planned.kept)
-      planned.relative_error = reference.changes(planned.max_force);
+      planned.relative_error = reference.changes_without(term);
     else if (planned.max_force > 0)
       planned.relative_error = coarser_by(choice, term) / planned.max_force;
     if (planned.kept && term == Term::electrostatic && electrostatic_in_closed_form(chosen))
@@ -470,12 +478,18 @@ struct Inertia {
   bool stated;    // by the scene
   double force;   // that speeds the fibre up as the hand moves [N]
   double change;  // what leaving it out changes [-]
+  double rings;   // how long a clearance rings until it is within the tolerance [s]
 
-  explicit Inertia(const Scene& scene) : stated(scene.document.contains("dynamics")) {
+  Inertia(const Scene& scene, double tolerance) : stated(scene.document.contains("dynamics")) {
     const Holder& holder = scene.world.holder;
     const double mass = holder.mass.topLeftCorner<3, 3>().norm();
-    force = mass * kPeakOfMinimumJerk * scene.limits.speed / kSpeedingUp;
-    change = force * holder.compliance() / scene.world.annulus.clearance();
+    const double clearance = scene.world.annulus.clearance(), speed = scene.limits.speed;
+    force = mass * kPeakOfMinimumJerk * speed / kSpeedingUp;
+    change = force * holder.compliance() / clearance;
+    const auto* elastic = std::get_if<ElasticFibre>(&scene.parameters.holder);
+    const double loss = elastic ? elastic->loss_factor : 0;
+    rings = -2 * elementary::log(tolerance) / (loss * holder.bending_frequency());
+    if (loss > 0) change = std::max(change, speed * rings / clearance);
   }
 };
 
@@ -547,7 +561,7 @@ void add_curl_and_inertia(const Reference& reference, const Choice& choice, cons
 Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, PlanFor quantity) {
   if (!(tolerance >= 1e-6 && tolerance <= 0.5))
     throw BadInput("accuracy = " + Json(tolerance).dump() + ": must be from 1e-6 to 0.5");
-  const Inertia inertia(scene);
+  const Inertia inertia(scene, tolerance);
   const bool rings = !inertia.stated && inertia.change > kShareOfInertia * tolerance;
   const bool inertial = rings || scene.world.dynamics == Dynamics::inertial;
   const bool for_success = quantity == PlanFor::success && !inertial;
@@ -573,6 +587,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   Plan plan;
   plan.partial = runs.stopped;
   plan.tolerance = tolerance;
+  plan.rings = inertia.rings;
   plan.dynamics = choice.model.dynamics;
   plan.step = choice.model.step;
   plan.tangent = choice.model.tangent;

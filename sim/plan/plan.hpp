@@ -42,10 +42,16 @@
 // printed surface laws or adhesion not at all unless they ask for it.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
-// command alone: the bound does not cover how long a fibre without damping rings where it snaps or
-// hits. Parts with a tolerance are planned for as a pair of the nominal diameters.
+// command, and where it states how the fibre is damped (holder.loss_factor, eta) by how long a snap
+// rings: an amplitude of a clearance falls to the tolerance in
+//   t = 2 log(1/tolerance)/(eta omega_1),
+// and how far the hand goes until then, at limits.speed over the clearance, is what leaving inertia
+// out changes, as of any event that comes later. Without damping the bound does not cover how long
+// a fibre rings where it snaps or hits. Parts with a tolerance are planned for as a pair of the
+// nominal diameters.
 #pragma once
 
+#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -80,6 +86,9 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   // being located.
   double sampled_twice = 0;
   bool sampling_counts = false;
+  // How long a snap of a clearance rings until it is within the tolerance [s]; infinite where the
+  // scene states no damping.
+  double rings = INFINITY;
   Json document;  // the planned scene
   // It was stopped: nothing is left out, the error bound is infinite, the largest forces are those
   // of the probes that were run.

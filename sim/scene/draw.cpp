@@ -46,10 +46,37 @@ bool cleaves(const FibreParameters& fibre) noexcept {
   return fibre.cleave_deg && !fibre.cleave_direction_deg;
 }
 
+// Where the dotted key is.
+Json::json_pointer pointer_to(std::string key) {
+  std::replace(key.begin(), key.end(), '.', '/');
+  return Json::json_pointer("/" + key);
+}
+
 // States a number that chance decided.
-void add_number(Json& document, const char* object, const char* key, double value) {
-  document[object][key] = value;
-  document["drawn_from"]["added"].push_back(std::string(object) + "." + key);
+void add_number(Json& document, const char* key, double value) {
+  document[pointer_to(key)] = value;
+  document["drawn_from"]["added"].push_back(key);
+}
+
+// The highest of the particles on the wall of the length that goes in.
+void draw_particle(Scene& drawn, RandomStream random) {
+  WorldParameters& p = drawn.parameters;
+  Particle& law = *p.laws.particle;
+  double height = 0;
+  // As many as exponential waiting times fit into their mean number.
+  for (double waited = 0; (waited -= elementary::log(random.uniform())) < law.number;)
+    height = std::max(height, law.median * elementary::exp(law.spread * random.normal()));
+  const double height_um = 1e6 * std::min(height, kHighestParticle);
+  law.height = micro * height_um;
+  const double least = (1 + 1e-12) * shallowest(p, law.height);  // in micrometres too
+  const double most = std::max(least, drawn.success.depth);
+  const double at_um = 1e6 * (least + (most - least) * random.uniform());
+  law.depth = micro * at_um;
+  const double degrees = 360 * random.uniform();
+  law.direction = degree * degrees;
+  add_number(drawn.document, "laws.particle.height_um", height_um);
+  add_number(drawn.document, "laws.particle.at_um", at_um);
+  add_number(drawn.document, "laws.particle.direction_deg", degrees);
 }
 
 double roll_deg(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
@@ -67,35 +94,39 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   const bool cleave = cleaves(scene.parameters.fibre);
   const FerruleParameters& ferrule = scene.parameters.ferrule;
   const bool oval = ferrule.ovality_um && !ferrule.ovality_direction_deg;
-  if (!scene.tolerance && !roll && !cleave && !oval && !entrance)
+  const std::optional<Particle>& law = scene.parameters.laws.particle;
+  const bool particle = law && std::isnan(law->height);
+  if (!scene.tolerance && !roll && !cleave && !oval && !entrance && !particle)
     return {std::shared_ptr<const Scene>(), &scene};
   const auto drawn = std::make_shared<Scene>(scene);
   if (scene.tolerance && !draw_diameters(*drawn, {seed, trial, Draw::parts})) return nullptr;
   if (roll) {
     drawn->parameters.fibre.roll_deg = roll_deg(scene, seed, trial);
-    add_number(drawn->document, "fibre", "roll_deg", *drawn->parameters.fibre.roll_deg);
+    add_number(drawn->document, "fibre.roll_deg", *drawn->parameters.fibre.roll_deg);
   }
   if (cleave) {
     RandomStream random(seed, trial, Draw::roll);
     random.uniform();  // the roll angle
     drawn->parameters.fibre.cleave_direction_deg = 360 * random.uniform();
-    add_number(drawn->document, "fibre", "cleave_direction_deg",
+    add_number(drawn->document, "fibre.cleave_direction_deg",
                *drawn->parameters.fibre.cleave_direction_deg);
   }
   if (oval) {
     const double direction = 180 * RandomStream(seed, trial, Draw::bore).uniform();
     drawn->parameters.ferrule.ovality_direction_deg = direction;
-    add_number(drawn->document, "ferrule", "ovality_direction_deg", direction);
+    add_number(drawn->document, "ferrule.ovality_direction_deg", direction);
   }
   if (entrance) {
     const double um =
         RandomStream(seed, trial, Draw::entrance).normal() * 1e6 * scene.sensor.entrance_sd;
     drawn->sensor.entrance_error = micro * um;
-    add_number(drawn->document, "sensor", "entrance_error_um", um);
+    add_number(drawn->document, "sensor.entrance_error_um", um);
   }
+  if (particle) draw_particle(*drawn, {seed, trial, Draw::particle});
   if (scene.tolerance) drawn->world = make_world(drawn->parameters);
   drawn->world.end = fibre_end(drawn->parameters.fibre);
   drawn->world.oval = oval_bore(drawn->parameters);
+  drawn->world.laws.particle = ferrule::particle(drawn->parameters);
   return drawn;
 }
 
@@ -121,9 +152,7 @@ Json undrawn(Json document) {
     document["ferrule"]["bore_diameter_um"] = from["ferrule_bore_diameter_um"];
   }
   for (const Json& key : from.value("added", Json::array())) {
-    std::string path = "/" + key.get<std::string>();
-    std::replace(path.begin(), path.end(), '.', '/');
-    const Json::json_pointer at(path);
+    const Json::json_pointer at = pointer_to(key.get<std::string>());
     if (document.contains(at)) document[at.parent_pointer()].erase(at.back());
   }
   return document;

@@ -18,7 +18,8 @@ enum class Draw : std::uint32_t {
   operator_eye = 6,
   entrance = 7,
   roll = 8,
-  bore = 9
+  bore = 9,
+  particle = 10
 };
 
 class RandomStream {

@@ -81,6 +81,8 @@ void read_holder(JsonFields f, std::variant<RigidHand, ElasticFibre>& holder) {
     auto& fibre = holder.emplace<ElasticFibre>();
     f.number("free_length_mm", positive(1e-3, 1e4), fibre.free_length_mm);
     f.number("gripper_stiffness_N_m", positive(1e-6, 1e9), fibre.gripper_stiffness_N_m);
+    if (f.present("loss_factor"))
+      f.number("loss_factor", rule::between(0, 1, "must be from 0 to 1"), fibre.loss_factor);
   }
   f.finish();
 }

@@ -56,9 +56,13 @@ struct ScalingRanges {
 enum class Form { printed, corrected };
 
 // Keys that a drawn scene states where the one it was drawn from does not.
-inline constexpr std::array kDrawnKeys = {"fibre.roll_deg", "fibre.cleave_direction_deg",
+inline constexpr std::array kDrawnKeys = {"fibre.roll_deg",
+                                          "fibre.cleave_direction_deg",
                                           "sensor.entrance_error_um",
-                                          "ferrule.ovality_direction_deg"};
+                                          "ferrule.ovality_direction_deg",
+                                          "laws.particle.height_um",
+                                          "laws.particle.at_um",
+                                          "laws.particle.direction_deg"};
 
 struct Scene {
   std::string name;

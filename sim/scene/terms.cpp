@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/particle_depth.hpp"
 #include "sim/scene/units.hpp"
 #include "sim/surface_forces.hpp"
 
@@ -119,6 +120,25 @@ void read_flow(JsonFields f, Laws& laws) {
   f.finish();
 }
 
+void read_particle(JsonFields f, Laws& laws) {
+  f.choice("form", {"corrected"});
+  Particle& law = laws.particle.emplace();
+  const bool stated = f.present("height_um");
+  if (!stated || f.present("number")) {
+    f.number("number", rule::between(0, 1000, "must be from 0 to 1000"), law.number);
+    f.number("median_um", rule::positive(1e-3, 100), law.median, micro);
+    f.number("spread", rule::between(0, 3, "must be from 0 to 3"), law.spread);
+  }
+  if (stated) {
+    f.number("height_um", rule::between(0, 1e6 * kHighestParticle, "must be from 0 to 1000"),
+             law.height, micro);
+    f.number("at_um", rule::not_negative(1e7), law.depth, micro);
+    f.number("direction_deg", rule::between(-360, 360, "must be from -360 to 360"), law.direction,
+             degree);
+  }
+  f.finish();
+}
+
 std::string nodes(const World& world) {
   const int order = world.numerics.quadrature.order;
   return order == 1 ? "annulus, parallel axes"
@@ -233,6 +253,14 @@ double flow_at_gap(const World& world, const Posture& at) {
                          std::min(1.0, square));
 }
 
+// Of one that the fibre has passed, where the gap is the smallest at its end.
+double particle_at_gap(const World& world, const Posture& at) {
+  const Particle& law = *world.laws.particle;
+  if (!(at.length > law.depth)) return 0;
+  const double gap = at.gap + (at.length - law.depth) * at.tilt;
+  return particle_push(law, law.height - gap).force;
+}
+
 std::string flow_fidelity(const World& world) {
   return world.laws.flow->cushions() ? "cushion with leak" : "slit and tube flow";
 }
@@ -285,6 +313,8 @@ constexpr std::array<TermInfo, kTerms> kTable = {
     row<&Laws::meniscus>(Term::meniscus, "meniscus", false, read_meniscus, always<kClosed>,
                          meniscus_at_gap),
     row<&Laws::flow>(Term::flow, "flow ahead", false, read_flow, flow_fidelity, flow_at_gap),
+    row<&Laws::particle>(Term::particle, "particle", false, read_particle, always<kHertz>,
+                         particle_at_gap),
 };
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "sim/scene/world_parameters.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -28,20 +29,23 @@ double contact_radius(const FibreParameters& fibre) noexcept {
   return micro * (fibre.edge_um ? std::sqrt(*fibre.edge_um * r) : r);
 }
 
+double modulus(const WorldParameters& p) noexcept {
+  return reduced_modulus(giga * p.fibre.young_GPa, p.fibre.poisson, giga * p.ferrule.young_GPa,
+                         p.ferrule.poisson);
+}
+
 // The laws with what follows for them from geometry and materials.
 Laws complete(Laws laws, const WorldParameters& p, const Annulus& annulus) {
-  const double modulus = reduced_modulus(giga * p.fibre.young_GPa, p.fibre.poisson,
-                                         giga * p.ferrule.young_GPa, p.ferrule.poisson);
   if (auto* law = std::get_if<Capillary>(&laws.capillary)) *law = prepare(*law, annulus);
   const double radius = contact_radius(p.fibre);
-  laws.wall = Wall{modulus, radius, 0};
+  laws.wall = Wall{modulus(p), radius, 0};
   if (auto* law = std::get_if<printed::Adhesion>(&laws.adhesion)) {
-    law->reduced_modulus = modulus;
+    law->reduced_modulus = modulus(p);
     law->radius = radius;
     *law = prepare(*law);
     laws.wall->begins = printed::kDeepest;
   } else if (auto* self_consistent = std::get_if<Adhesion>(&laws.adhesion)) {
-    self_consistent->reduced_modulus = modulus;
+    self_consistent->reduced_modulus = modulus(p);
     if (std::isnan(self_consistent->radius)) self_consistent->radius = radius;
     *self_consistent = prepare(*self_consistent);
     laws.wall.reset();
@@ -61,7 +65,7 @@ Holder make_holder(const WorldParameters& p, const World& world) {
                       world.fibre_young, world.laws.gravity);
   const auto& elastic = std::get<ElasticFibre>(p.holder);
   return elastic_fibre(milli * elastic.free_length_mm, elastic.gripper_stiffness_N_m, world.fibre,
-                       world.fibre_young, world.laws.gravity);
+                       world.fibre_young, world.laws.gravity, elastic.loss_factor);
 }
 
 constexpr double kLeastCurl = 10;  // radius over free length: a slope of 0.1
@@ -104,6 +108,10 @@ std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
   if (p.fibre.edge_um && !(*p.fibre.edge_um <= 0.25 * p.fibre.diameter_um))
     return {{"fibre.edge_um", "must be at most a quarter of the fibre's diameter (" +
                                   shown(p.fibre.diameter_um) + ")"}};
+  if (const auto& law = p.laws.particle;
+      law && law->height > 0 && !(law->depth >= shallowest(p, law->height)))
+    return {{"laws.particle.at_um", "must be at least " + shown(1e6 * shallowest(p, law->height)) +
+                                        ", where all of it is in the bore"}};
   if (p.fibre.curl_radius_m && !(*p.fibre.curl_radius_m >= kLeastCurl * free_length(p)))
     return {{"fibre.curl_radius_m", "must be at least ten times the length that is free (" +
                                         shown(free_length(p)) + " m)"}};
@@ -128,6 +136,26 @@ FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
           0.5 * micro * fibre.diameter_um * std::abs(slope) + edge};
 }
 
+double shallowest(const WorldParameters& p, double height) noexcept {
+  const double tangent =
+      p.ferrule.lead_in ? elementary::tan(0.5 * degree * p.ferrule.lead_in->angle_deg) : 0.0;
+  return shallowest(height, micro * p.fibre.edge_um.value_or(0), tangent);
+}
+
+std::optional<Particle> particle(const WorldParameters& p) noexcept {
+  std::optional<Particle> law = p.laws.particle;
+  if (!law) return law;
+  if (std::isnan(law->height)) {
+    const double clearance = 0.5 * micro * (p.ferrule.bore_diameter_um - p.fibre.diameter_um);
+    law->height = std::min(unusual_height(*law), clearance);
+    law->depth = shallowest(p, law->height);
+  }
+  if (law->height == 0) return std::nullopt;
+  law->outward = {elementary::cos(law->direction), elementary::sin(law->direction)};
+  law->reduced_modulus = modulus(p);
+  return law;
+}
+
 World make_world(const WorldParameters& p) {
   World world{};
   world.annulus = {0.5 * micro * p.fibre.diameter_um, 0.5 * micro * p.ferrule.bore_diameter_um,
@@ -141,6 +169,7 @@ World make_world(const WorldParameters& p) {
   world.dynamics = p.dynamics;
   world.numerics = p.numerics;
   world.laws = complete(p.laws, p, world.annulus);
+  world.laws.particle = particle(p);
   world.holder = make_holder(p, world);
   return world;
 }

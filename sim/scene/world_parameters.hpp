@@ -39,6 +39,7 @@ struct RigidHand {
 };
 struct ElasticFibre {
   double free_length_mm, gripper_stiffness_N_m;
+  double loss_factor = 0;  // of its bending; 0: none is stated
 };
 
 struct WorldParameters {
@@ -81,6 +82,14 @@ OvalBore oval_bore(const WorldParameters& parameters) noexcept;
 
 // The fibre's end, as it lies.
 FibreEnd fibre_end(const FibreParameters& fibre) noexcept;
+
+// The particle on the wall, if there is one. Before chance decides: as high as hardly any
+// (unusual_height), but no higher than c, so that fibres pass, in the direction of y, as near the
+// entrance as one may be.
+std::optional<Particle> particle(const WorldParameters& parameters) noexcept;
+
+// The least depth of a particle of that height [m].
+double shallowest(const WorldParameters& parameters, double height) noexcept;
 
 // The parameters are consistent and each in its range (data/README.md).
 World make_world(const WorldParameters& parameters);

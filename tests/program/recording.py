@@ -50,7 +50,7 @@ class Recording(Case):
             numpy.testing.assert_allclose(demo["obs/wrench_N"][:, :3], wrench * 8.46e5, rtol=1e-5,
                                           atol=1e-6)
             # In equilibrium the holder carries the sum of all other forces.
-            total = demo["rows/forces"][:].reshape(n, 10, 3).sum(axis=1)
+            total = demo["rows/forces"][:].reshape(n, 11, 3).sum(axis=1)
             numpy.testing.assert_allclose(total, wrench, atol=5e-11)
 
             def units(name, item):
@@ -98,7 +98,8 @@ class Recording(Case):
                 table.attrs["columns"] = about
             for name in scales:
                 del demo[name]
-            for name, width, last in (("rows/forces", 27, " flow"), ("states", 41, "; air")):
+            for name, width, last in (("rows/forces", 27, " flow particle"),
+                                      ("states", 41, "; air")):
                 values, attributes = demo[name][:, :width], dict(demo[name].attrs)
                 del demo[name]
                 demo[name] = values
@@ -115,12 +116,32 @@ class Recording(Case):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
                   "--out", self.path("second"))
         file = self.path("second/episode_0001.h5")
-        with h5py.File(file, "r+") as f:  # as it was: states without linearization
-            scale = f["data/demo_0/rows/linearization"].dims[1][0].name
-            del f["data/demo_0/rows/linearization"], f[scale]
+        terms = json.loads(self.done("forces", file, "--json").stdout)["terms"]
+        with h5py.File(file, "r+") as f:  # as it was: no particle among the forces, no linearization
+            linearization = f["data/demo_0/rows/linearization"].dims[1][0].name
+            del f["data/demo_0/rows/linearization"], f[linearization]
+            demo, forces = f["data/demo_0"], f["data/demo_0/rows/forces"]
+            scales = [list(dimension.values()) for dimension in forces.dims]
+            names = [c for c in scales[1][0][:] if not c.startswith(b"particle")]
+            attributes = dict(forces.attrs)
+            values = forces[:, :30]
+            scale = scales[1][0].name
+            for dimension, of in zip(forces.dims, scales):
+                dimension.detach_scale(of[0])
+            del demo["rows/forces"], f[scale]
+            f[scale] = numpy.array(names)
+            f[scale].make_scale("force")
+            demo["rows/forces"] = values
+            for key in ("unit", "units"):
+                demo["rows/forces"].attrs[key] = attributes[key]
+            demo["rows/forces"].attrs["columns"] = numpy.array(names)
+            demo["rows/forces"].attrs["about"] = attributes["about"].replace(b" particle", b"")
+            demo["rows/forces"].dims[0].attach_scale(scales[0][0])
+            demo["rows/forces"].dims[1].attach_scale(f[scale])
             f.attrs["format_version"] = numpy.int64(2)
             del f.attrs["inputs_sha1"]
         self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
+        self.assertEqual(json.loads(self.done("forces", file, "--json").stdout)["terms"], terms)
 
     def test_texts_may_be_of_variable_length(self):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",

@@ -135,12 +135,55 @@ TEST(Plan, LeavesOutWhatDoesNotActAndSaysWhatItWouldHaveChanged) {
   EXPECT_LE(plan.error_bound, 0.01);
 }
 
+TEST(Plan, LeavesOutAParticleThatIsLowWhereverItIs) {
+  const auto planned = [](const std::string& height_um) {
+    const Plan plan =
+        make_plan(load_scene("bench", {"laws.particle={\"form\":\"corrected\",\"at_um\":60,"
+                                       "\"direction_deg\":10,\"height_um\":" +
+                                       height_um + "}"}),
+                  0.05);
+    const auto found = std::find_if(plan.terms.begin(), plan.terms.end(),
+                                    [](const PlannedTerm& t) { return t.name == "particle"; });
+    const Scene scene = parse_scene(plan.document, "planned");
+    EXPECT_EQ(scene.world.laws.particle.has_value(), found->kept);
+    return *found;
+  };
+  EXPECT_TRUE(planned("0.3").kept);
+  EXPECT_TRUE(planned("0.001").kept);
+  const PlannedTerm low = planned("0.000001");
+  EXPECT_FALSE(low.kept);
+  EXPECT_GE(low.relative_error, 0.99e-12 / 0.5e-6);
+}
+
 TEST(Plan, ChoosesInertiaWhereItMatters) {
   // A soft and fast hand: m a/(k c) is far above the tolerance.
   const Scene fast = testing::bare({"holder.stiffness_N_m=0.05", "limits.speed_um_s=1000"});
   EXPECT_EQ(make_plan(fast, 0.01).dynamics, Dynamics::inertial);
   const Scene slow = testing::bare({"holder.stiffness_N_m=5", "limits.speed_um_s=10"});
   EXPECT_EQ(make_plan(slow, 0.01).dynamics, Dynamics::quasi_static);
+}
+
+// A snap that rings as the hand moves on is not left out; one that is over before it has is.
+TEST(Plan, JudgesInertiaByHowLongASnapRings) {
+  const auto planned = [](double loss_factor, double speed) {
+    const Scene scene = testing::bare(
+        {"holder={\"type\":\"elastic_fibre\",\"free_length_mm\":10,\"gripper_stiffness_N_m\":100,"
+         "\"loss_factor\":" +
+             std::to_string(loss_factor) + "}",
+         "limits.speed_um_s=" + std::to_string(speed)});
+    return std::pair(make_plan(scene, 0.1), scene.world.holder.bending_frequency());
+  };
+  const auto [quick, omega] = planned(0.1, 20);
+  EXPECT_CLOSE(quick.rings, 2 * std::log(10) / (0.1 * omega), 1e-12);
+  EXPECT_EQ(quick.dynamics, Dynamics::inertial);  // 0.3 clearances
+  const Plan slow = planned(0.1, 3).first;
+  EXPECT_EQ(slow.dynamics, Dynamics::quasi_static);
+  EXPECT_CLOSE(slow.terms.back().relative_error, 3e-6 * slow.rings / 0.5e-6, 1e-9);
+  EXPECT_LE(slow.terms.back().relative_error, slow.error_bound);
+  EXPECT_EQ(planned(0.002, 3).first.dynamics, Dynamics::inertial);
+  const Plan undamped = planned(0, 20).first;
+  EXPECT_EQ(undamped.rings, INFINITY);
+  EXPECT_EQ(undamped.dynamics, Dynamics::quasi_static);
 }
 
 TEST(Plan, OfASceneThatIsPlannedAlreadyIsAppliedOnce) {

@@ -6,7 +6,7 @@
  *   terms: Record<string, string>}} Colours */
 
 const kTerms = ['van_der_waals', 'electrostatic', 'gravity', 'capillary', 'adhesion', 'wall',
-  'friction', 'drag', 'meniscus', 'flow'];
+  'friction', 'drag', 'meniscus', 'flow', 'particle'];
 
 /** @returns {Colours} */
 export function colours() {
