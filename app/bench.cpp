@@ -21,6 +21,7 @@
 #include "bench/sensors.hpp"
 #include "bench/stepping.hpp"
 #include "bench/tail.hpp"
+#include "bench/turns.hpp"
 
 namespace ferrule {
 namespace {
@@ -375,6 +376,25 @@ int events(const BenchArguments& a) {
               event_json, provenance_of_steps(a));
 }
 
+Json turn_json(const TurnRow& r) {
+  return {{"scene", r.scene},       {"motion", r.motion},     {"starts", r.starts},
+          {"off", r.off},           {"turned_90", r.quarter}, {"turned_37", r.any},
+          {"mirrored", r.mirrored}, {"from_row", r.from_row}};
+}
+
+void print_turns(const std::vector<TurnRow>& rows) {
+  fmt::print("{:<10} {:<10} {:>13} {:>12} {:>12} {:>9} {:>12} {:>12}\n", "scene", "motion",
+             "turned by 90", "by 37 deg", "mirrored", "from row", "starts", "off by 1e-6");
+  for (const TurnRow& r : rows)
+    fmt::print("{:<10} {:<10} {:>13.2g} {:>12.2g} {:>12.2g} {:>9.2g} {:>12} {:>12}\n", r.scene,
+               r.motion, r.quarter, r.any, r.mirrored, r.from_row, r.starts, r.off);
+}
+
+int turns(const BenchArguments& a) {
+  return tell(a, bench_turns(a.seed, a.scenes, watched("turns")), print_turns, turn_json,
+              provenance_of_steps(a));
+}
+
 std::vector<std::string> scenes_of(const BenchArguments& a) {
   return a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
 }
@@ -513,18 +533,20 @@ void add_bench(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<BenchArguments>();
-  verb->add_option("what", a->what,
-                   "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
-                   "capture: clearance means clearance; tail: the worst steps; events: the same "
-                   "motions at ever finer steps; peers: other engines in the same motion; "
-                   "recording: what a row costs; parts: "
-                   "success with curl, cleave, edge and the like; plans: whether planning pays; "
-                   "sensors: success against noise and bias of the force sensor")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "peers", "recording", "parts",
-                             "plans", "sensors"}));
+  verb->add_option(
+          "what", a->what,
+          "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
+          "capture: clearance means clearance; tail: the worst steps; events: the same "
+          "motions at ever finer steps; turns: the same about the axis, mirrored and gone on with; "
+          "peers: other engines in the same motion; "
+          "recording: what a row costs; parts: "
+          "success with curl, cleave, edge and the like; plans: whether planning pays; "
+          "sensors: success against noise and bias of the force sensor")
+      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "turns", "peers", "recording",
+                             "parts", "plans", "sensors"}));
   add_seed(*verb, a->seed,
-           "Of the scenes, starts, motions and trials that tail, events, parts, plans and sensors "
-           "draw");
+           "Of the scenes, starts, motions and trials that tail, events, turns, parts, plans and "
+           "sensors draw");
   verb->add_option("--scene", a->scene,
                    "The scene of parts, plans and sensors; all that ship unless given")
       ->type_name("SCENE");
@@ -533,7 +555,7 @@ void add_bench(CLI::App& app, Run& run) {
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
   verb->add_option("--scenes", a->scenes,
-                   "How many random scenes, and starts of shipped ones, tail draws")
+                   "How many random scenes, and starts of shipped ones, tail and turns draw")
       ->check(CLI::Range(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
@@ -546,6 +568,7 @@ void add_bench(CLI::App& app, Run& run) {
              : a->what == "capture"   ? capture(*a)
              : a->what == "tail"      ? tail(*a)
              : a->what == "events"    ? events(*a)
+             : a->what == "turns"     ? turns(*a)
              : a->what == "peers"     ? peers(*a)
              : a->what == "recording" ? recording(*a)
              : a->what == "parts"     ? parts(*a)

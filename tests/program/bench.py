@@ -27,8 +27,8 @@ class Bench(Case):
         plan = json.loads(self.done("plan", "--scene", "demo", "--tolerance", 0.02, "--json",
                                     "--out", self.path("planned.json")).stdout)
         self.assertEqual(set(plan), {"tolerance", "terms", "dynamics", "step_s", "tangent",
-                                     "sampled_twice", "sampling_counts", "error_bound",
-                                     "provenance"})
+                                     "sampled_twice", "sampling_counts", "rings_s",
+                                     "error_bound", "provenance"})
         self.assertEqual(plan["tolerance"], 0.02)
         self.assertLessEqual(plan["error_bound"], 0.02)
         for term in plan["terms"]:
@@ -75,6 +75,15 @@ class Bench(Case):
 
     def test_there_is_no_plot_of_capture(self):
         self.refused(2, "bench", "capture", "--plot", self.path("plots"), says=["--plot"])
+
+    def test_turns_change_nothing(self):
+        rows = json.loads(self.done("bench", "turns", "--scenes", 1, "--json").stdout)["rows"]
+        self.assertEqual(len(rows), 30)
+        for row in rows:
+            self.assertEqual((row["mirrored"], row["from_row"]), (0, 0), row)
+            if row["scene"] not in ("demo", "dry", "film", "paper"):
+                self.assertLess(max(row["turned_90"], row["turned_37"]), 1e-6, row)
+                self.assertEqual(row["off"], 0)
 
     def test_tail_bounds_every_step(self):
         rows = json.loads(self.done("bench", "tail", "--seed", 3, "--scenes", 2,

@@ -1,0 +1,77 @@
+#include "bench/turns.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <functional>
+#include <numbers>
+
+#include "bench/random_scene.hpp"
+#include "sim/scene/draw.hpp"
+#include "sim/step.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+constexpr double kOff = 1e-6;  // [clearances]
+constexpr int kEvery = 100;    // steps from a row of the state to the next
+const Matrix2d kQuarter = (Matrix2d() << 0, -1, 1, 0).finished();
+const Matrix2d kAny = Eigen::Rotation2Dd(37 * std::numbers::pi / 180).toRotationMatrix();
+const Matrix2d kMirror = Eigen::Vector2d(1, -1).asDiagonal();
+
+Pose turned(const Matrix2d& turn, Pose p) {
+  p.segment<2>(1) = (turn * p.segment<2>(1)).eval();
+  p.tail<2>() = (turn * p.tail<2>()).eval();
+  return p;
+}
+
+// The end's largest distance from where it should be [clearances].
+double difference(const World& world, const State& start, const std::vector<Pose>& hand,
+                  const Matrix2d& turn, int every) {
+  State here = start, there = start;
+  there.tip = turned(turn, start.tip);
+  there.command = turned(turn, start.command);
+  double most = 0;
+  int n = 0;
+  for (const Pose& to : hand) {
+    here = step(world, here, to, kPeriod).state;
+    there = step(world, there, turned(turn, to), kPeriod).state;
+    if (every > 0 && ++n % every == 0) there = state_of(to_row(there));
+    most = std::max(most, (turned(turn, here.tip) - there.tip).head<3>().norm());
+  }
+  return most / world.annulus.clearance();
+}
+
+TurnRow measured(const std::string& name, Motion motion, std::uint64_t seed, std::size_t starts) {
+  const Scene scene = load_scene(name, {"laws.gravity=null"});
+  TurnRow row;
+  row.scene = name;
+  row.motion = ferrule::name(motion);
+  for (std::size_t k = 0; k < starts; ++k) {
+    const State start = draw_start(scene, seed, k);
+    const std::vector<Pose> hand = commands(scene, start, motion, kPeriod, seed, k);
+    const auto off = [&](const Matrix2d& turn, int every, double& most) {
+      const double by = difference(scene.world, start, hand, turn, every);
+      most = std::max(most, by);
+      return by > kOff;
+    };
+    const bool quarter = off(kQuarter, 0, row.quarter), any = off(kAny, 0, row.any);
+    const bool mirrored = off(kMirror, 0, row.mirrored);
+    const bool from_row = off(Matrix2d::Identity(), kEvery, row.from_row);
+    ++row.starts;
+    row.off += quarter || any || mirrored || from_row;
+  }
+  return row;
+}
+
+}  // namespace
+
+std::vector<TurnRow> bench_turns(std::uint64_t seed, std::size_t starts, const GoOn& go_on) {
+  Cases<TurnRow> cases;
+  for (const std::string& name : shipped_scenes())
+    for (const Motion motion : {Motion::insertion, Motion::press})
+      add_case(cases, [=] { return measured(name, motion, seed, starts); });
+  return rows_of(cases, go_on);
+}
+
+}  // namespace ferrule
