@@ -575,9 +575,9 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
                                    : kTimeless};
   Scene full = full_model(scene, inertial, budget.steps.back());
   const std::size_t probes = probes_of(full);
+  const std::size_t of_stretches = rubs ? 2 * (1 + kDragSteps.size()) * probes : 0;
   Runs runs{go_on, kResampled + (for_success ? probes + 5 * kProbesForSteps
-                                             : budget.most_runs(probes) +
-                                                   2 * rubs * (1 + kDragSteps.size()) * probes)};
+                                             : budget.most_runs(probes) + of_stretches)};
   const Reference reference = rubs ? reference_in_longest_steps(scene, kMeasured * left, runs)
                                    : Reference(std::move(full), runs);
   budget.steps.back() = reference.scene.parameters.numerics.longest_step;
