@@ -195,9 +195,10 @@ TEST(ContactDepth, OnTheFaceHasItsDerivatives) {
   for (int n = 0; n < 100; ++n) {
     State state;
     state.side = EdgeSide::face;
-    state.tip = testing::pose(-1e-7, 3e-6 * random.normal() + 5e-6, 3e-6 * random.normal(),
-                              0.01 * random.normal(), 0.01 * random.normal());
-    if (contact_side(world, state).side != EdgeSide::face) continue;
+    state.tip << -1e-7, 3e-6 * random.normal() + 5e-6, 3e-6 * random.normal(),
+        0.01 * random.normal(), 0.01 * random.normal();
+    const bool over_the_opening = PoseVector(state.tip).e.norm() < world.annulus.clearance() + 1e-7;
+    if (over_the_opening || contact_side(world, state).side != EdgeSide::face) continue;
     ++on_face;
     const auto at = [&](const Pose& tip) {
       State there = state;
