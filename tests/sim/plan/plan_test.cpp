@@ -348,8 +348,9 @@ SampledRun run_from(State& state, const World& world, const std::vector<Pose>& h
   return run;
 }
 
-// A fibre that rubs or adheres in a liquid ends elsewhere after a snap whatever the step is. Between
-// such events, along motions that the planner has not seen, it moves as in much finer steps.
+// A fibre that rubs or adheres in a liquid ends elsewhere after a snap whatever the step is.
+// Between such events, along motions that the planner has not seen, it moves as in much finer
+// steps.
 TEST(Plan, StepsAreRightForAFibreThatRubsInALiquid) {
   std::size_t reached = 0, stretches = 0, within = 0;
   for (std::uint64_t k = 0; k < kScenes / 8; ++k) {
