@@ -4,21 +4,16 @@
 #include <cmath>
 
 #include "sim/elementary.hpp"
-#include "sim/follow.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/minimum_jerk.hpp"
 #include "sim/plan/fidelity.hpp"
-#include "sim/plan/probe.hpp"
-#include "sim/plan/sampled_run.hpp"
+#include "sim/plan/reference.hpp"
 #include "sim/scene/terms.hpp"
-#include "sim/step.hpp"
-#include "sim/tangent.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr int kFullNodes = 16;                // of the quadrature of the full model
-constexpr std::size_t kEveryForFidelity = 7;  // samples at which fidelities are compared
+constexpr int kFullNodes = 16;  // of the quadrature of the full model
 
 // Steps to choose from [s]; the last is the full model's. Without drag and inertia nothing depends
 // on time, and the control period is the step. A system with inertia rings: it is stepped much
@@ -34,201 +29,9 @@ constexpr double kShareOfInertia = 0.8;     // which it may change where it is l
 constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
 constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
 
-constexpr double kLocatesEvents = 1e-9;     // the hand's travel in one that is located, at most [m]
-constexpr double kFinestForSteps = 1e-4;    // what a step with drag is compared with [s]
-constexpr double kTangent = 0.1;            // of the tolerance, along a tangent
-constexpr std::size_t kResampled = 2;       // probes that are sampled twice as finely
-constexpr std::size_t kProbesForSteps = 4;  // one of each kind
-constexpr std::size_t kEveryForSteps = 5;   // samples from which a step is compared
-constexpr std::size_t kEveryForStretches = 500;  // and a stretch
-constexpr double kFiner = 8;                     // times the steps that it is compared with
-constexpr double kMost = 0.95;  // of steps and stretches, whose error is below the bound
-
-// The runs of a plan, which may be stopped.
-struct Runs {
-  const PlanProgress& go_on;
-  std::size_t most, done = 0;
-  bool stopped = false;
-
-  // Before each; false: no more.
-  bool next() {
-    stopped = stopped || (go_on && !go_on(done++, most));
-    return !stopped;
-  }
-};
-
-// The full model along its probes: what every reduced one is measured against.
-struct Reference {
-  Scene scene;
-  Runs& watch;
-  std::vector<Probe> probes;
-  std::vector<SampledRun> runs;  // of each probe
-  std::vector<State> inside;     // some of their states with the end in the bore
-  struct Extreme {
-    double force = 0;  // the largest [N]
-    State where;
-  };
-  std::array<Extreme, kTerms> extremes;
-  double compliance;                          // of the holder [m/N]
-  double clearance;                           // [m]
-  double force_scale = INFINITY;              // what force errors are relative to [N]
-  bool sticks = false;                        // or snaps
-  std::vector<std::vector<State>> stretches;  // of each probe, where they begin
-  double step_error = 0;                      // of its own step, where that was chosen [-]
-
-  Reference(Scene full, Runs& watched);
-  const Extreme& extreme(Term term) const { return extremes[static_cast<std::size_t>(term)]; }
-  // What a missing force [N] can change: the felt force, and where the end is [-].
-  double changes(double force) const {
-    return force * std::max(1 / force_scale, compliance / clearance);
-  }
-  // What leaving a term out changes at most. A particle is not where the probes are: it lifts the
-  // end by its height.
-  double changes_without(Term term) const {
-    const std::optional<Particle>& particle = scene.parameters.laws.particle;
-    return changes(term == Term::particle && particle ? unusual_height(*particle) / compliance
-                                                      : extreme(term).force);
-  }
-  // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
-  // that was not run to its end.
-  double error(const World& reduced, double enough) const;
-  // What all but a few of the steps of a reduced model miss those by that `full` makes from the
-  // same states.
-  double error_of_steps(const World& reduced, const World& full) const;
-  // What all but a few short stretches miss those by that begin in the same states and are taken
-  // in much finer steps.
-  double error_of_stretches() const;
-  // By how much the full model ends elsewhere where the hand is sampled twice as finely.
-  double sampled_twice() const;
-};
-
-// The value that all but a few are below.
-double most_of(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto at =
-      values.begin() + static_cast<std::ptrdiff_t>(kMost * static_cast<double>(values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
-}
-
-Reference::Reference(Scene full, Runs& watched)
-    : scene(std::move(full)),
-      watch(watched),
-      compliance(scene.world.holder.compliance()),
-      clearance(scene.world.annulus.clearance()) {
-  const World& world = scene.world;
-  for (std::uint64_t k = 0; k < probes_of(scene) && watch.next(); ++k) {
-    probes.push_back(make_probe(scene, k));
-    const Probe& p = probes.back();
-    std::size_t sample = 0, number = 0;
-    std::vector<State>& begin = stretches.emplace_back();
-    runs.push_back(sample_run(world, p.start, p.hand, scene.limits.force,
-                              [&](const State& s, const Breakdown& b) {
-                                if (number++ % kEveryForStretches == 0) begin.push_back(s);
-                                for (const Term term : kAllTerms) {
-                                  const double force = b.force(term).norm();
-                                  Extreme& most = extremes[static_cast<std::size_t>(term)];
-                                  if (force > most.force) most = {force, s};
-                                }
-                                if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0)
-                                  inside.push_back(s);
-                              }));
-    force_scale = std::min(force_scale, largest_force(runs.back()));
-    sticks = sticks || snaps(runs.back(), p.hand, clearance);
-  }
-  sticks = sticks || extreme(Term::friction).force > 0 ||
-           depends_on_speed(world.laws);  // drag slows a snap down and hides it
-  force_scale = std::max(force_scale, clearance / compliance);
-}
-
-double Reference::error(const World& reduced, double enough) const {
-  double worst = 0;
-  for (std::size_t k = 0; k < probes.size() && worst <= enough; ++k) {
-    if (!watch.next()) return INFINITY;
-    const Probe& p = probes[k];
-    const SampledRun r = sample_run(reduced, p.start, p.hand, INFINITY);
-    worst = std::max(worst, run_error(r, runs[k], p.hand, scene.world));
-  }
-  return worst;
-}
-
-double Reference::error_of_steps(const World& reduced, const World& full) const {
-  std::vector<double> errors;
-  for (std::size_t k = 0; k < std::min(kProbesForSteps, probes.size()); ++k) {
-    if (!watch.next()) return INFINITY;
-    const std::vector<Pose>& hand = probes[k].hand;
-    State state = probes[k].start;
-    for (std::size_t n = 0; n < runs[k].tip.size(); ++n) {
-      const double dt = n == 0 ? 0 : kSamplePeriod;
-      State before = state;
-      leave_tangent(before);
-      const StepResult reached = step(reduced, state, hand[n], dt);
-      state = reached.state;
-      if (n % kEveryForSteps != 0) continue;
-      const StepResult exact = step(full, before, hand[n], dt);
-      const Vector3d force = (reached.forces.holder - exact.forces.holder).head<3>();
-      errors.push_back(std::max((state.tip - exact.state.tip).head<3>().norm() / clearance,
-                                force.norm() / force_scale));
-    }
-  }
-  return most_of(std::move(errors));
-}
-
-double Reference::error_of_stretches() const {
-  constexpr auto length = static_cast<std::size_t>(kSpeedingUp / kSamplePeriod);
-  WorldParameters p = scene.parameters;
-  p.numerics.longest_step /= kFiner;
-  const World finer = make_world(p);
-  std::vector<double> errors;
-  for (std::size_t k = 0; k < probes.size(); ++k) {
-    if (!watch.next()) return INFINITY;
-    for (std::size_t i = 0; i < stretches[k].size(); ++i) {
-      const auto from = static_cast<std::ptrdiff_t>(i * kEveryForStretches);
-      const auto to = static_cast<std::ptrdiff_t>(
-          std::min(i * kEveryForStretches + length, runs[k].tip.size()));
-      const auto part = [&](const auto& all) {
-        return std::remove_cvref_t<decltype(all)>(all.begin() + from, all.begin() + to);
-      };
-      const SampledRun run{part(runs[k].tip), part(runs[k].force)};
-      const std::vector<Pose> hand = part(probes[k].hand);
-      SampledRun exact{{run.tip.front()}, {run.force.front()}};
-      State state = stretches[k][i];
-      for (std::size_t n = 1; n < hand.size(); ++n) {
-        const StepResult reached = step(finer, state, hand[n], kSamplePeriod);
-        state = reached.state;
-        exact.tip.push_back(state.tip.head<3>());
-        exact.force.push_back(reached.forces.holder.head<3>());
-      }
-      errors.push_back(run_error(run, exact, hand, scene.world));
-    }
-  }
-  return most_of(std::move(errors));
-}
-
-double Reference::sampled_twice() const {
-  WorldParameters p = scene.parameters;
-  if (p.dynamics == Dynamics::quasi_static) p.numerics.longest_step *= 0.5;
-  const World finer = make_world(p);
-  double worst = 0;
-  for (std::size_t k = 0; k < std::min(kResampled, probes.size()) && watch.next(); ++k) {
-    const std::vector<Pose>& hand = probes[k].hand;
-    SampledRun twice;
-    follow(
-        finer, probes[k].start, 2 * std::ssize(runs[k].tip) - 1, 0.5 * kSamplePeriod,
-        [&](std::ptrdiff_t n) {
-          const auto i = static_cast<std::size_t>(n / 2);
-          return n % 2 == 0 ? hand[i] : Pose(0.5 * (hand[i] + hand[i + 1]));
-        },
-        [&](std::ptrdiff_t n, const StepResult& r) {
-          if (n % 2 != 0) return true;
-          twice.tip.push_back(r.state.tip.head<3>());
-          twice.force.push_back(r.forces.holder.head<3>());
-          return true;
-        });
-    worst = std::max(worst, run_error(twice, runs[k], hand, scene.world));
-  }
-  return worst;
-}
+constexpr double kLocatesEvents = 1e-9;   // the hand's travel in one that is located, at most [m]
+constexpr double kFinestForSteps = 1e-4;  // what a step with drag is compared with [s]
+constexpr double kTangent = 0.1;          // of the tolerance, along a tangent
 
 // Terms that may be left out together, and what that changes at most.
 struct LeftOut {
