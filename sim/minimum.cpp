@@ -131,9 +131,9 @@ bool meet_stiff_laws(const World& world, const FrozenCoefficients& frozen, const
                      NewtonStep& newton) noexcept {
   NewtonStep step = newton;
   StiffLaws model = here;
-  const int most = here[kContactPlaces].acts ? kMostRoundsInWell : kMostRounds;
+  const StiffModel along(world, frozen, tip, here, newton);
+  const int most = here[kPrintedWell].acts ? kMostRoundsInWell : kMostRounds;
   for (int round = 0; round < most; ++round) {
-    const StiffModel along(world, frozen, tip, here, newton);
     double part = 1;
     StiffLaws there =
         stiff_laws(world, frozen, moved_along(world, frozen, tip, step.move), here[kSide].share);
@@ -155,7 +155,7 @@ bool meet_stiff_laws(const World& world, const FrozenCoefficients& frozen, const
       model[i].force = there[i].force - stiffness * on;
       bent.gradient += (model[i].force - here[i].force) * here[i].slope;
       add_square(bent.hessian, stiffness - here[i].stiffness, here[i].slope);
-      if (i == kContactPlaces)
+      if (i == kPrintedWell)
         bend_well(world, frozen, tip, there[i].force - here[i].force, bent.hessian);
     }
     if (part == 1 && miss <= tolerance) {
@@ -193,7 +193,7 @@ bool choose_step(const World& world, const FrozenCoefficients& frozen, const Ene
                  const Minimum& found, const StiffLaws& laws, NewtonStep& newton) noexcept {
   const PoseVector& gradient = found.there.gradient;
   NewtonStep met = newton;
-  if ((newton.convex || laws[kContactPlaces].acts) &&
+  if ((newton.convex || laws[kPrintedWell].acts) &&
       meet_stiff_laws(world, frozen, smooth, found.tip, laws, kMeets * found.there.force_scale,
                       met) &&
       gradient.dot(met.move) < 0) {

@@ -407,8 +407,7 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
   if (particle_acts(world, frozen)) {
     const ParticleDepth there = particle_depth(world, tip);
     const ContactForce push = particle_push(*world.laws.particle, there.value);
-    laws[kContactPlaces + 1] = {1,          true,      there.value, there.slope, push.potential,
-                                push.force, push.slope};
+    laws[kInParticle] = {1, true, there.value, there.slope, push.potential, push.force, push.slope};
   }
   const double arm = printed_arm(world, frozen);
   if (arm == 0) return laws;
@@ -417,13 +416,13 @@ std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoef
   const double gap = clearance - middle.eccentricity;
   const Vector2d out = world.oval.stretch * middle.normal;
   const LineForce force = printed_forces(world, gap);
-  laws[kContactPlaces] = {1,
-                          true,
-                          -gap,
-                          {0, out, arm * out},
-                          length * force.potential,
-                          length * force.force,
-                          -length * force.slope};
+  laws[kPrintedWell] = {1,
+                        true,
+                        -gap,
+                        {0, out, arm * out},
+                        length * force.potential,
+                        length * force.force,
+                        -length * force.slope};
   return laws;
 }
 
@@ -554,8 +553,7 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
   if (particle_acts(world, frozen)) {
     const ParticleDepth touch = particle_depth(world, tip);
     const double push = particle_push(*world.laws.particle, touch.value).force;
-    const Vector2d sideways = -push * touch.slope.e;
-    b[Term::particle][0] = {{-push * touch.slope.x, sideways.x(), sideways.y()}, touch.point};
+    b[Term::particle][0] = {-push * touch.slope.position(), touch.point};
   }
   for (int place = 0; place < kContactPlaces; ++place) {
     const auto at = static_cast<std::size_t>(place);

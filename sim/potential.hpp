@@ -137,7 +137,9 @@ struct StiffLaw {
   double force;       // derivative of the energy by it [N]
   double stiffness;   // second derivative [N/m]
 };
-inline constexpr std::size_t kStiffLaws = 4;
+// After the contacts:
+inline constexpr std::size_t kPrintedWell = kContactPlaces, kInParticle = kPrintedWell + 1;
+inline constexpr std::size_t kStiffLaws = kInParticle + 1;
 // The share of the side's patch that the end leaves is held.
 std::array<StiffLaw, kStiffLaws> stiff_laws(const World& world, const FrozenCoefficients& frozen,
                                             const PoseVector& tip, double side_share) noexcept;
