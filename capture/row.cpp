@@ -67,7 +67,7 @@ RowVector make_row(const Tick& tick) noexcept {
 }
 
 StepResult step_of(const RowVector& row) noexcept {
-  StepResult result(state_of(row));
+  StepResult result(state_of(row.segment<kStateSize>(kStates.begin).transpose()));
   result.forces.holder = block(row, kHolder).transpose();
   for (const Term term : kAllTerms)
     result.forces[term][0].force = row.segment<3>(force_column(term)).transpose();

@@ -91,8 +91,5 @@ StepResult step_of(const RowVector& row) noexcept;
 inline auto block(const RowVector& row, const Block& b) {
   return row.segment(b.begin, b.width);
 }
-inline State state_of(const RowVector& row) noexcept {
-  return state_of(StateRow(row.segment<kStateSize>(kStates.begin).transpose()));
-}
 
 }  // namespace ferrule
