@@ -32,8 +32,7 @@ struct Run {
   double work = 0, turned = 0;
 
   void to(const Pose& hand) {
-    const Pose stretch = state.tip - 0.5 * (state.command + hand);
-    const double more = -(world.holder.stiffness * stretch).dot(hand - state.command);
+    const double more = world.holder.work_of_hand(state.tip, state.command, hand);
     const StepResult r = step(world, state, hand, dt);
     if (r.status != StepStatus::bad_command) {
       work += more;

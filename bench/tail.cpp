@@ -38,8 +38,7 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
   State state = start;
   double work = 0, turned = 0;
   for (const Pose& to : hand) {
-    const Pose stretch = state.tip - 0.5 * (state.command + to);
-    const double more = -(world.holder.stiffness * stretch).dot(to - state.command);
+    const double more = world.holder.work_of_hand(state.tip, state.command, to);
     work += more;
     turned += std::abs(more);
     double us = 0;

@@ -35,6 +35,11 @@ double Holder::bending_stress(const Pose& tip, const Pose& command) const noexce
   return moment * fibre_radius / second_moment(fibre_radius);
 }
 
+double Holder::work_of_hand(const Pose& tip, const Pose& from, const Pose& to) const noexcept {
+  const Pose stretch = tip - 0.5 * (from + to);
+  return -(stiffness * stretch).dot(to - from);
+}
+
 // The lower root of det(K - omega^2 M) in y and its tilt.
 double Holder::bending_frequency() const noexcept {
   Matrix2d k, m;

@@ -31,6 +31,9 @@ struct Holder {
   // omega_1, of the first mode of what bends [rad/s].
   double bending_frequency() const noexcept;
 
+  // Work [J] of a hand that moves from one command to the next while the end holds still at `tip`.
+  double work_of_hand(const Pose& tip, const Pose& from, const Pose& to) const noexcept;
+
   // How far a newton may move the end [m/N].
   double compliance() const noexcept;
 };

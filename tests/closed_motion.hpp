@@ -30,8 +30,7 @@ inline void expect_no_energy_gained(const World& world, const Pose& start,
                    (i == 0 && n < motion.inwards ? motion.drift : 0);
     else
       hand += (start - hand) / (motion.all - n);
-    const Pose stretch = state.tip - 0.5 * (state.command + hand);
-    const double done = -(world.holder.stiffness * stretch).dot(hand - state.command);
+    const double done = world.holder.work_of_hand(state.tip, state.command, hand);
     work += done;
     turned += std::abs(done);
     const StepResult r = step(world, state, hand, 1e-3);

@@ -27,8 +27,7 @@ TEST(RandomScenes, BoundTheWorkOfAStepAndGainNoEnergy) {
       for (const Pose& hand :
            commands(scene, state, static_cast<Motion>(motion), 1e-3, 5, k, 1.0)) {
         // The hand moves while the fibre holds still, then the fibre gives way.
-        const Pose stretch = state.tip - 0.5 * (state.command + hand);
-        const double more = -(world.holder.stiffness * stretch).dot(hand - state.command);
+        const double more = world.holder.work_of_hand(state.tip, state.command, hand);
         work += more;
         turned += std::abs(more);
         const StepResult r = step(world, state, hand, 1e-3);

@@ -167,8 +167,7 @@ Round round_on_the_face(const World& world, int steps, double way) {
   state = step(world, state, hand(0), 1e-3).state;
   Round sum;
   for (int n = 1; n <= 2 * steps; ++n) {
-    const Pose stretch = state.tip - 0.5 * (state.command + hand(n));
-    const double done = -(world.holder.stiffness * stretch).dot(hand(n) - state.command);
+    const double done = world.holder.work_of_hand(state.tip, state.command, hand(n));
     state = step(world, state, hand(n), 1e-3).state;
     if (n <= steps) continue;  // the first time round it settles
     sum.work += done;
