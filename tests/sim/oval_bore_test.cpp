@@ -10,6 +10,7 @@
 #include "sim/step.hpp"
 #include "tests/closed_motion.hpp"
 #include "tests/compare.hpp"
+#include "tests/energy_derivatives.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {
@@ -96,26 +97,9 @@ TEST(OvalBore, GradientAndHessianOfTheEnergyAreItsDerivatives) {
     for (const double y : {0.2e-6, 0.44e-6}) {
       State state = at_rest(world, testing::pose(-40e-6, y, 0.1e-6, 1e-3, -5e-4));
       const FrozenCoefficients frozen = freeze(world, state, state.command, 1e-3);
-      const Potential here(world, frozen, state.tip);
-      const Pose gradient = here.gradient.full();
-      const Matrix5 hessian = here.hessian.full();
-      const double stiffest = hessian.topLeftCorner<3, 3>().norm();
-      const double units[5] = {1e-10, 1e-11, 1e-11, 1e-7, 1e-7};
-      for (int i = 0; i < 5; ++i) {
-        Pose step = Pose::Zero();
-        step[i] = units[i];
-        const Potential up(world, frozen, Pose(state.tip + step));
-        const Potential down(world, frozen, Pose(state.tip - step));
-        const double lever = i < 3 ? 1 : 40e-6;
-        EXPECT_LE(std::abs((up.value - down.value) / (2 * step[i]) - gradient[i]),
-                  1e-3 * lever * here.force_scale)
-            << name << " " << y << " " << i;
-        const Pose column = (up.gradient.full() - down.gradient.full()) / (2 * step[i]);
-        for (int j = 0; j < 5; ++j)
-          EXPECT_LE(std::abs(column[j] - hessian(j, i)),
-                    5e-3 * lever * (j < 3 ? 1 : 40e-6) * stiffest)
-              << name << " " << y << " " << i << " " << j;
-      }
+      SCOPED_TRACE(name + (" at " + std::to_string(y)));
+      testing::expect_energy_derivatives(world, frozen, state.tip, 40e-6,
+                                         {1e-10, 1e-11, 1e-11, 1e-7, 1e-7});
     }
   }
 }
