@@ -132,8 +132,8 @@ const std::optional<InsertionEnd>& Insertion::feel() {
     p.grip.let_go();
     return p.ends(Outcome::interrupted, p.grip.fault());
   }
-  p.result = step(p.scene.world, p.result.state, p.settings.scaling.motion_to_tip(p.now.holder),
-                  p.ticks == 0 ? 0.0 : p.settings.period);
+  step_on(p.scene.world, p.settings.scaling.motion_to_tip(p.now.holder),
+          p.ticks == 0 ? 0.0 : p.settings.period, p.result);
   if (p.result.status == StepStatus::bad_command)
     return p.ends(Outcome::invalid_output, kNotFinite);
   p.sensed.read(p.result.forces.holder, p.result.state.command[0]);

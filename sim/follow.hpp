@@ -1,6 +1,8 @@
 // The fibre along given commands, with nobody at the hand.
 #pragma once
 
+#include <utility>
+
 #include "sim/step.hpp"
 
 namespace ferrule {
@@ -11,11 +13,10 @@ namespace ferrule {
 template <class Commands, class Each>
 void follow(const World& world, const State& start, std::ptrdiff_t count, double period,
             const Commands& commands, const Each& each) {
-  State state = start;
+  StepResult result(start);
   for (std::ptrdiff_t n = 0; n < count; ++n) {
-    const StepResult result = step(world, state, commands(n), n == 0 ? 0.0 : period);
-    state = result.state;
-    if (!each(n, result)) return;
+    step_on(world, commands(n), n == 0 ? 0.0 : period, result);
+    if (!each(n, std::as_const(result))) return;
   }
 }
 

@@ -469,15 +469,27 @@ StepResult refuse(const World& world, const State& state) noexcept {
   return result;
 }
 
+// A step that is solved.
+StepResult solved(const World& world, const State& state, const Pose& command, double dt) noexcept {
+  if (!command.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
+  if (flies_free(world, state, command)) return hang(world, state, command, dt);
+  return follow_command(world, state, command, dt);
+}
+
 }  // namespace
 
 StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept {
-  if (!command.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
-  if (flies_free(world, state, command)) return hang(world, state, command, dt);
-  if (state.tangent)
-    if (const auto next = along_tangent(world, state, command))
-      return follow_tangent(world, state, command, dt, *next);
-  return follow_command(world, state, command, dt);
+  if (!state.tangent) return solved(world, state, command, dt);
+  StepResult result(state);
+  step_on(world, command, dt, result);
+  return result;
+}
+
+void step_on(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
+  if (now.state.tangent && std::isfinite(dt) && dt >= 0)
+    if (const auto next = along_tangent(world, now.state, command))
+      return follow_tangent(world, command, dt, *next, now);
+  now = solved(world, now.state, command, dt);
 }
 
 }  // namespace ferrule

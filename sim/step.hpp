@@ -42,5 +42,8 @@ struct StepResult {
 // From `state` over `dt` [s] to `command` [m, rad]. Never throws, never allocates, never
 // returns a value that is not finite (if `state` is finite).
 StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept;
+// The same from now.state, in place, bit for bit: where a stretch is followed along its tangent
+// what does not change is not copied. `now` is what a step made, or StepResult(state).
+void step_on(const World& world, const Pose& command, double dt, StepResult& now) noexcept;
 
 }  // namespace ferrule

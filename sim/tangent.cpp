@@ -143,23 +143,23 @@ std::optional<TangentStep> along_tangent(const World& world, const State& state,
   return next;
 }
 
-StepResult follow_tangent(const World& world, const State& state, const Pose& command, double dt,
-                          const TangentStep& next) noexcept {
-  StepResult result(state);
-  State& now = result.state;
-  now.tip += next.move;
-  now.command = command;
-  now.time += dt;
-  now.tangent->way = next.way;
+void follow_tangent(const World& world, const Pose& command, double dt, const TangentStep& next,
+                    StepResult& now) noexcept {
+  State& state = now.state;
+  if (now.substeps == 0) now.forces = state.tangent->forces;  // else they are those of a step to it
+  state.tip += next.move;
+  state.command = command;
+  state.time += dt;
+  state.tangent->way = next.way;
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    Tangent::Place& place = now.tangent->place[at];
-    (place.near ? place.depth : now.contact[at].depth) += next.deeper[at];
-    if (place.rubs) (place.slips ? now.contact[at].stuck : place.stretch) += next.slid[at];
+    Tangent::Place& place = state.tangent->place[at];
+    (place.near ? place.depth : state.contact[at].depth) += next.deeper[at];
+    if (place.rubs) (place.slips ? state.contact[at].stuck : place.stretch) += next.slid[at];
   }
-  result.forces = now.tangent->forces;
-  result.forces.holder = world.holder.stiffness * (now.tip - command);
-  result.substeps = 1;
-  return result;
+  now.forces.holder = world.holder.stiffness * (state.tip - command);
+  now.status = StepStatus::ok;
+  now.evaluations = now.iterations = now.halvings = 0;
+  now.substeps = 1;
 }
 
 void leave_tangent(State& state) noexcept {

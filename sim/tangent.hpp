@@ -36,8 +36,9 @@ struct TangentStep {
 // That from a `state` with a tangent to `command`; nothing where the step has to be solved.
 std::optional<TangentStep> along_tangent(const World& world, const State& state,
                                          const Pose& command) noexcept;
-StepResult follow_tangent(const World& world, const State& state, const Pose& command, double dt,
-                          const TangentStep& next) noexcept;
+// Takes it from now.state, in place.
+void follow_tangent(const World& world, const Pose& command, double dt, const TangentStep& next,
+                    StepResult& now) noexcept;
 
 // Before a step that is solved: the state without its tangent, the forces' linearization moved on
 // to where the end is now.

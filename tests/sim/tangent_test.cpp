@@ -49,6 +49,35 @@ TEST(Tangent, LeavesMostStepsUnsolvedAndIsWhereTheWholeModelIsAfterThem) {
   EXPECT_LE(off, static_cast<int>(commands.size() / 20));
 }
 
+// Free in front of the bore, along stretches and at events, refused commands between them.
+TEST(Tangent, AStepInPlaceIsTheSameStep) {
+  const World world = with_tangent(1e-3);
+  const std::vector<Pose> commands = hand(world);
+  State state = at_rest(world, commands.front() + world.holder.sag);
+  StepResult now(state);
+  int followed = 0;
+  for (std::size_t n = 0; n < commands.size(); ++n) {
+    const bool refused = n % 100 == 99;
+    const Pose command = refused ? Pose(commands[n] * NAN) : commands[n];
+    const StepResult expected = step(world, state, command, 1e-3);
+    step_on(world, command, 1e-3, now);
+    state = expected.state;
+    ASSERT_EQ(to_row(now.state), to_row(state)) << n;
+    EXPECT_EQ(now.state.tangent.has_value(), state.tangent.has_value());
+    EXPECT_EQ(now.status, expected.status);
+    EXPECT_EQ(now.evaluations, expected.evaluations);
+    EXPECT_EQ(now.iterations, expected.iterations);
+    EXPECT_EQ(now.substeps, expected.substeps);
+    EXPECT_EQ(now.halvings, expected.halvings);
+    EXPECT_EQ(now.forces.holder, expected.forces.holder);
+    if (refused) continue;  // with the forces of a step over no time
+    followed += now.substeps == 1 && now.evaluations == 0;
+    for (const Term term : kAllTerms)
+      EXPECT_EQ(now.forces.force(term), expected.forces.force(term));
+  }
+  EXPECT_GT(followed, 1000);
+}
+
 TEST(Tangent, IsNotThereWhereItIsNotAskedForOrTimeMatters) {
   World world = load_scene("bench").world;
   for (const World& w : {world, [&] {
