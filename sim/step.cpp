@@ -122,6 +122,10 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
 // (Mindlin and Deresiewicz, 1953). So no energy is gained.
 void update_contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                      const Potential& there, const Contacts& now, State& state) noexcept {
+  if (!now.contact[kEnd].closed && !now.contact[kSide].closed) {
+    state.contact = now.contact;
+    return;
+  }
   const ContactSide side = contact_side(world, state);
   for (int place = 0; place < kContactPlaces; ++place) {
     ContactState& contact = state.contact[place];
@@ -180,6 +184,32 @@ bool flies_free(const World& world, const State& state, const Pose& command) noe
   return std::min({state.tip[0], state.command[0], goal[0]}) -
              lever * (tilt(state.tip) + tilt(goal)) >
          reach;
+}
+
+// At least so far is the rim of an end at `p` from the walls of the opening, in which all of it is,
+// in front of the bore [m]; else negative.
+double room_in_opening(const World& world, const Pose& p) noexcept {
+  const FerruleProfile& profile = world.profile;
+  const double r = world.annulus.fibre_radius;
+  const double low = p[0] - r * (p.tail<2>().norm() + world.end.cleave.norm());
+  if (!(low > 0)) return -1;
+  const double wall =
+      profile.bore_radius + std::min(low, profile.lead_in_length) * profile.lead_in_tangent;
+  const double room = wall - world.oval.amplitude - p.segment<2>(1).norm() - r;
+  return room / std::sqrt(1 + profile.lead_in_tangent * profile.lead_in_tangent);
+}
+
+// In the opening before and after, and so all the way, its free part being convex, and too far from
+// its walls to adhere. A particle may reach out of the bore.
+bool hangs_in_opening(const World& world, const State& state, const Pose& command) noexcept {
+  if (!(std::min(state.tip[0], command[0]) > 0) || world.dynamics == Dynamics::inertial ||
+      world.laws.particle)
+    return false;
+  const double room = std::min(room_in_opening(world, state.tip),
+                               room_in_opening(world, command + world.holder.sag));
+  if (!(room > kEdgeRounding)) return false;
+  const AdhesionForce pull = adhesion_force(world.laws, kEdgeRounding - room, 0);
+  return pull.force == 0 && pull.branch == 0 && !state.contact[kEnd].closed;
 }
 
 // How many of the world's longest steps a step is.
@@ -473,6 +503,12 @@ StepResult refuse(const World& world, const State& state) noexcept {
 StepResult solved(const World& world, const State& state, const Pose& command, double dt) noexcept {
   if (!command.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
   if (flies_free(world, state, command)) return hang(world, state, command, dt);
+  if (hangs_in_opening(world, state, command)) {
+    StepResult result = hang(world, state, command, dt);
+    result.state.side = EdgeSide::throat;
+    result.state.linearization = Linearization{result.state.tip, {}, {}, {}};
+    return result;
+  }
   return follow_command(world, state, command, dt);
 }
 

@@ -38,6 +38,55 @@ TEST(Step, FreeFlightHangsBelowTheHandByWeightOverStiffness) {
   EXPECT_CLOSE(r.forces.holder[1], -weight(world.laws.gravity, world.fibre), 1e-9);
 }
 
+// In the opening of the bore too, where nothing but the weight acts on the way.
+TEST(Step, HangsInTheOpeningWhereNothingActs) {
+  const std::vector<std::vector<std::string>> ends = {
+      {},
+      {"fibre.cleave_deg=2"},
+      {"fibre.edge_um=4"},
+      {"ferrule.ovality_um=0.3"},
+      {"ferrule.lead_in=null"},
+      {"laws.adhesion.work_of_adhesion_J_m2=0.5", "laws.adhesion.maugis_lambda=0.02"}};
+  RandomStream random(21, 0, Draw::start);
+  const auto within = [&](double from, double to) { return from + (to - from) * random.uniform(); };
+  for (const auto& settings : ends) {
+    const World world = load_scene("bench", settings).world;
+    const double opening = world.profile.lead_in_length * world.profile.lead_in_tangent;
+    int hangs = 0, solved = 0;
+    for (int k = 0; k < 400; ++k) {
+      std::array<Pose, 2> tip;
+      for (Pose& p : tip) {
+        const double x = within(-0.3e-6, std::max(2e-6, 0.1 * world.profile.lead_in_length));
+        const double wide = world.annulus.clearance() + std::min(x / 2e-5, 1.0) * 0.1 * opening;
+        p = pose(x, within(-wide, wide), within(-wide, wide), within(-3e-3, 3e-3),
+                 within(-3e-3, 3e-3));
+      }
+      const State state = at_rest(world, tip[0]);
+      const Pose command = tip[1] - world.holder.sag;
+      const StepResult r = step(world, state, command, 1e-3);
+      if (r.evaluations > 0) {
+        ++solved;
+        continue;
+      }
+      ++hangs;
+      EXPECT_EQ(r.status, StepStatus::ok);
+      EXPECT_TRUE(r.state.tip.isApprox(tip[1], 1e-12));
+      for (const double part : {0.0, 0.3, 0.7, 1.0}) {
+        State there = state;
+        there.tip = tip[0] + part * (tip[1] - tip[0]);
+        const FrozenCoefficients frozen = freeze(world, there, command, 1e-3);
+        const Potential potential(world, frozen, there.tip);
+        EXPECT_EQ(potential.bore.gradient.full(), Pose::Zero()) << k << " " << part;
+        EXPECT_EQ(potential.bore.hessian.full(), Matrix5::Zero()) << k << " " << part;
+        const Contacts now = contacts(world, frozen, there.tip, potential);
+        EXPECT_FALSE(now.contact[kEnd].closed || now.contact[kSide].closed);
+      }
+    }
+    EXPECT_GT(hangs, 10) << settings.size();
+    EXPECT_GT(solved, 10);
+  }
+}
+
 TEST(Step, EndsWhereTheHolderBalancesAllOtherForces) {
   const Scene scene = testing::paper();
   State state = draw_start(scene, 5, 1);
