@@ -159,14 +159,14 @@ class RoundRim {
     if (bend_ > 0) {
       d.edge = 1 / bend_;
       // By the angle the slope turns, and with it the direction in which the rim is deepest.
-      const Vector2d turn = radial.curving * turned(normal_);
+      const Vector2d turn = turning(radial, normal_);
       d.over_edge = {c, s * n - c * turn, (s * rho_ - c * lever_) * n - c * d.cone_arm * turn};
     }
   }
 
  private:
   static constexpr double kLeastCosine = 1e-4;  // of 90 degrees
-  static constexpr int kTurns = 40;             // of the angle, until it does not change
+  static constexpr int kTurns = 20;             // of the angle, until it does not change
 
   static double cross(const Vector2d& a, const Vector2d& b) noexcept {
     return a.x() * b.y() - a.y() * b.x();
@@ -185,42 +185,70 @@ class RoundRim {
     return -at[1] * across_ + at[0] * lever_ * slope_;
   }
 
-  // What the depth changes by with the angle, and that again.
-  struct Slope {
-    double first, second;
+  // And its normal: in an oval bore also by the share of what that is wider.
+  Vector2d turning(const Radial& radial, const Vector2d& at) const noexcept {
+    return radial.curving * turned(at) + at[1] * radial.wider_by;
+  }
+
+  // The angle at which that is least, or one below 0.
+  Vector2d steepest_turn() const noexcept {
+    const Vector2d lean = lever_ * slope_;
+    const double more = across_.squaredNorm() - lean.squaredNorm(), both = 2 * across_.dot(lean);
+    const double least = std::sqrt(more * more + both * both);
+    if (!(both < 0)) return {1, -1};
+    return {std::sqrt(0.5 * (1 - more / least)), std::sqrt(0.5 * (1 + more / least))};
+  }
+
+  // The depth at an angle, what it changes by with that, and that again.
+  struct Along {
+    double depth, slope, bend;
   };
-  Slope slope_at(const Vector2d& at, double high, double wide) const noexcept {
+  Along along(const Vector2d& at, double high, double wide) const noexcept {
     const Radial radial = deepest(at);
     const Vector2d by = turned(at);
-    return {(wide + radial.wider) * at[1] - high * at[0] + radial.normal.dot(by),
-            high * at[1] + wide * at[0] - radial.eccentricity + by.dot(radial.curving * by)};
+    const double across = radial.eccentricity - wide * at[0], ahead = high * at[1];
+    return {rho_ - ahead + across,
+            (wide + radial.wider) * at[1] - high * at[0] + radial.normal.dot(by),
+            ahead - across + by.dot(turning(radial, at)) + at[1] * radial.wider_by.dot(by)};
+  }
+
+  void keep(const Vector2d& at, const Along& there, double bend) noexcept {
+    if (!(there.depth < depth_)) return;
+    depth_ = there.depth;
+    normal_ = at;
+    bend_ = bend;
   }
 
   // At the angles between `from` and `to`, that have the edge `x` high, and wide by `wide`: by
-  // Newton's method within bounds, as the depth has one minimum where it is less than rho.
+  // Newton's method within bounds, as the depth has one minimum where it is less than rho. It is at
+  // a bound from which the depth rises.
   void look(const Vector2d& from, const Vector2d& to, double x, double wide) noexcept {
     const double high = high_ - x;
-    Vector2d low = from, most = to;
-    Vector2d at = within({wide - across_.norm(), high}, from, to);
-    for (int turn = 0; turn < kTurns; ++turn) {
-      const Slope slope = slope_at(at, high, wide);
-      if (slope.first == 0) break;
-      (slope.first > 0 ? most : low) = at;
-      const double by = slope.second > 0 ? -slope.first / slope.second : 0;
-      Vector2d next = (at + by * Vector2d(-at[1], at[0])).normalized();
-      if (!(std::abs(by) < 0.5) || by == 0 || cross(low, next) < 0 || cross(next, most) < 0)
-        next = (low + most).normalized();
-      const bool same = (next - at).squaredNorm() < 1e-24;
+    const Along first = along(from, high, wide), last = along(to, high, wide);
+    keep(from, first, 0);
+    keep(to, last, 0);
+    if ((first.slope >= 0 && first.depth < rho_) || (last.slope <= 0 && last.depth < rho_)) return;
+    Vector2d low = from, most = to, at = steepest_turn();
+    // From where what adds to the depth turns most, if that is between them: a kink where it is 0.
+    const bool turns = cross(from, at) > 0 && cross(at, to) > 0;
+    if (!turns) at = within({wide - across_.norm(), high}, from, to);
+    double below = first.slope, above = last.slope;
+    Along there = along(at, high, wide);
+    for (int turn = 0; turn < kTurns && there.slope != 0; ++turn) {
+      (there.slope > 0 ? most : low) = at;
+      (there.slope > 0 ? above : below) = there.slope;
+      const double by = there.bend > 0 ? -there.slope / there.bend : INFINITY;
+      Vector2d next = at + by * Vector2d(-at[1], at[0]);
+      if (!(std::abs(by) < 0.5) || cross(low, next) < 0 || cross(next, most) < 0) {
+        const bool secant = below < 0 && above > 0 && turn % 3 != 2;
+        next = secant ? Vector2d(above * low - below * most) : Vector2d(low + most);
+      }
+      next.normalize();
+      if ((next - at).squaredNorm() < 1e-24) break;
       at = next;
-      if (same) break;
+      there = along(at, high, wide);
     }
-    for (const Vector2d& v : {from, at, to}) {
-      const double d = rho_ - high * v[1] - wide * v[0] + deepest(v).eccentricity;
-      if (!(d < depth_)) continue;
-      depth_ = d;
-      normal_ = v;
-      bend_ = v == from || v == to ? 0 : slope_at(v, high, wide).second;
-    }
+    keep(at, there, there.bend);
   }
 
   const World& world_;

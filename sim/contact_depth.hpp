@@ -30,10 +30,11 @@ namespace ferrule {
 inline constexpr double kRadialSmoothing = 1e-3;  // of the clearance
 
 struct Radial {
-  double eccentricity;  // [m]
-  Vector2d normal;      // d eccentricity / de, of length <= 1
-  Matrix2d curving;     // d normal / de [1/m]
-  double wider = 0;     // by what an oval bore is wider there [m]
+  double eccentricity;         // [m]
+  Vector2d normal;             // d eccentricity / de, of length <= 1
+  Matrix2d curving;            // d normal / de [1/m]
+  double wider = 0;            // by what an oval bore is wider there [m]
+  Vector2d wider_by = {0, 0};  // d wider / de
 
   Radial(const Vector2d& e, double clearance) noexcept {
     const double smooth = kRadialSmoothing * clearance, squared = e.squaredNorm();
@@ -56,8 +57,9 @@ struct Radial {
     const Vector2d& u = world.oval.widest;
     const double inverse = 1 / (e.squaredNorm() + smooth * smooth), w = u.dot(e) * inverse;
     wider = world.oval.amplitude * (2 * w * u.dot(e) - 1);
+    wider_by = 4 * world.oval.amplitude * w * (u - w * e);
     eccentricity -= share * wider;
-    normal -= 4 * q * w * (u - w * e);
+    normal -= share * wider_by;
     const Matrix2d mixed = u * e.transpose();
     curving -= 4 * q * inverse *
                (u * u.transpose() - 2 * w * (mixed + mixed.transpose()) +

@@ -104,6 +104,26 @@ TEST(OvalBore, GradientAndHessianOfTheEnergyAreItsDerivatives) {
   }
 }
 
+// Where a rounded end lies on the edge between bore and cone its deepest angle turns with the pose.
+TEST(OvalBore, SoTheyAreOnTheEdgeOfTheCone) {
+  std::vector<std::string> settings = oval(0.3, 60);
+  for (const char* more :
+       {"fibre.edge_um=0.2", "laws.friction=null", "ferrule.lead_in.angle_deg=50"})
+    settings.emplace_back(more);
+  const World world = load_scene("bench", settings).world;
+  int on_edge = 0;
+  for (const double x : {-0.19e-6, -0.17e-6, -0.15e-6, -0.13e-6}) {
+    const State state = at_rest(world, testing::pose(x, 0.56e-6, 0.13e-6, -1e-3, 6e-3));
+    const FrozenCoefficients frozen = freeze(world, state, state.command, 1e-3);
+    const ContactDepth depth = contact_depths(world, frozen.contact, state.tip)[kEnd];
+    on_edge += depth.edge > 0 && depth.value > 0;
+    SCOPED_TRACE(x);
+    testing::expect_energy_derivatives(world, frozen, state.tip, 60e-6,
+                                       {1e-11, 1e-11, 1e-11, 1e-7, 1e-7});
+  }
+  EXPECT_GE(on_edge, 2);
+}
+
 TEST(OvalBore, NoClosedMotionGainsEnergy) {
   for (std::uint64_t k = 0; k < 20; ++k) {
     RandomStream random(14, k, Draw::start);
