@@ -27,11 +27,12 @@ void finish(Holder& holder) {
 
 double Holder::bending_stress(const Pose& tip, const Pose& command) const noexcept {
   if (free_length == 0) return 0;
-  const Wrench w = stiffness * (tip - command);
+  const Eigen::Vector4d across =
+      stiffness.bottomRightCorner<4, 4>() * (tip - command).tail<4>();  // no part of it along x
   // Moments at the end, without its share of the weight, and along the free length at the gripper.
-  const Vector2d at_end = w.tail<2>() - weight.tail<2>();
-  const Vector2d at_gripper = at_end - free_length * w.segment<2>(1);
-  const double moment = std::max(at_end.norm(), at_gripper.norm());
+  const Vector2d at_end = across.tail<2>() - weight.tail<2>();
+  const Vector2d at_gripper = at_end - free_length * across.head<2>();
+  const double moment = std::sqrt(std::max(at_end.squaredNorm(), at_gripper.squaredNorm()));
   return moment * fibre_radius / second_moment(fibre_radius);
 }
 

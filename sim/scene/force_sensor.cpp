@@ -16,31 +16,38 @@ double ForceSensorModel::deviation(double force, double time) const noexcept {
 ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,
                          std::uint64_t trial) noexcept
     : model_(model), random_(seed, trial, Draw::sensor) {
-  if (model_.bias > 0)
-    for (double& b : bias_) b = model_.bias * random_.normal();
-  if (model_.gain_error > 0)
-    for (int i = 0; i < 5; ++i) gain_(i, i) += model_.gain_error * random_.normal();
+  if (model_.bias > 0) bias_ = model_.bias * normals();
+  if (model_.gain_error > 0) gain_.diagonal() += model_.gain_error * normals();
   if (model_.cross_talk > 0)
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j)
         if (i != j) gain_(i, j) = model_.cross_talk * random_.normal();
   if (model_.drift * model_.temperature_rate > 0) {
     const double rate = model_.temperature_rate * random_.normal();
-    for (double& w : warming_) w = model_.drift * random_.normal() * rate;
+    warming_ = model_.drift * rate * normals();
   }
   if (model_.vibration > 0)
     for (int i = 0; i < 5; ++i) {
-      const double a = random_.normal(), b = random_.normal();
+      const auto [a, b] = random_.two_normals();
       const double amplitude = std::numbers::sqrt2 * model_.vibration / std::sqrt(a * a + b * b);
       swing_[i] = amplitude * a;
       swing_across_[i] = amplitude * b;
     }
 }
 
+Wrench ForceSensor::normals() noexcept {
+  Wrench all;
+  for (int i = 0; i < 5; i += 2) {
+    const auto [a, b] = random_.two_normals();
+    all[i] = a;
+    if (i + 1 < 5) all[i + 1] = b;
+  }
+  return all;
+}
+
 Wrench ForceSensor::bias_after(double period) noexcept {
   time_ += period;
-  if (model_.bias_walk > 0)
-    for (double& b : bias_) b += model_.bias_walk * std::sqrt(period) * random_.normal();
+  if (model_.bias_walk > 0) bias_ += model_.bias_walk * std::sqrt(period) * normals();
   Wrench all = bias_;
   if (model_.drift * model_.temperature_rate > 0) all += time_ * warming_;
   if (model_.vibration > 0) {
@@ -70,8 +77,7 @@ Wrench ForceSensor::read(const Wrench& holder, double period) noexcept {
   if (model_.gain_error > 0 || model_.cross_talk > 0) reading = gain_ * smooth_;
   if (tared_) {
     reading += bias_after(period);
-    if (model_.noise > 0)
-      for (double& r : reading) r += model_.noise * random_.normal();
+    if (model_.noise > 0) reading += model_.noise * normals();
   }
   tared_ = true;
   if (model_.resolution > 0)

@@ -67,6 +67,7 @@ class ForceSensor {
   Wrench read(const Wrench& holder, double period) noexcept;
 
  private:
+  Wrench normals() noexcept;  // independent standard ones
   Wrench bias_after(double period) noexcept;
 
   ForceSensorModel model_;

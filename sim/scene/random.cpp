@@ -26,9 +26,10 @@ double RandomStream::uniform() noexcept {
   return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53;
 }
 
-double RandomStream::normal() noexcept {
+std::array<double, 2> RandomStream::two_normals() noexcept {
   const double radius = std::sqrt(-2 * elementary::log(uniform()));
-  return radius * elementary::cos(2 * std::numbers::pi * uniform());
+  const double angle = 2 * std::numbers::pi * uniform();
+  return {radius * elementary::cos(angle), radius * elementary::sin(angle)};
 }
 
 }  // namespace ferrule

@@ -30,7 +30,9 @@ class RandomStream {
   // Uniform in (0, 1).
   double uniform() noexcept;
   // Standard normal (Box and Muller 1958).
-  double normal() noexcept;
+  double normal() noexcept { return two_normals()[0]; }
+  // Two independent ones, of which that is the first.
+  std::array<double, 2> two_normals() noexcept;
 
  private:
   std::array<std::uint32_t, 2> key_;
