@@ -28,7 +28,7 @@ constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the
 constexpr int kMostRounds = 3, kMostRoundsInWell = 6;
 constexpr double kFurther = 3;  // a step that got ever steeper
 constexpr int kMostExpansions = 4;
-constexpr int kMostBisections = 16;
+constexpr int kMostBisections = 8;
 constexpr double kShortest = 1e-12;       // part of a Newton step
 constexpr double kShortestTrial = 1e-19;  // the printed well is 1e12 N/m stiff [m]
 
