@@ -3,10 +3,11 @@
 // the fibre's weight does not matter.
 //
 // Where the scene's sensor states tare_s, the tare follows what is read in free air, before the
-// end reaches the ferrule, as a mean with that time constant; there nothing can touch, and the
-// relative wrench is none, whatever the sensor's bias. Past it the tare holds. Where it states a
-// dead band, a force relative to the tare counts by what it is more than that, in its direction;
-// a moment likewise, at the sensor's arm. Without either nothing changes.
+// end reaches the ferrule and for the first tare_s in any case, as who begins within the lead-in
+// begins where nothing touches: as a mean with that time constant. The relative wrench is none
+// there, whatever the sensor's bias. Past it the tare holds. Where it states a dead band, a force
+// relative to the tare counts by what it is more than that, in its direction; a moment likewise,
+// at the sensor's arm. Without either nothing changes.
 #pragma once
 
 #include <algorithm>
@@ -45,7 +46,8 @@ class SensedWrench {
     const bool first = !at_rest_;
     absolute_ = scaling_.wrench_to_hand(sensor_.read(holder, period_));
     if (first) at_rest_ = absolute_;
-    if (tare_.time > 0 && x > tare_.free_beyond) {
+    const bool begins = readings_++ * period_ < tare_.time;
+    if (begins || (tare_.time > 0 && x > tare_.free_beyond)) {
       // A mean of all until there are enough for the time constant.
       if (!first)
         *at_rest_ +=
@@ -77,7 +79,7 @@ class SensedWrench {
   double period_;
   Tare tare_;
   std::optional<HandWrench> at_rest_;
-  int free_ = 0;  // readings in free air after the first
+  int readings_ = 0, free_ = 0;  // all, and those in free air after the first
   HandWrench absolute_ = HandWrench::Zero(), relative_ = HandWrench::Zero();
 };
 

@@ -36,13 +36,23 @@ TEST(SensedWrench, TaredInFreeAirReadsTheForceWithoutTheBias) {
   EXPECT_LT((sensed.relative() - force(3e-6, 0, -4e-6)).norm(), 1e-12);
 }
 
+TEST(SensedWrench, BeginsInFreeAirWithinTheLeadInToo) {
+  SensedWrench sensed = biased({.time = 0.1, .free_beyond = 1e-4});
+  for (int n = 0; n < 100; ++n) {
+    sensed.read(Wrench::Zero(), 5e-5);
+    EXPECT_EQ(sensed.relative(), HandWrench(HandWrench::Zero()));
+  }
+  sensed.read(force(3e-6, 0, -4e-6), 5e-5);
+  EXPECT_LT((sensed.relative() - force(3e-6, 0, -4e-6)).norm(), 1e-12);
+}
+
 // The mean of many readings: noise of one over the root of their number.
 TEST(SensedWrench, TheTareIsAMean) {
   double squares = 0;
   const int trials = 300;
   for (int trial = 0; trial < trials; ++trial) {
     SensedWrench sensed({1, 1}, ForceSensor({.noise = 1e-6}, 2, static_cast<std::uint64_t>(trial)),
-                        kPeriod, {.time = 10, .free_beyond = 0});
+                        kPeriod, {.time = 0.4, .free_beyond = 0});
     for (int n = 0; n < 401; ++n) sensed.read(Wrench::Zero(), 1e-5);
     sensed.read(Wrench::Zero(), -1e-6);
     squares += sensed.relative()[1] * sensed.relative()[1] / trials;
