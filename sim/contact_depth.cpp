@@ -190,8 +190,8 @@ class RoundRim {
     return radial.curving * turned(at) + at[1] * radial.wider_by;
   }
 
-  // The angle at which that is least, or one below 0.
-  Vector2d steepest_turn() const noexcept {
+  // The angle at which the vector itself is shortest, or one below 0.
+  Vector2d shortest() const noexcept {
     const Vector2d lean = lever_ * slope_;
     const double more = across_.squaredNorm() - lean.squaredNorm(), both = 2 * across_.dot(lean);
     const double least = std::sqrt(more * more + both * both);
@@ -228,10 +228,10 @@ class RoundRim {
     keep(from, first, 0);
     keep(to, last, 0);
     if ((first.slope >= 0 && first.depth < rho_) || (last.slope <= 0 && last.depth < rho_)) return;
-    Vector2d low = from, most = to, at = steepest_turn();
-    // From where what adds to the depth turns most, if that is between them: a kink where it is 0.
-    const bool turns = cross(from, at) > 0 && cross(at, to) > 0;
-    if (!turns) at = within({wide - across_.norm(), high}, from, to);
+    Vector2d low = from, most = to, at = shortest();
+    // From there, if that is between them: the depth bends most there, to a kink where it is 0.
+    if (!(cross(from, at) > 0 && cross(at, to) > 0))
+      at = within({wide - across_.norm(), high}, from, to);
     double below = first.slope, above = last.slope;
     Along there = along(at, high, wide);
     for (int turn = 0; turn < kTurns && there.slope != 0; ++turn) {

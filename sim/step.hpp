@@ -7,7 +7,8 @@
 //
 // A predictor, the linearization of the forces where the last step ended, says where it ends, and
 // one evaluation there corrects it: a smooth step takes one evaluation of the potential. Where
-// something happens on the way, or the minimum is not found soon, the step is halved.
+// something happens on the way, or the minimum is not found soon, the step is halved. In free air
+// and in the lead-in, while nothing touches, the end hangs on its holder and nothing is evaluated.
 #pragma once
 
 #include "sim/breakdown.hpp"
