@@ -25,7 +25,7 @@ struct CaptureRow {
 // geometric capture range, mouth radius - fibre radius; it must take exactly those below that. The
 // same with ends as they are: rims rounded to 1, 5 and 10 um, square, at 0.9
 // to 3 times clearance + radius over a sharp bore, mouth radius - fibre radius + radius over a
-// cone.
+// cone, in steps of 1 and 10 ms.
 std::vector<CaptureRow> bench_capture(const GoOn& go_on = {});
 
 }  // namespace ferrule
