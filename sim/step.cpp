@@ -396,7 +396,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.air = tip[0] < 0 ? frozen.flow.air_at(-tip[0]) : 0;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
-  if (result.substeps > 0) result.forces = {};
+  result.forces = {};
   forces(world, frozen, found.tip, found.there, result.forces);
   set_tangent(world, frozen, found, result.forces, state);
   ++result.substeps;
@@ -423,23 +423,31 @@ bool advance(const World& world, const Pose& command, double dt, int most_evalua
   return true;
 }
 
-// Free flight: the end hangs on the holder.
-StepResult hang(const World& world, const State& state, const Pose& command, double dt) noexcept {
-  StepResult result;
-  State& now = result.state;
-  now.tip = command + world.holder.sag;
-  now.command = command;
-  now.time = state.time + dt;
-  now.side = state.side;
-  now.velocity = state.velocity;
-  now.tip_before = state.tip_before;
-  now.velocity_before = state.velocity_before;
-  now.dt_before = state.dt_before;
-  result.forces.holder = world.holder.weight;
-  result.forces[Term::gravity][0] = {{0, world.holder.weight[1], 0},
-                                     now.tip.head<3>() + world.holder.weight_arm};
-  result.substeps = 1;
-  return result;
+// Hangs the end on the holder; false where something may act on it.
+bool hang(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
+  State& state = now.state;
+  const bool in_opening = !flies_free(world, state, command);
+  if (in_opening && !hangs_in_opening(world, state, command)) return false;
+  state.tip = command + world.holder.sag;
+  state.command = command;
+  state.time += dt;
+  state.bridge = false;
+  state.air = 0;
+  state.contact = {};
+  state.linearization.reset();
+  state.tangent.reset();
+  if (in_opening) {
+    state.side = EdgeSide::throat;
+    state.linearization = Linearization{state.tip, {}, {}, {}};
+  }
+  now.forces = {};
+  now.forces.holder = world.holder.weight;
+  now.forces[Term::gravity][0] = {{0, world.holder.weight[1], 0},
+                                  state.tip.head<3>() + world.holder.weight_arm};
+  now.status = StepStatus::ok;
+  now.evaluations = now.iterations = now.halvings = 0;
+  now.substeps = 1;
+  return true;
 }
 
 // To `command` over dt in sub-steps, as long as nothing happens and short where it does, of at most
@@ -473,10 +481,12 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   }
 }
 
-// Near the ferrule, or with inertia: in no longer steps than the world allows.
-StepResult follow_command(const World& world, const State& state, const Pose& command,
-                          double dt) noexcept {
-  StepResult result(state);
+// Near the ferrule, or with inertia: in no longer steps than the world allows, from the `state`
+// that `result` has.
+void follow_command(const World& world, const State& state, const Pose& command, double dt,
+                    StepResult& result) noexcept {
+  result.status = StepStatus::ok;
+  result.evaluations = result.iterations = result.substeps = result.halvings = 0;
   result.state.time = state.time + dt;
   if (state.tangent) leave_tangent(result.state);
   const int parts = parts_of(world, dt);
@@ -487,7 +497,6 @@ StepResult follow_command(const World& world, const State& state, const Pose& co
                                   static_cast<double>(k) / parts * (command - state.command)),
                 dt / parts, result);
   set_reach(world, state, result);
-  return result;
 }
 
 // Nothing to do: the state is unchanged, and so are the forces.
@@ -499,33 +508,32 @@ StepResult refuse(const World& world, const State& state) noexcept {
   return result;
 }
 
-// A step that is solved.
-StepResult solved(const World& world, const State& state, const Pose& command, double dt) noexcept {
-  if (!command.allFinite() || !std::isfinite(dt) || dt < 0) return refuse(world, state);
-  if (flies_free(world, state, command)) return hang(world, state, command, dt);
-  if (hangs_in_opening(world, state, command)) {
-    StepResult result = hang(world, state, command, dt);
-    result.state.side = EdgeSide::throat;
-    result.state.linearization = Linearization{result.state.tip, {}, {}, {}};
-    return result;
+// A step that needs no potential: refused, along a tangent, or free. False: it is to be solved.
+bool step_unsolved(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
+  if (!command.allFinite() || !std::isfinite(dt) || dt < 0) {
+    now = refuse(world, now.state);
+    return true;
   }
-  return follow_command(world, state, command, dt);
+  if (now.state.tangent)
+    if (const auto next = along_tangent(world, now.state, command)) {
+      follow_tangent(world, command, dt, *next, now);
+      return true;
+    }
+  return hang(world, command, dt, now);
 }
 
 }  // namespace
 
 StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept {
-  if (!state.tangent) return solved(world, state, command, dt);
   StepResult result(state);
-  step_on(world, command, dt, result);
+  if (!step_unsolved(world, command, dt, result)) follow_command(world, state, command, dt, result);
   return result;
 }
 
 void step_on(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
-  if (now.state.tangent && std::isfinite(dt) && dt >= 0)
-    if (const auto next = along_tangent(world, now.state, command))
-      return follow_tangent(world, command, dt, *next, now);
-  now = solved(world, now.state, command, dt);
+  if (step_unsolved(world, command, dt, now)) return;
+  const State state = now.state;
+  follow_command(world, state, command, dt, now);
 }
 
 }  // namespace ferrule
