@@ -55,22 +55,21 @@ SteppingRow simulate(const Case& c, const std::string& method, double dt) {
   std::vector<Pose> poses;
   long iterations = 0;
   const auto run = [&](bool keep_poses) {
-    State state = c.start;
+    StepResult r(c.start);
     std::size_t next = 0;
     for (long n = 1; n <= steps; ++n) {
       const double t = static_cast<double>(n) * dt;
-      const StepResult r = step(c.world, state, hand[static_cast<std::size_t>(n - 1)], dt);
-      state = r.state;
+      step_on(c.world, hand[static_cast<std::size_t>(n - 1)], dt, r);
       if (!keep_poses) continue;
       iterations += r.iterations;
       row.not_converged += r.status != StepStatus::ok;
       row.halvings += r.halvings;
       if (next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
-        poses.push_back(state.tip);
+        poses.push_back(r.state.tip);
         ++next;
       }
     }
-    keep(state.tip);
+    keep(r.state.tip);
   };
   run(true);
   row.newton_iterations = static_cast<double>(iterations) / static_cast<double>(steps);

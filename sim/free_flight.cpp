@@ -1,0 +1,80 @@
+#include "sim/free_flight.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/contact_depth.hpp"
+
+namespace ferrule {
+namespace {
+
+// Nothing near the fibre now or where it is commanded to, and no inertia: it hangs on the holder
+// alone.
+bool flies_free(const World& world, const State& state, const Pose& command) noexcept {
+  if (world.dynamics == Dynamics::inertial) return false;
+  const double lever = world.annulus.fibre_radius;
+  const double reach =
+      world.profile.lead_in_length + world.annulus.clearance() + lever * world.end.cleave.norm();
+  if (!(std::min(state.tip[0], state.command[0]) > reach)) return false;
+  const Pose goal = command + world.holder.sag;
+  const auto tilt = [](const Pose& p) { return std::abs(p[3]) + std::abs(p[4]); };
+  return std::min({state.tip[0], state.command[0], goal[0]}) -
+             lever * (tilt(state.tip) + tilt(goal)) >
+         reach;
+}
+
+// At least so far is the rim of an end at `p` from the walls of the opening, in which all of it is,
+// in front of the bore [m]; else negative.
+double room_in_opening(const World& world, const Pose& p) noexcept {
+  const FerruleProfile& profile = world.profile;
+  const double r = world.annulus.fibre_radius;
+  const double low = p[0] - r * (p.tail<2>().norm() + world.end.cleave.norm());
+  if (!(low > 0)) return -1;
+  const double wall =
+      profile.bore_radius + std::min(low, profile.lead_in_length) * profile.lead_in_tangent;
+  const double room = wall - world.oval.amplitude - p.segment<2>(1).norm() - r;
+  return room / std::sqrt(1 + profile.lead_in_tangent * profile.lead_in_tangent);
+}
+
+// In the opening before and after, and so all the way, its free part being convex, and too far from
+// its walls to adhere. A particle may reach out of the bore.
+bool hangs_in_opening(const World& world, const State& state, const Pose& command) noexcept {
+  if (!(std::min(state.tip[0], command[0]) > 0) || world.dynamics == Dynamics::inertial ||
+      world.laws.particle)
+    return false;
+  const double room = std::min(room_in_opening(world, state.tip),
+                               room_in_opening(world, command + world.holder.sag));
+  if (!(room > kEdgeRounding)) return false;
+  const AdhesionForce pull = adhesion_force(world.laws, kEdgeRounding - room, 0);
+  return pull.force == 0 && pull.branch == 0 && !state.contact[kEnd].closed;
+}
+
+}  // namespace
+
+bool fly_free(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
+  State& state = now.state;
+  const bool in_opening = !flies_free(world, state, command);
+  if (in_opening && !hangs_in_opening(world, state, command)) return false;
+  state.tip = command + world.holder.sag;
+  state.command = command;
+  state.time += dt;
+  state.bridge = false;
+  state.air = 0;
+  state.contact = {};
+  state.linearization.reset();
+  state.tangent.reset();
+  if (in_opening) {
+    state.side = EdgeSide::throat;
+    state.linearization = Linearization{state.tip, {}, {}, {}};
+  }
+  if (now.substeps > 0) now.forces = {};
+  now.forces.holder = world.holder.weight;
+  now.forces[Term::gravity][0] = {{0, world.holder.weight[1], 0},
+                                  state.tip.head<3>() + world.holder.weight_arm};
+  now.status = StepStatus::ok;
+  now.evaluations = now.iterations = now.halvings = 0;
+  now.substeps = 1;
+  return true;
+}
+
+}  // namespace ferrule
