@@ -16,6 +16,7 @@ constexpr double kLongUs = 5;  // steps that take longer are measured again
 constexpr int kAgain = 4;
 constexpr double kMostSteps = 4000;  // of a motion in a random scene
 constexpr double kGain = -1e-9;      // of the work turned over
+constexpr double kReturned = 0.1;    // of the clearance: a loop ends so near to where it began
 
 struct Sample {
   TailRow row;
@@ -55,8 +56,11 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
     sample.us.push_back(static_cast<float>(us));
     sample.evaluations.push_back(result.evaluations);
   }
-  ++sample.row.loops;
-  sample.row.loops_that_gained += !(work >= kGain * turned);
+  // An end that is left elsewhere, sucked into the bore or stuck to it, has given energy back.
+  const bool is_loop =
+      (state.tip - start.tip).head<3>().norm() < kReturned * world.annulus.clearance();
+  sample.row.loops += is_loop;
+  sample.row.loops_that_gained += is_loop && !(work >= kGain * turned);
 }
 
 template <class T>

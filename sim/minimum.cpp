@@ -270,8 +270,14 @@ PoseVector moved_along(const World& world, const FrozenCoefficients& frozen, con
   const double length = -tip.x, length_there = -end.x;
   if (length > kShortestLever && length_there > kShortestLever) {
     const Vector2d mouth = tip.e + length * tip.t;
-    const Vector2d mouth_move = move.e + length * move.t - move.x * tip.t;
-    end.t = (turned(mouth, mouth_move, near) - end.e) / length_there;
+    if (mouth.norm() > near) {
+      const Vector2d mouth_move = move.e + length * move.t - move.x * tip.t;
+      const Vector2d there = turned(mouth, mouth_move, near);
+      if (tip.e.norm() > near)
+        end.t = (there - end.e) / length_there;
+      else
+        end.e += there - (mouth + mouth_move);
+    }
   }
   if (!in_well) return end;
   // In the printed well the middle keeps the gap that it would have to first order: the axis turns
@@ -315,12 +321,14 @@ bool final_newton_step(const World& world, const FrozenCoefficients& frozen, con
 }
 
 void minimise(const World& world, const FrozenCoefficients& frozen, int most_evaluations,
-              bool past_edges, Minimum& found) noexcept {
+              bool past_edges, Minimum& found, const State* before) noexcept {
   const bool inserted = frozen.length > 0 && frozen.contact.side == EdgeSide::throat;
   double farthest = inserted ? world.annulus.clearance() : INFINITY;
   found.at_edge = false;
   for (;; ++found.iterations) {
     const Potential& here = found.there;
+    const bool looks = before && found.evaluations > 1;
+    if (looks && hits(*before, contacts(world, frozen, found.tip, here))) return;
     const double left = residual(world, here.gradient);
     if (left <= kForceFloor + kForceTolerance * here.force_scale) {
       found.converged = true;
@@ -329,6 +337,7 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int most_eva
     const Energy smooth =
         without_friction(frozen, found.tip, here.bore.gradient, here.bore.hessian);
     NewtonStep newton(world, frozen, smooth, found.tip);
+    if (before && found.iterations > 0 && !newton.convex) return;
     if (newton.convex && final_newton_step(world, frozen, newton.move, found)) return;
     const StiffLaws laws =
         stiff_laws(world, frozen, found.tip, side_share(world, frozen, found.tip));

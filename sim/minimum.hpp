@@ -46,8 +46,9 @@ bool final_newton_step(const World& world, const FrozenCoefficients& frozen, con
                        Minimum& found) noexcept;
 
 // Goes on from where `found` is until it is converged, nothing lower is found, it is at an edge and
-// not to go past it, or it has taken `most_evaluations`.
+// not to go past it, or it has taken `most_evaluations`. Given the state `before` it also ends where
+// something happens: the energy is concave, or the contacts are not those of that state.
 void minimise(const World& world, const FrozenCoefficients& frozen, int most_evaluations,
-              bool past_edges, Minimum& found) noexcept;
+              bool past_edges, Minimum& found, const State* before = nullptr) noexcept;
 
 }  // namespace ferrule

@@ -596,4 +596,12 @@ Contacts contacts(const World& world, const FrozenCoefficients& frozen, const Po
   return now;
 }
 
+bool hits(const State& before, const Contacts& now) noexcept {
+  for (std::size_t place = 0; place < kContactPlaces; ++place)
+    if (before.contact[place].closed != now.contact[place].closed ||
+        before.contact[place].branch != now.contact[place].branch)
+      return true;
+  return before.bridge != now.bridge;
+}
+
 }  // namespace ferrule

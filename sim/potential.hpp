@@ -173,4 +173,7 @@ void forces(const World& world, const FrozenCoefficients& frozen, const PoseVect
 Contacts contacts(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                   const Potential& there) noexcept;
 
+// Does a contact or the bridge begin, end or change its branch?
+bool hits(const State& before, const Contacts& now) noexcept;
+
 }  // namespace ferrule

@@ -17,6 +17,7 @@ constexpr int kFewEvaluations = 5;   // of a sub-step that may still be shortene
 constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
 constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
+constexpr int kLocated = 8;          // bisections of the way to where a contact begins
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
 constexpr double kStaysNear = 2e-2;  // of the sum of all forces
@@ -214,15 +215,6 @@ double part_to_edge(const World& world, const State& state, double way) noexcept
   return std::max(kEdgeStep, -reach - rim) / std::abs(way);
 }
 
-// Does a contact or the bridge begin or end?
-bool hits(const State& before, const Contacts& now) noexcept {
-  for (std::size_t place = 0; place < kContactPlaces; ++place)
-    if (before.contact[place].closed != now.contact[place].closed ||
-        before.contact[place].branch != now.contact[place].branch)
-      return true;
-  return before.bridge != now.bridge;
-}
-
 // Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
 // far more than the command?
 bool is_event(const State& before, const FrozenCoefficients& frozen, const Minimum& found,
@@ -236,6 +228,30 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
   }
   return before.side != frozen.contact.side ||
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
+}
+
+// Where on the way to its prediction, evaluated there, an open contact begins, as its depth goes to
+// first order; NaN where none does.
+double first_touch(const World& world, const State& before, const Prediction& end,
+                   const Potential& there) noexcept {
+  double first = 1;
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    const ContactDepth& depth = there.depth[place];
+    const ContactState& was = before.contact[place];
+    if (was.closed || was.branch != 0 || depth.value == -INFINITY) continue;
+    const double way = depth.by_pose(end.tip.t).dot(end.move);
+    const auto touches = [&](double part) {
+      const double d = depth.value - (1 - part) * way;
+      return d > 0 || adhesion_force(world.laws, d, 0).branch != 0;
+    };
+    if (!touches(first)) continue;
+    double low = 0;
+    for (int n = 0; n < kLocated; ++n) {
+      const double middle = 0.5 * (low + first);
+      (touches(middle) ? first : low) = middle;
+    }
+  }
+  return first < 1 ? first : NAN;
 }
 
 // Ends the friction of contacts that have come apart; whether there were any.
@@ -253,8 +269,8 @@ bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen
 // Goes on from a minimum to where the friction limits are those of the contacts there; whether it
 // got there. Contacts that less friction lets go later are held by no minimum of given limits; they
 // are followed by Newton's method in both together, as long as that stays near.
-bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients& frozen,
-                   Minimum& found) noexcept {
+bool settle_limits(const World& world, const State* before, int most_evaluations,
+                   FrozenCoefficients& frozen, Minimum& found) noexcept {
   bool met = false;
   for (int round = 0; round < kMostSettling; ++round) {
     if (found.converged && found.evaluations < most_evaluations && let_go(world, found, frozen)) {
@@ -262,7 +278,7 @@ bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       found.converged = false;
-      minimise(world, frozen, most_evaluations, true, found);
+      minimise(world, frozen, most_evaluations, true, found, before);
       if (!found.converged) return false;
     }
     if (met) return true;
@@ -284,7 +300,7 @@ bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
       ++found.evaluations;
       if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
     }
-    minimise(world, frozen, most_evaluations, true, found);
+    minimise(world, frozen, most_evaluations, true, found, before);
     if (!found.converged) return false;
   }
   return met;
@@ -292,10 +308,12 @@ bool settle_limits(const World& world, int most_evaluations, FrozenCoefficients&
 
 // Finds the minimum of a sub-step: predictor, corrector, and Newton's method where they do not
 // suffice, at `few` evaluations at most to the first minimum. Freezes the coefficients again where
-// the end slides off an edge.
+// the end slides off an edge. With an `event`, the sub-step may be divided: it is given up, and that
+// is the part of it at which something seems to happen.
 Minimum solve(const World& world, const State& state, double dt, int few, int most_evaluations,
-              FrozenCoefficients& frozen) noexcept {
+              double* event, FrozenCoefficients& frozen) noexcept {
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
+  const State* const before = event ? &state : nullptr;
   const auto friction = frozen.friction;
   bool settled = false;
   const Prediction end =
@@ -303,6 +321,10 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   if (!end.valid) frozen.friction = friction;
   Minimum found(world, frozen, end.tip);
   found.converged = holds_still;
+  if (event && end.valid && hits(state, contacts(world, frozen, found.tip, found.there))) {
+    *event = first_touch(world, state, end, found.there);
+    return found;
+  }
   if (end.valid && !correct(world, frozen, end, state.linearization->curvature, found)) {
     frozen.friction = friction;
     found.tip = state.tip;
@@ -310,25 +332,25 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     ++found.evaluations;
   } else if (end.valid && rubs(frozen) &&
              residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) {
-    settled = settle_limits(world, few, frozen, found);
+    settled = settle_limits(world, before, few, frozen, found);
   }
-  if (!found.converged) minimise(world, frozen, few, false, found);
+  if (!found.converged) minimise(world, frozen, few, false, found, before);
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
     if (found.evaluations >= few) break;
     const EdgeSide side = frozen.contact.side;
     frozen = freeze_again(world, state, frozen, found.tip.full());
-    const int before = found.evaluations;
+    const int spent = found.evaluations;
     found.there = Potential(world, frozen, found.tip);
     ++found.evaluations;
-    minimise(world, frozen, few, side == frozen.contact.side, found);
-    if (found.evaluations == before + 1) break;
+    minimise(world, frozen, few, side == frozen.contact.side, found, before);
+    if (found.evaluations == spent + 1) break;
   }
   if (found.converged && !settled && rubs(frozen)) {
     const FrozenCoefficients held = frozen;
     const Minimum minimum = found;
-    settle_limits(world, std::min(most_evaluations, found.evaluations + kLimitEvaluations), frozen,
-                  found);
+    settle_limits(world, before, std::min(most_evaluations, found.evaluations + kLimitEvaluations),
+                  frozen, found);
     if (!found.converged) {  // limits that lag behind, then
       const int iterations = found.iterations, evaluations = found.evaluations;
       frozen = held;
@@ -362,25 +384,33 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   ++result.substeps;
 }
 
-// One sub-step from result.state to `command`, of at most so many evaluations; or none and false
-// where it is `divisible` and too long: the minimum is far, or something happens in it.
-bool advance(const World& world, const Pose& command, double dt, int most_evaluations,
-             bool divisible, StepResult& result) noexcept {
+// A sub-step: taken or, where it was too long, not: the minimum is far, or something happens in it.
+struct Advance {
+  bool taken;
+  bool event;          // something has happened
+  double where = NAN;  // about this part of it, where it was not taken
+};
+
+// One from result.state to `command`, of at most so many evaluations.
+Advance advance(const World& world, const Pose& command, double dt, int most_evaluations,
+                bool divisible, StepResult& result) noexcept {
   const State& state = result.state;
+  double where = NAN;
   FrozenCoefficients frozen = freeze(world, state, command, dt);
   const int few = divisible ? std::min(kFewEvaluations, most_evaluations) : most_evaluations;
-  const Minimum found = solve(world, state, dt, few, most_evaluations, frozen);
+  const Minimum found =
+      solve(world, state, dt, few, most_evaluations, divisible ? &where : nullptr, frozen);
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
-  if (divisible && !found.converged) return false;
+  if (divisible && !found.converged) return {false, true, where};
   const Contacts now = contacts(world, frozen, found.tip, found.there);
-  if (divisible && is_event(state, frozen, found, now, travel_of(world, state, command)))
-    return false;
+  const bool event = is_event(state, frozen, found, now, travel_of(world, state, command));
+  if (divisible && event) return {false, true, where};
   result.status = found.converged                         ? StepStatus::ok
                   : found.evaluations >= most_evaluations ? StepStatus::capped
                                                           : StepStatus::not_converged;
   accept(world, command, dt, frozen, found, now, result);
-  return true;
+  return {true, event};
 }
 
 // To `command` over dt in sub-steps, as long as nothing happens and short where it does, of at most
@@ -391,26 +421,36 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   const double travel = travel_of(world, result.state, command);
   const double shortest = std::max(world.numerics.event_travel, travel / kMostDivided);
   const double first = first_part(world, result.state, command);
-  double done = 0, beyond = INFINITY;  // something happens between these parts of the way
+  // Something happens between these parts of the way, about there.
+  double done = 0, beyond = INFINITY, event = NAN;
+  const double near = 0.5 * shortest / travel;
   while (done < 1) {
     const int left = end - result.evaluations;
     double to = done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
     bool divisible = (to - done) * travel > std::max(shortest, 1.01 * kEdgeStep);
     if (beyond <= 1) {
-      divisible = (beyond - done) * travel > shortest;
-      to = divisible ? 0.5 * (done + beyond) : beyond;
+      to = event > done + 2 * near      ? event - near
+           : event + near > done        ? event + near
+           : (beyond - done) > 2 * near ? 0.5 * (done + beyond)
+                                        : beyond;
+      to = std::min(to, beyond);
+      divisible = to - done > 2.02 * near;
     }
     const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
     if (last) to = 1;
     divisible = divisible && left > kReserve + kFewEvaluations;
     const Pose goal = last ? command : Pose(from + to * (command - from));
-    if (!advance(world, goal, (to - done) * dt, last ? left : left - kReserve, divisible, result)) {
+    const Advance went =
+        advance(world, goal, (to - done) * dt, last ? left : left - kReserve, divisible, result);
+    if (!went.taken) {
+      const bool halved = !(beyond <= 1) || to - done < 0.6 * (beyond - done);
+      event = halved ? done + went.where * (to - done) : NAN;
       beyond = to;
       ++result.halvings;
       continue;
     }
     done = to;
-    if (to >= beyond) beyond = INFINITY;
+    if (to >= beyond || went.event) beyond = INFINITY;
   }
 }
 

@@ -14,17 +14,29 @@ const Quadrature kMiddle;  // the one gap that printed forces know
 
 // The closed form replaces the exact cylinders where it is as good as these.
 constexpr double kClosedFormError = 1e-3;
-constexpr double kStraight = 20;  // a part sags by no more than a twentieth of the gap
-constexpr int kStretches = 6;
-constexpr double kGaussTwo = 0.57735026918962576451;  // 1/sqrt(3)
+constexpr double kOnset = 10e-9;  // inserted length in which the laws begin [m]
 
-// Inserted length of the pose itself, and its derivative by x.
-double inserted(const World& world, const PoseVector& tip) noexcept {
-  return std::clamp(-tip.x, 0.0, world.profile.length);
-}
-double inserted_slope(const World& world, const PoseVector& tip) noexcept {
-  return tip.x < 0 && -tip.x < world.profile.length ? -1 : 0;
-}
+// The inserted length of the pose itself that the laws act along, with its derivatives by x. At the
+// begin it grows from 0 within kOnset, with two continuous derivatives, as a wall that pushes would
+// make an edge of the energy there: l p^2 (6 - 8 p + 3 p^2), p = l/kOnset.
+struct Overlap {
+  double length = 0, slope = 0, curve = 0;  // [m], [-], [1/m]
+
+  Overlap(const World& world, const PoseVector& tip) noexcept {
+    const double inserted = -tip.x, p = inserted / kOnset;
+    if (!(inserted > 0)) return;
+    if (inserted >= world.profile.length) {
+      length = world.profile.length;
+    } else if (p >= 1) {
+      length = inserted;
+      slope = -1;
+    } else {
+      length = inserted * p * p * (6 - p * (8 - 3 * p));
+      slope = -p * p * (18 - p * (32 - 15 * p));
+      curve = p * (36 - p * (96 - 60 * p)) / kOnset;
+    }
+  }
+};
 
 // Laws that are summed over nodes, those of one form: force per length at a gap, null where there
 // is none.
@@ -138,22 +150,36 @@ struct LocalLaw {
 };
 
 // The stretches where the mean surfaces touch and the laws end (sim/laws/corrected_range.hpp), by
-// Gauss-Legendre of order 2: the two nodes of a stretch are computed side by side.
+// Gauss-Legendre of order 4, exact where they are parabolas: the nodes are computed side by side.
 class Touching {
  public:
-  using Pair = Eigen::Array2d;
+  using Nodes = Eigen::Array4d;
 
   // Force and energy per length at the closest, `thinnest` apart from contact [N/m], [J/m].
   Touching(double closest, double thinnest, double force, double value) noexcept
       : closest_(closest), per_thinnest_(1 / thinnest), at_closest_(force), value_at_(value) {}
 
-  // In parts where it is not straight beside what is left of the gap.
   void add(const PoseVector& tip, double from, double to) noexcept {
-    const double across = tip.t.norm() * (to - from);
-    const double sag = across * across / (8 * closest_);
-    const int parts = kStraight * sag * per_thinnest_ > 1 ? kStretches : 1;
-    const double part = (to - from) / parts;
-    for (int n = 0; n < parts; ++n) add_straight(tip, from + n * part, from + (n + 1) * part);
+    const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
+    const Nodes weight = half * Nodes(kWeight.data()), steepest = at_closest_ * weight;
+    const Nodes arm = middle + half * Nodes(kNode.data());
+    const Nodes y = tip.e.x() + arm * tip.t.x(), z = tip.e.y() + arm * tip.t.y();
+    const Nodes radius = (y * y + z * z).sqrt(), inverse = 1 / radius;
+    const Nodes over = radius - closest_, part = over * per_thinnest_;
+    const Nodes value = value_at_ * weight + steepest * over * (1 - 0.5 * part);
+    const Nodes force = steepest * (1 - part), per_e = force * inverse;
+    const Nodes along = (per_e + steepest * per_thinnest_) * inverse * inverse;
+    value_ += value;
+    value_scale_ += value.abs();
+    force_scale_ += force.abs();
+    const Nodes pull_y = per_e * y, pull_z = per_e * z;
+    pull_y_ += pull_y;
+    pull_z_ += pull_z;
+    turn_y_ += arm * pull_y;
+    turn_z_ += arm * pull_z;
+    yy_.add(arm, per_e - along * y * y);
+    yz_.add(arm, -along * y * z);
+    zz_.add(arm, per_e - along * z * z);
   }
 
   Vector2d pull() const noexcept { return {pull_y_.sum(), pull_z_.sum()}; }
@@ -171,42 +197,24 @@ class Touching {
   }
 
  private:
-  void add_straight(const PoseVector& tip, double from, double to) noexcept {
-    const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
-    const double spread = kGaussTwo * half, steepest = half * at_closest_;
-    const Pair arm(middle - spread, middle + spread);
-    const Pair y = tip.e.x() + arm * tip.t.x(), z = tip.e.y() + arm * tip.t.y();
-    const Pair radius = (y * y + z * z).sqrt(), inverse = 1 / radius;
-    const Pair over = radius - closest_, part = over * per_thinnest_;
-    const Pair value = half * value_at_ + steepest * over * (1 - 0.5 * part);
-    const Pair force = steepest * (1 - part), per_e = force * inverse;
-    const Pair along = (per_e + steepest * per_thinnest_) * inverse * inverse;
-    value_ += value;
-    value_scale_ += value.abs();
-    force_scale_ += force.abs();
-    const Pair pull_y = per_e * y, pull_z = per_e * z;
-    pull_y_ += pull_y;
-    pull_z_ += pull_z;
-    turn_y_ += arm * pull_y;
-    turn_z_ += arm * pull_z;
-    yy_.add(arm, per_e - along * y * y);
-    yz_.add(arm, -along * y * z);
-    zz_.add(arm, per_e - along * z * z);
-  }
+  static constexpr std::array<double, 4> kNode = {-0.86113631159405258, -0.33998104358485626,
+                                                  0.33998104358485626, 0.86113631159405258};
+  static constexpr std::array<double, 4> kWeight = {0.34785484513745386, 0.65214515486254614,
+                                                    0.65214515486254614, 0.34785484513745386};
 
   // Sums over the nodes of a quantity times powers of the arm.
   struct Moments {
-    Pair zeroth = Pair::Zero(), first = Pair::Zero(), second = Pair::Zero();
+    Nodes zeroth = Nodes::Zero(), first = Nodes::Zero(), second = Nodes::Zero();
 
-    void add(const Pair& arm, const Pair& quantity) noexcept {
-      const Pair once = arm * quantity;
+    void add(const Nodes& arm, const Nodes& quantity) noexcept {
+      const Nodes once = arm * quantity;
       zeroth += quantity;
       first += once;
       second += arm * once;
     }
   };
 
-  static Matrix2d symmetric(const Pair& yy, const Pair& yz, const Pair& zz) noexcept {
+  static Matrix2d symmetric(const Nodes& yy, const Nodes& yz, const Nodes& zz) noexcept {
     const double mixed = yz.sum();
     Matrix2d m;
     m.col(0) = Vector2d(yy.sum(), mixed);
@@ -215,9 +223,9 @@ class Touching {
   }
 
   double closest_, per_thinnest_, at_closest_, value_at_;
-  Pair value_ = Pair::Zero(), value_scale_ = Pair::Zero(), force_scale_ = Pair::Zero();
-  Pair pull_y_ = Pair::Zero(), pull_z_ = Pair::Zero();
-  Pair turn_y_ = Pair::Zero(), turn_z_ = Pair::Zero();
+  Nodes value_ = Nodes::Zero(), value_scale_ = Nodes::Zero(), force_scale_ = Nodes::Zero();
+  Nodes pull_y_ = Nodes::Zero(), pull_z_ = Nodes::Zero();
+  Nodes turn_y_ = Nodes::Zero(), turn_z_ = Nodes::Zero();
   Moments yy_, yz_, zz_;
 };
 
@@ -288,23 +296,23 @@ void add_closed_form_mouth(Energy& total, SurfaceGradients& by_term, const Tilte
   const Vector2d force = (mouth.per_e[0] + mouth.per_e[1]) * e;
   total.gradient.x += slope * value;
   total.force_scale += std::abs(slope * value);
-  total.hessian.xx += force.dot(tip.t);
+  total.hessian.xx += slope * slope * force.dot(tip.t);
   total.hessian.xe += slope * force;
   total.hessian.xt += slope * length * force;
 }
 
 void add_closed_form(Energy& total, const World& world, const TiltedAnnulus& law,
-                     const PoseVector& tip, SurfaceGradients& by_term) noexcept {
-  const double length = inserted(world, tip);
+                     const Overlap& overlap, const PoseVector& tip,
+                     SurfaceGradients& by_term) noexcept {
+  const double length = overlap.length;
   const double widest = law.clearance - std::max(world.annulus.roughness, kInteratomicDistance);
   const double thinnest = law.clearance - widest;
   const Apart free = apart(tip, length, widest);
   const LocalLaw end(law, widest * widest);
   add_touching_parts(total, by_term, end, widest, thinnest, tip, length, free);
   if (free.to > free.from) add_free_part(total, by_term, law, tip, free);
-  const double slope = inserted_slope(world, tip);
-  if (slope != 0)
-    add_closed_form_mouth(total, by_term, law, end, widest, thinnest, tip, length, slope);
+  if (overlap.slope != 0)
+    add_closed_form_mouth(total, by_term, law, end, widest, thinnest, tip, length, overlap.slope);
 }
 
 }  // namespace
@@ -335,6 +343,8 @@ void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& w
   if (printed_length > 0 && printed.any())
     add_nodes(total, printed, kMiddle, printed_length, 0, tip, by_term);
   if (tip.x >= 0) return;
+  const Overlap overlap(world, tip);
+  const double along = total.gradient.x;
   const auto* attraction = std::get_if<VanDerWaals>(&world.laws.van_der_waals);
   const auto* charge = std::get_if<Electrostatic>(&world.laws.electrostatic);
   const bool attracts = attraction && world.numerics.closed_form;
@@ -343,15 +353,16 @@ void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& w
     add_closed_form(total, world,
                     TiltedAnnulus::of(attracts ? attraction : nullptr, charged ? charge : nullptr,
                                       world.annulus),
-                    tip, by_term);
+                    overlap, tip, by_term);
   if (const auto* liquid = std::get_if<Capillary>(&world.laws.capillary))
-    add_tilted_bridge(total, by_term[kCapillary], *liquid, world, bridge, tip, inserted(world, tip),
-                      inserted_slope(world, tip));
+    add_tilted_bridge(total, by_term[kCapillary], *liquid, world, bridge, tip, overlap.length,
+                      overlap.slope);
   const CorrectedLaws nodes{world.annulus, attracts ? nullptr : attraction,
                             charged ? nullptr : charge};
   if (nodes.any())
-    add_nodes(total, nodes, world.numerics.quadrature, inserted(world, tip),
-              inserted_slope(world, tip), tip, by_term);
+    add_nodes(total, nodes, world.numerics.quadrature, overlap.length, overlap.slope, tip, by_term);
+  if (overlap.curve != 0 && overlap.slope != 0)
+    total.hessian.xx += overlap.curve / overlap.slope * (total.gradient.x - along);
 }
 
 bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept {
@@ -362,7 +373,7 @@ bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept 
   // being convex.
   const double gap =
       world.annulus.clearance() -
-      std::max(eccentricity(tip, 0).norm(), eccentricity(tip, inserted(world, tip)).norm());
+      std::max(eccentricity(tip, 0).norm(), eccentricity(tip, Overlap(world, tip).length).norm());
   return gap < capillary_reach(*law, bridge);
 }
 

@@ -4,8 +4,8 @@
 // form (sim/laws/tilted_annulus.hpp); where the world asks for nodes, by Gauss-Legendre quadrature.
 // So is the capillary bridge, in parts of the stretches where the gap is below its reach. Corrected
 // forces act along the inserted length as it changes, and so pull the fibre in by what a longer
-// overlap gains. The printed ones know one gap, that at the middle of the length, and no axial
-// force.
+// overlap gains; they begin smoothly within its first 10 nm. The printed ones know one gap, that at
+// the middle of the length, and no axial force.
 #pragma once
 
 #include <array>

@@ -1,8 +1,10 @@
 #include "sim/potential.hpp"
 
+#include "sim/minimum.hpp"
 #include "sim/scene/random.hpp"
 #include "sim/step.hpp"
 #include "tests/compare.hpp"
+#include "tests/energy_derivatives.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {
@@ -170,6 +172,67 @@ TEST(Potential, OfTwoContactsSharesTheAdhesionOfOne) {
   EXPECT_TRUE(state.contact[kSide].closed);
   EXPECT_CLOSE(b[Term::adhesion][kEnd].force.y() + b[Term::adhesion][kSide].force.y(),
                -7.830277437e-6, 1e-6);
+}
+
+// Where the end has just come in, and a wall that pushes all along would make an edge.
+TEST(Potential, OfSurfaceForcesBeginsSmoothlyAtTheMouth) {
+  for (const char* sums : {"tilted_axes=\"closed_form\"", "tilted_axes=\"quadrature\""}) {
+    const World world =
+        testing::bare({"laws.van_der_waals={\"form\":\"corrected\",\"hamaker_J\":6e-19}",
+                       "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":20}", sums})
+            .world;
+    for (const double out : {0.5, 0.999}) {
+      const auto inwards = [&](double x) {
+        const Pose tip = testing::pose(x, out * world.annulus.clearance(), 0);
+        return Potential(world, freeze(world, at_rest(world, tip), tip, 0), tip).bore.gradient.x;
+      };
+      EXPECT_LT(std::abs(inwards(-0.1e-9)), 1e-2 * std::abs(inwards(-20e-9)));
+      for (double x = -0.5e-9; x > -12e-9; x -= 0.47e-9) {
+        const Pose tip = testing::pose(x, out * world.annulus.clearance(), 0, 1e-4, 2e-5);
+        const FrozenCoefficients frozen = freeze(world, at_rest(world, tip), tip, 1e-3);
+        SCOPED_TRACE(x);
+        testing::expect_energy_derivatives(world, frozen, tip, 1e-6,
+                                           {2e-12, 1e-12, 1e-12, 1e-8, 1e-8});
+      }
+    }
+  }
+}
+
+// Along a fibre that lies on the wall and is tilted ever more: the energy is that of its gradient.
+TEST(Potential, OfAFibreAlongTheWallIsContinuous) {
+  const World world =
+      testing::bare({"laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":24}"}).world;
+  const double length = 700e-6, c = world.annulus.clearance();
+  const auto at = [&](double tilt) {
+    const Pose tip = testing::pose(-length, c, 0.5 * tilt * length, 0, -tilt);
+    return Potential(world, freeze(world, at_rest(world, tip), tip, 1e-3), tip).bore;
+  };
+  const double step = 5e-8;
+  Energy before = at(0);
+  for (int n = 1; n <= 400; ++n) {
+    const Energy now = at(n * step);
+    const PoseVector move = Pose(testing::pose(0, 0, 0.5 * step * length, 0, -step));
+    const double by_gradient = 0.5 * (before.gradient.dot(move) + now.gradient.dot(move));
+    EXPECT_LE(std::abs(now.value - before.value - by_gradient), 1e-7 * std::abs(now.value)) << n;
+    before = now;
+  }
+}
+
+// The side that moves along the wall turns about the axis; what is free only follows.
+TEST(Potential, AMoveAlongTheWallDoesNotTiltTheFibre) {
+  const World world = testing::bare().world;
+  const double c = world.annulus.clearance(), length = 100e-6;
+  const PoseVector sideways{0, Vector2d(0, 0.2 * c), Vector2d::Zero()};
+  for (const bool end : {true, false}) {
+    const Pose tip = end ? testing::pose(-length, c, 0, -0.3 * c / length, 0)
+                         : testing::pose(-length, 0.7 * c, 0, 0.3 * c / length, 0);
+    const FrozenCoefficients frozen = freeze(world, at_rest(world, tip), tip, 1e-3);
+    const PoseVector there = moved_along(world, frozen, tip, sideways);
+    EXPECT_EQ(there.t, PoseVector(tip).t);
+    const Vector2d touches = end ? there.e : Vector2d(there.e + length * there.t);
+    EXPECT_CLOSE(touches.norm(), c, 1e-12);
+    EXPECT_NEAR(touches.y() / (0.2 * c), 1, 0.02);
+  }
 }
 
 }  // namespace
