@@ -4,6 +4,7 @@
 // the fibre's force up to it and its velocity down to the tip with the scene's one Scaling.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -60,8 +61,8 @@ inline double hand_depth(const HandPose& hand, double entrance = 0) noexcept {
 
 // Cuts the translation of `velocity` to `speed` [m/s], direction kept.
 inline HandTwist limit_speed(HandTwist velocity, double speed) noexcept {
-  const double v = velocity.head<3>().norm();
-  if (v > speed) velocity.head<3>() *= speed / v;
+  const double squared = velocity.head<3>().squaredNorm();
+  if (squared > speed * speed) velocity.head<3>() *= speed / std::sqrt(squared);
   return velocity;
 }
 

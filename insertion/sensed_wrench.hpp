@@ -38,7 +38,11 @@ class SensedWrench {
   // A reading every `period` [s].
   SensedWrench(const Scaling& scaling, const ForceSensor& sensor, double period,
                const Tare& tare = {}) noexcept
-      : scaling_(scaling), sensor_(sensor), period_(period), tare_(tare) {}
+      : scaling_(scaling),
+        sensor_(sensor),
+        period_(period),
+        tare_(tare),
+        newest_(std::min(1.0, period / tare.time)) {}
 
   // Reads `holder`, of the fibre on the holder at the tip's scale [N, N m], with the holder at
   // `x` [m].
@@ -49,9 +53,10 @@ class SensedWrench {
     const bool begins = readings_++ * period_ < tare_.time;
     if (begins || (tare_.time > 0 && x > tare_.free_beyond)) {
       // A mean of all until there are enough for the time constant.
-      if (!first)
-        *at_rest_ +=
-            std::max(std::min(1.0, period_ / tare_.time), 1.0 / ++free_) * (absolute_ - *at_rest_);
+      if (!first) {
+        ++free_;
+        *at_rest_ += (free_ * newest_ < 1 ? 1.0 / free_ : newest_) * (absolute_ - *at_rest_);
+      }
       relative_.setZero();
       return;
     }
@@ -78,6 +83,7 @@ class SensedWrench {
   ForceSensor sensor_;
   double period_;
   Tare tare_;
+  double newest_;  // its share in the tare
   std::optional<HandWrench> at_rest_;
   int readings_ = 0, free_ = 0;  // all, and those in free air after the first
   HandWrench absolute_ = HandWrench::Zero(), relative_ = HandWrench::Zero();

@@ -27,9 +27,9 @@ InsertionWatch::InsertionWatch(const Scene& scene, const State& start) noexcept
 std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept {
   const State& now = result.state;
   const Breakdown& f = result.forces;
-  const double force = holder_force(scene_.world, f).norm();
+  const double force = holder_force(scene_.world, f).squaredNorm();  // [N^2]
   summary_.time = now.time;
-  summary_.peak_force = std::max(summary_.peak_force, force);
+  if (force > summary_.peak_force * summary_.peak_force) summary_.peak_force = std::sqrt(force);
   const Vector3d move = (now.tip - tip_before_).head<3>();
   for (const PointForce& friction : f[Term::friction])
     summary_.friction_work += std::max(0.0, -friction.force.dot(move));
@@ -45,7 +45,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
       result.status == StepStatus::capped || result.status == StepStatus::not_converged;
 
   if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
-  if (force > scene_.limits.force) {
+  if (force > scene_.limits.force * scene_.limits.force) {
     if (now.contact[kEnd].closed && now.side == EdgeSide::face) return Outcome::missed;
     if (now.contact[kEnd].closed && now.contact[kSide].closed) return Outcome::jam;
     return Outcome::force_limit;

@@ -23,30 +23,31 @@ bool flies_free(const World& world, const State& state, const Pose& command) noe
          reach;
 }
 
-// At least so far is the rim of an end at `p` from the walls of the opening, in which all of it is,
-// in front of the bore [m]; else negative.
-double room_in_opening(const World& world, const Pose& p) noexcept {
+// How far the rim of an end at `p` is at least from the walls of the opening, across the bore, where
+// all of it is in front of the bore [m]; else negative.
+double room_across(const World& world, const Pose& p) noexcept {
   const FerruleProfile& profile = world.profile;
   const double r = world.annulus.fibre_radius;
-  const double low = p[0] - r * (p.tail<2>().norm() + world.end.cleave.norm());
+  const double low = p[0] - r * (std::abs(p[3]) + std::abs(p[4]) + world.end.cleave.norm());
   if (!(low > 0)) return -1;
   const double wall =
       profile.bore_radius + std::min(low, profile.lead_in_length) * profile.lead_in_tangent;
-  const double room = wall - world.oval.amplitude - p.segment<2>(1).norm() - r;
-  return room / std::sqrt(1 + profile.lead_in_tangent * profile.lead_in_tangent);
+  return wall - world.oval.amplitude - p.segment<2>(1).norm() - r;
 }
 
 // In the opening before and after, and so all the way, its free part being convex, and too far from
 // its walls to adhere. A particle may reach out of the bore.
 bool hangs_in_opening(const World& world, const State& state, const Pose& command) noexcept {
   if (!(std::min(state.tip[0], command[0]) > 0) || world.dynamics == Dynamics::inertial ||
-      world.laws.particle)
+      world.laws.particle || state.contact[kEnd].closed)
     return false;
-  const double room = std::min(room_in_opening(world, state.tip),
-                               room_in_opening(world, command + world.holder.sag));
+  const double across =
+      std::min(room_across(world, state.tip), room_across(world, command + world.holder.sag));
+  const double tangent = world.profile.lead_in_tangent;
+  const double room = across / std::sqrt(1 + tangent * tangent);
   if (!(room > kEdgeRounding)) return false;
   const AdhesionForce pull = adhesion_force(world.laws, kEdgeRounding - room, 0);
-  return pull.force == 0 && pull.branch == 0 && !state.contact[kEnd].closed;
+  return pull.force == 0 && pull.branch == 0;
 }
 
 }  // namespace

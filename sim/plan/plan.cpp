@@ -31,7 +31,7 @@ constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid
 
 constexpr double kLocatesEvents = 1e-9;   // the hand's travel in one that is located, at most [m]
 constexpr double kFinestForSteps = 1e-4;  // what a step with drag is compared with [s]
-constexpr double kTangent = 0.1;          // of the tolerance, along a tangent
+constexpr double kTangent = 0.3;          // of the tolerance, along a tangent
 
 // Terms that may be left out together, and what that changes at most.
 struct LeftOut {

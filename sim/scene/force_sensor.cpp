@@ -1,5 +1,6 @@
 #include "sim/scene/force_sensor.hpp"
 
+#include <boost/random/normal_distribution.hpp>
 #include <cmath>
 
 #include "sim/elementary.hpp"
@@ -28,21 +29,17 @@ ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,
   }
   if (model_.vibration > 0)
     for (int i = 0; i < 5; ++i) {
-      const auto [a, b] = random_.two_normals();
+      const double a = random_.normal(), b = random_.normal();
       const double amplitude = std::numbers::sqrt2 * model_.vibration / std::sqrt(a * a + b * b);
       swing_[i] = amplitude * a;
       swing_across_[i] = amplitude * b;
     }
 }
 
+// By a ziggurat (Marsaglia and Tsang, 2000), which takes no logarithm.
 Wrench ForceSensor::normals() noexcept {
-  Wrench all;
-  for (int i = 0; i < 5; i += 2) {
-    const auto [a, b] = random_.two_normals();
-    all[i] = a;
-    if (i + 1 < 5) all[i + 1] = b;
-  }
-  return all;
+  boost::random::normal_distribution<double> normal;
+  return Wrench::NullaryExpr([&] { return normal(random_); });
 }
 
 Wrench ForceSensor::bias_after(double period) noexcept {

@@ -26,10 +26,9 @@ double RandomStream::uniform() noexcept {
   return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53;
 }
 
-std::array<double, 2> RandomStream::two_normals() noexcept {
+double RandomStream::normal() noexcept {
   const double radius = std::sqrt(-2 * elementary::log(uniform()));
-  const double angle = 2 * std::numbers::pi * uniform();
-  return {radius * elementary::cos(angle), radius * elementary::sin(angle)};
+  return radius * elementary::cos(2 * std::numbers::pi * uniform());
 }
 
 }  // namespace ferrule

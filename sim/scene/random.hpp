@@ -30,9 +30,13 @@ class RandomStream {
   // Uniform in (0, 1).
   double uniform() noexcept;
   // Standard normal (Box and Muller 1958).
-  double normal() noexcept { return two_normals()[0]; }
-  // Two independent ones, of which that is the first.
-  std::array<double, 2> two_normals() noexcept;
+  double normal() noexcept;
+
+  // The bits as the distributions of libraries take them.
+  using result_type = std::uint64_t;
+  static constexpr result_type min() noexcept { return 0; }
+  static constexpr result_type max() noexcept { return ~result_type{0}; }
+  result_type operator()() noexcept { return bits(); }
 
  private:
   std::array<std::uint32_t, 2> key_;

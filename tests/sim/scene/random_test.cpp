@@ -37,22 +37,5 @@ TEST(RandomStream, HasTheMomentsOfItsDistributions) {
   EXPECT_CLOSE(z4 / n, 3, 0.05);
 }
 
-TEST(RandomStream, TwoNormalsKnowNothingOfEachOther) {
-  RandomStream random(6, 0, Draw::sensor), same(6, 0, Draw::sensor);
-  const int n = 200000;
-  double second = 0, squares = 0, both = 0, of_squares = 0;
-  for (int i = 0; i < n; ++i) {
-    const auto [a, b] = random.two_normals();
-    EXPECT_EQ(a, same.normal());
-    second += b, squares += b * b, both += a * b, of_squares += (a * a - 1) * (b * b - 1);
-  }
-  // Five standard errors: sqrt(1/n), sqrt(2/n), sqrt(1/n), 2 sqrt(1/n).
-  const double error = 5 / std::sqrt(n);
-  EXPECT_LT(std::abs(second / n), error);
-  EXPECT_LT(std::abs(squares / n - 1), 1.5 * error);
-  EXPECT_LT(std::abs(both / n), error);
-  EXPECT_LT(std::abs(of_squares / n), 2 * error);
-}
-
 }  // namespace
 }  // namespace ferrule
