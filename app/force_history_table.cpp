@@ -109,20 +109,26 @@ Json to_json(const TermActivity& t) {
 }
 
 std::string to_text(const FeltDifference& d) {
+  const auto part = [](const FeltApart& of, const char* where) {
+    return fmt::format("; where {} in {} of {}, by {:.3g} N in the median and {:.3g} N at most",
+                       where, percent(of.noticed), of.stretches, of.median, of.largest);
+  };
   return fmt::format(
-      "at the same place, 1 um at a time, what is felt differs noticeably in {} of {}, and where "
-      "either touches in {} of {}: by {:.3g} N in the median and {:.3g} N at most\n",
-      percent(d.noticed), d.stretches, percent(d.noticed_touching), d.touching, d.median,
-      d.largest);
+      "at the same place, 1 um at a time, what is felt differs noticeably in {} of {}{}{}\n",
+      percent(d.all.noticed), d.all.stretches, part(d.either_touches, "either touches"),
+      part(d.both_touch, "both touch"));
 }
 
 Json to_json(const FeltDifference& d) {
-  return {{"places", d.stretches},
-          {"places_touching", d.touching},
-          {"share_noticed", number_or_null(d.noticed)},
-          {"share_noticed_touching", number_or_null(d.noticed_touching)},
-          {"median_N", d.median},
-          {"largest_N", d.largest}};
+  return {{"places", d.all.stretches},
+          {"share_noticed", number_or_null(d.all.noticed)},
+          {"places_touching", d.either_touches.stretches},
+          {"share_noticed_touching", number_or_null(d.either_touches.noticed)},
+          {"median_N", d.either_touches.median},
+          {"largest_N", d.either_touches.largest},
+          {"places_both_touch", d.both_touch.stretches},
+          {"share_noticed_both_touch", number_or_null(d.both_touch.noticed)},
+          {"median_both_touch_N", d.both_touch.median}};
 }
 
 Plot history_plot(const Episode& episode, const Scene& scene) {

@@ -35,19 +35,31 @@ std::map<long, Stretch> stretches(const Episode& episode, const Scene& scene) {
   return places;
 }
 
-double share(std::size_t part, std::size_t all) {
-  return all ? static_cast<double>(part) / static_cast<double>(all)
-             : std::numeric_limits<double>::quiet_NaN();
-}
+// Collects stretches.
+class Apart {
+ public:
+  void add(double difference, bool told_apart) {
+    sizes_.push_back(difference);
+    noticed_ += told_apart;
+  }
+  FeltApart result() {
+    if (sizes_.empty()) return {0, std::numeric_limits<double>::quiet_NaN(), 0, 0};
+    std::sort(sizes_.begin(), sizes_.end());
+    return {sizes_.size(), noticed_ / static_cast<double>(sizes_.size()), sizes_[sizes_.size() / 2],
+            sizes_.back()};
+  }
+
+ private:
+  std::vector<double> sizes_;
+  double noticed_ = 0;
+};
 
 }  // namespace
 
 FeltDifference felt_difference(const Episode& a, const Scene& scene_a, const Episode& b,
                                const Scene& scene_b) {
   const std::map<long, Stretch> in_a = stretches(a, scene_a), in_b = stretches(b, scene_b);
-  FeltDifference d;
-  std::size_t noticed = 0, noticed_touching = 0;
-  std::vector<double> sizes;
+  Apart all, either, both;
   for (const auto& [place, of_a] : in_a) {
     const auto found = in_b.find(place);
     if (found == in_b.end()) continue;
@@ -55,20 +67,11 @@ FeltDifference felt_difference(const Episode& a, const Scene& scene_a, const Epi
     const double difference = (of_a.felt() - of_b.felt()).norm();
     const double larger = std::max(of_a.felt().norm(), of_b.felt().norm());
     const bool told_apart = difference >= std::max(kNoticedForce, kNoticedShare * larger);
-    ++d.stretches;
-    noticed += told_apart;
-    if (!of_a.touches() && !of_b.touches()) continue;
-    ++d.touching;
-    noticed_touching += told_apart;
-    sizes.push_back(difference);
+    all.add(difference, told_apart);
+    if (of_a.touches() || of_b.touches()) either.add(difference, told_apart);
+    if (of_a.touches() && of_b.touches()) both.add(difference, told_apart);
   }
-  d.noticed = share(noticed, d.stretches);
-  d.noticed_touching = share(noticed_touching, d.touching);
-  if (sizes.empty()) return d;
-  std::sort(sizes.begin(), sizes.end());
-  d.median = sizes[sizes.size() / 2];
-  d.largest = sizes.back();
-  return d;
+  return {all.result(), either.result(), both.result()};
 }
 
 }  // namespace ferrule

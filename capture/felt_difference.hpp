@@ -11,11 +11,17 @@
 
 namespace ferrule {
 
+// Of some of the stretches.
+struct FeltApart {
+  std::size_t stretches = 0;
+  double noticed = 0;  // share of them where the two are told apart [-]; NaN: there is none
+  double median = 0, largest = 0;  // of |F_a - F_b| [N]; 0: none
+};
+
+// One touches a stretch that touches in half of its rows. Where one touches and the other does not,
+// they differ by where the hands went, too: so do two recordings of one scene.
 struct FeltDifference {
-  std::size_t stretches = 0, touching = 0;  // compared; those where either touches in half the rows
-  double noticed = 0;  // share of all stretches where the two are told apart [-]; NaN: none
-  double noticed_touching = 0;     // of those where either touches [-]; NaN: there is none
-  double median = 0, largest = 0;  // of |F_a - F_b| where either touches [N]; 0: never
+  FeltApart all, either_touches, both_touch;
 };
 
 // Of two episodes recorded in `scene_a` and `scene_b`, one row at least each.

@@ -36,10 +36,10 @@ class Experiment(Case):
         for k in range(1, 9):
             told.append(self.forces("adhesive", k, "--against", self.episode("laser", k)))
             alike.append(self.forces("laser", k, "--against", self.episode("laser", k + 1)))
-        noticed, chance = ([run["against"]["share_noticed_touching"] for run in runs]
-                           for runs in (told, alike))
-        self.assertGreater(min(noticed), 0.5)
-        self.assertLess(sorted(chance)[4], 0.3)
+        for where in ("share_noticed_touching", "share_noticed_both_touch"):
+            noticed, chance = ([run["against"][where] for run in runs] for runs in (told, alike))
+            self.assertGreater(min(noticed), 0.5, where)
+            self.assertLess(sorted(chance)[4], 0.3, where)
         for run in told:
             self.assertGreater(run["against"]["largest_N"], 0.3)
 

@@ -266,6 +266,7 @@ class Forces(Case):
         self.assertEqual(against["file"], files[1])
         self.assertGreater(against["places"], 10)
         self.assertLessEqual(against["places_touching"], against["places"])
+        self.assertLessEqual(against["places_both_touch"], against["places_touching"])
         self.assertLessEqual(against["median_N"], against["largest_N"])
         itself = json.loads(self.done("forces", files[0], "--against", files[0], "--json").stdout)
         self.assertEqual(itself["against"]["share_noticed"], 0)
