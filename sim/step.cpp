@@ -421,14 +421,15 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   const double travel = travel_of(world, result.state, command);
   const double shortest = std::max(world.numerics.event_travel, travel / kMostDivided);
   const double first = first_part(world, result.state, command);
-  // Something happens between these parts of the way, about there.
+  // Something happens between the first two of these parts of the way, about at the third.
   double done = 0, beyond = INFINITY, event = NAN;
-  const double near = 0.5 * shortest / travel;
+  const double near = 0.5 * shortest / travel;  // half a shortest sub-step
   while (done < 1) {
     const int left = end - result.evaluations;
     double to = done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
     bool divisible = (to - done) * travel > std::max(shortest, 1.01 * kEdgeStep);
     if (beyond <= 1) {
+      // Up to just before it, past it, or, where it is not known, to the middle.
       to = event > done + 2 * near      ? event - near
            : event + near > done        ? event + near
            : (beyond - done) > 2 * near ? 0.5 * (done + beyond)
@@ -443,7 +444,7 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     const Advance went =
         advance(world, goal, (to - done) * dt, last ? left : left - kReserve, divisible, result);
     if (!went.taken) {
-      const bool halved = !(beyond <= 1) || to - done < 0.6 * (beyond - done);
+      const bool halved = !(beyond <= 1) || to - done < 0.6 * (beyond - done);  // else it misleads
       event = halved ? done + went.where * (to - done) : NAN;
       beyond = to;
       ++result.halvings;
