@@ -28,7 +28,7 @@ bool flies_free(const World& world, const State& state, const Pose& command) noe
 double room_across(const World& world, const Pose& p) noexcept {
   const FerruleProfile& profile = world.profile;
   const double r = world.annulus.fibre_radius;
-  const double low = p[0] - r * (std::abs(p[3]) + std::abs(p[4]) + world.end.cleave.norm());
+  const double low = p[0] - r * (p.tail<2>().norm() + world.end.cleave.norm());
   if (!(low > 0)) return -1;
   const double wall =
       profile.bore_radius + std::min(low, profile.lead_in_length) * profile.lead_in_tangent;

@@ -14,7 +14,7 @@ struct LastStep {
   double force;  // of the sum of all forces
   double move;   // of the clearance
 };
-constexpr LastStep kLastStep = {1e-3, 1e-4};
+constexpr LastStep kLastStep = {5e-4, 1e-4};
 constexpr LastStep kLastStepInWell = {kNearForce, 2e-5};  // near printed surfaces
 constexpr double kNearWall = 10e-9;  // moves that begin so near to a wall go along it [m]
 constexpr double kShortestLever =
