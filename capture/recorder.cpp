@@ -110,8 +110,8 @@ Journal parse_journal(const std::string& text, std::size_t line, const std::stri
   const std::size_t rows =
       (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
   Numbers numbers(static_cast<Eigen::Index>(rows), width);
-  std::memcpy(numbers.data(), text.data() + line + 1,
-              static_cast<std::size_t>(numbers.size()) * sizeof(double));
+  text.copy(reinterpret_cast<char*>(numbers.data()),
+            static_cast<std::size_t>(numbers.size()) * sizeof(double), line + 1);
   const Eigen::Index sound = sound_rows(info, numbers);
   journal.damaged = rows - static_cast<std::size_t>(sound);
   journal.episode.rows = numbers.topRows(sound).leftCols<kRowSize>();

@@ -116,6 +116,21 @@ TEST(Recover, TakesWhatIsWholeOfATornJournal) {
   EXPECT_FALSE(fs::exists(journal));
 }
 
+TEST(Recover, LeavesAJournalThatHasNoRowsYet) {
+  const testing::TemporaryFolder folder;
+  std::string header;
+  {
+    Recorder recorder(folder.path(), 1, testing::info_of(quick(), 1, 1));
+    std::ifstream file(folder / "episode_0001.part");
+    std::getline(file, header);
+  }
+  std::ofstream(folder / "episode_0001.part") << header << '\n';  // as a killed process leaves it
+  const auto recovered = recover(folder.path());
+  ASSERT_EQ(recovered.size(), 1u);
+  EXPECT_EQ(recovered[0].rows, 0u);
+  EXPECT_TRUE(recovered[0].file.empty());
+}
+
 TEST(Recover, LeavesAJournalAloneThatIsBeingWritten) {
   const testing::TemporaryFolder folder;
   const Scene scene = quick();
