@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bench/hand_work.hpp"
 #include "sim/measure.hpp"
 #include "sim/potential.hpp"
 #include "sim/scene/scene.hpp"
@@ -21,7 +22,7 @@ Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
 }
 
 // Runs a motion and remembers whether anything was not finite or not converged, and the work of the
-// hand: it moves while the fibre holds still, then the fibre gives way.
+// hand.
 struct Run {
   const World& world;
   State state;
@@ -29,15 +30,11 @@ struct Run {
   double dt = 1e-3;
   bool finite = true;
   long steps = 0, not_converged = 0;
-  double work = 0, turned = 0;
+  HandWork work{world, state};
 
   void to(const Pose& hand) {
-    const double more = world.holder.work_of_hand(state.tip, state.command, hand);
     const StepResult r = step(world, state, hand, dt);
-    if (r.status != StepStatus::bad_command) {
-      work += more;
-      turned += std::abs(more);
-    }
+    if (r.status != StepStatus::bad_command) work.move(state, hand);
     state = r.state;
     forces = r.forces;
     finite = finite && to_row(state).allFinite() && forces.holder.allFinite();
@@ -56,7 +53,7 @@ struct Run {
     out[0] = start.command[0] + 100e-6;
     sweep(out, n);
     sweep(start.command, n);
-    return work < -1e-9 * turned || (state.tip - start.tip).head<3>().norm() > 1e-12;
+    return work.gained(state) || (state.tip - start.tip).head<3>().norm() > 1e-12;
   }
 };
 

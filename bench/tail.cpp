@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "bench/hand_work.hpp"
 #include "bench/random_scene.hpp"
 #include "sim/measure.hpp"
 #include "sim/scene/draw.hpp"
@@ -15,8 +16,6 @@ namespace {
 constexpr double kLongUs = 5;  // steps that take longer are measured again
 constexpr int kAgain = 4;
 constexpr double kMostSteps = 4000;  // of a motion in a random scene
-constexpr double kGain = -1e-9;      // of the work turned over
-constexpr double kReturned = 0.1;    // of the clearance: a loop ends so near to where it began
 
 struct Sample {
   TailRow row;
@@ -37,11 +36,9 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
            Sample& sample) {
   const World& world = scene.world;
   State state = start;
-  double work = 0, turned = 0;
+  HandWork work(world, start);
   for (const Pose& to : hand) {
-    const double more = world.holder.work_of_hand(state.tip, state.command, to);
-    work += more;
-    turned += std::abs(more);
+    work.move(state, to);
     double us = 0;
     const StepResult result = timed_step(world, state, to, dt, us);
     for (int n = 0; n < kAgain && us > kLongUs; ++n) {
@@ -56,11 +53,8 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
     sample.us.push_back(static_cast<float>(us));
     sample.evaluations.push_back(result.evaluations);
   }
-  // An end that is left elsewhere, sucked into the bore or stuck to it, has given energy back.
-  const bool is_loop =
-      (state.tip - start.tip).head<3>().norm() < kReturned * world.annulus.clearance();
-  sample.row.loops += is_loop;
-  sample.row.loops_that_gained += is_loop && !(work >= kGain * turned);
+  ++sample.row.loops;
+  sample.row.loops_that_gained += work.gained(state);
 }
 
 template <class T>

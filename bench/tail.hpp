@@ -16,7 +16,8 @@ struct TailRow {
   // Time of one step. What is longer than some microseconds is measured again, from the same state,
   // and the least counts: the rest is the machine's.
   double p9999_us = 0, worst_us = 0;
-  // Hand motions that end where they began, in free air, and those in which the hand got work out.
+  // Hand motions that end where they began, and those in which the fibre gained energy
+  // (bench/hand_work.hpp).
   long loops = 0, loops_that_gained = 0;
 };
 

@@ -6,6 +6,7 @@
 
 #include <cmath>
 
+#include "bench/hand_work.hpp"
 #include "sim/scene/random.hpp"
 #include "sim/state.hpp"
 #include "sim/step.hpp"
@@ -22,7 +23,7 @@ inline void expect_no_energy_gained(const World& world, const Pose& start,
                                     const ClosedMotion& motion, RandomStream& random) {
   State state = at_rest(world, start);
   Pose hand = state.command;
-  double work = 0, turned = 0;
+  HandWork work(world, state);
   for (int n = 0; n < motion.all; ++n) {
     if (n < motion.wandering)
       for (int i = 0; i < 5; ++i)
@@ -30,15 +31,13 @@ inline void expect_no_energy_gained(const World& world, const Pose& start,
                    (i == 0 && n < motion.inwards ? motion.drift : 0);
     else
       hand += (start - hand) / (motion.all - n);
-    const double done = world.holder.work_of_hand(state.tip, state.command, hand);
-    work += done;
-    turned += std::abs(done);
+    work.move(state, hand);
     const StepResult r = step(world, state, hand, 1e-3);
     ASSERT_LE(r.evaluations, kMostEvaluations);
     ASSERT_TRUE(to_row(r.state).allFinite());
     state = r.state;
   }
-  EXPECT_GE(work, -1e-9 * turned);
+  EXPECT_FALSE(work.gained(state));
 }
 
 }  // namespace ferrule::testing

@@ -98,10 +98,7 @@ class Bench(Case):
             self.assertLess(row["evaluations_max"], 60)
             self.assertLessEqual(row["evaluations_p9999"], row["evaluations_max"])
             self.assertLessEqual(row["p9999_us"], row["worst_us"])
-            # A loop ends where it began: in `dry` the end stays on the cone.
-            self.assertLessEqual(row["loops"], 6 if row["scene"] == "random" else 2)
-            if row["scene"] not in ("dry", "random"):
-                self.assertEqual(row["loops"], 2, row)
+            self.assertEqual(row["loops"], 6 if row["scene"] == "random" else 2)
             self.assertEqual(row["loops_that_gained"], 0)
         self.refused(2, "bench", "tail", "--scenes", 0, says=["--scenes"])
 
