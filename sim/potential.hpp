@@ -76,6 +76,8 @@ struct FrozenCoefficients {
 
   bool inertial = false;
   bool second_order = false;  // this step is one of BDF2
+
+  bool rubs() const noexcept { return friction[kEnd].acts || friction[kSide].acts; }
 };
 
 // For a step from `state` to `command` over `dt` [s], which is only looked at where drag

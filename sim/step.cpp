@@ -6,6 +6,7 @@
 #include "sim/free_flight.hpp"
 #include "sim/friction_limits.hpp"
 #include "sim/minimum.hpp"
+#include "sim/prediction.hpp"
 #include "sim/tangent.hpp"
 
 namespace ferrule {
@@ -17,105 +18,13 @@ constexpr int kFewEvaluations = 5;   // of a sub-step that may still be shortene
 constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
 constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
-constexpr int kLocated = 8;          // bisections of the way to where a contact begins
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
 constexpr double kStaysNear = 2e-2;  // of the sum of all forces
 constexpr int kMostSettling = 12;
 constexpr int kLimitEvaluations = 16;  // for the limits of friction, in one sub-step
-constexpr double kShortMove = 0.1;     // of the clearance: as far as a prediction reaches
-constexpr double kLargestMiss = 0.3;   // of the gradient, that a prediction may leave there
 constexpr double kTurnedBy = 0.02;     // squared sine of the angle that a contact may turn by
 constexpr double kSnap = 10;           // a snap moves the end by so many times the command's way
-
-bool rubs(const FrozenCoefficients& frozen) noexcept {
-  return frozen.friction[kEnd].acts || frozen.friction[kSide].acts;
-}
-
-// Where the linearization of the last step says that this one ends: a Newton step from there,
-// without an evaluation of the potential.
-struct Prediction {
-  bool valid = false;
-  PoseVector tip;
-  Eliminated hessian;
-  PoseVector move = {};
-  double slope = 0;  // of the energy along the move where it begins [J]
-};
-
-// Is friction after a move what it was taken to be, slipping on or stuck?
-bool rubs_on(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
-             const FrozenCoefficients& after, const PoseVector& tip,
-             const PoseVector& move) noexcept {
-  for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    const FrozenFriction& friction = before[at];
-    if (!friction.acts) continue;
-    const Vector3d now = stretch(world, after, static_cast<int>(at), tip);
-    const Vector3d next = now + stretch_by(world, after, static_cast<int>(at), move);
-    const double length = now.norm(), length_then = next.norm();
-    const bool slipped = friction.stiffness * length > kSlipsOn * friction.limit;
-    if (slipped != after.friction[at].slips(next)) return false;
-    if (slipped && next.dot(now) < (1 - 0.5 * kTurned * kTurned) * length * length_then)
-      return false;
-  }
-  return true;
-}
-
-// A Newton step and what the friction limits change along it. Limit and depth may hold each other
-// in check within far less than either alone would change: to first order they change together from
-// where the step begins.
-bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
-                     Prediction& end, NewtonStep& newton) noexcept {
-  const auto first = frozen.friction;
-  newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
-  auto move = FrictionLimits(world, frozen, end.tip, kSlipsOn).settle(newton, frozen);
-  if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
-    frozen.friction = first;
-    newton = NewtonStep(world, frozen, here, end.tip);
-    if (!newton.convex) return false;
-    move = FrictionLimits(world, frozen, moved_along(world, frozen, end.tip, newton.move), 1)
-               .settle(newton, frozen);
-  }
-  if (move) end.move = *move;
-  return move.has_value();
-}
-
-Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
-  Prediction end;
-  end.tip = state.tip;
-  if (!state.linearization || state.linearization->at != state.tip) return end;
-  const Linearization& bore = *state.linearization;
-  Energy here = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
-  here.gradient += bore.curvature;
-  const bool rubbing = rubs(frozen);
-  NewtonStep newton(world, frozen, here, end.tip, rubbing ? 0 : 1);
-  if (rubbing) {
-    if (!predict_rubbing(world, here, frozen, end, newton)) return end;
-  } else {
-    if (!newton.convex) return end;
-    end.move = newton.move;
-  }
-  const double way = travel_of(world, frozen, end.move);
-  if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
-  end.hessian = newton.hessian;
-  end.slope = std::abs(end.move.dot(newton.model.gradient));
-  end.tip = moved_along(world, frozen, state.tip, end.move);
-  end.valid = true;
-  return end;
-}
-
-// The corrector: goes on from the prediction, evaluated there. False where the prediction is too
-// far from a minimum.
-bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
-             const PoseVector& curvature, Minimum& found) noexcept {
-  const Potential& there = found.there;
-  if (!(std::abs(end.move.dot(there.gradient)) <= kLargestMiss * end.slope)) return false;
-  found.iterations = 1;
-  found.curvature = curvature;
-  found.curvature += there.gradient;
-  if (residual(world, there.gradient) <= kNearForce * there.force_scale)
-    final_newton_step(world, frozen, end.hessian.solve(there.gradient), found);
-  return true;
-}
 
 // Contacts after a step that has moved the end: new ones stick where they are, slipping ones drag
 // their stuck point along. Where a contact moves on over the fibre it is another material point's,
@@ -230,30 +139,6 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
-// Where on the way to its prediction, evaluated there, an open contact begins, as its depth goes to
-// first order; NaN where none does.
-double first_touch(const World& world, const State& before, const Prediction& end,
-                   const Potential& there) noexcept {
-  double first = 1;
-  for (std::size_t place = 0; place < kContactPlaces; ++place) {
-    const ContactDepth& depth = there.depth[place];
-    const ContactState& was = before.contact[place];
-    if (was.closed || was.branch != 0 || depth.value == -INFINITY) continue;
-    const double way = depth.by_pose(end.tip.t).dot(end.move);
-    const auto touches = [&](double part) {
-      const double d = depth.value - (1 - part) * way;
-      return d > 0 || adhesion_force(world.laws, d, 0).branch != 0;
-    };
-    if (!touches(first)) continue;
-    double low = 0;
-    for (int n = 0; n < kLocated; ++n) {
-      const double middle = 0.5 * (low + first);
-      (touches(middle) ? first : low) = middle;
-    }
-  }
-  return first < 1 ? first : NAN;
-}
-
 // Ends the friction of contacts that have come apart; whether there were any.
 bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen) noexcept {
   bool any = false;
@@ -330,7 +215,7 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     found.tip = state.tip;
     found.there = Potential(world, frozen, state.tip);
     ++found.evaluations;
-  } else if (end.valid && rubs(frozen) &&
+  } else if (end.valid && frozen.rubs() &&
              residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) {
     settled = settle_limits(world, before, few, frozen, found);
   }
@@ -346,7 +231,7 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     minimise(world, frozen, few, side == frozen.contact.side, found, before);
     if (found.evaluations == spent + 1) break;
   }
-  if (found.converged && !settled && rubs(frozen)) {
+  if (found.converged && !settled && frozen.rubs()) {
     const FrozenCoefficients held = frozen;
     const Minimum minimum = found;
     settle_limits(world, before, std::min(most_evaluations, found.evaluations + kLimitEvaluations),

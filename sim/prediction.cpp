@@ -1,0 +1,111 @@
+#include "sim/prediction.hpp"
+
+#include <cmath>
+
+#include "sim/friction_limits.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kShortMove = 0.1;    // of the clearance: as far as a prediction reaches
+constexpr double kLargestMiss = 0.3;  // of the gradient, that a prediction may leave there
+constexpr int kLocated = 8;           // bisections of the way to where a contact begins
+
+// Is friction after a move what it was taken to be, slipping on or stuck?
+bool rubs_on(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
+             const FrozenCoefficients& after, const PoseVector& tip,
+             const PoseVector& move) noexcept {
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = before[at];
+    if (!friction.acts) continue;
+    const Vector3d now = stretch(world, after, static_cast<int>(at), tip);
+    const Vector3d next = now + stretch_by(world, after, static_cast<int>(at), move);
+    const double length = now.norm(), length_then = next.norm();
+    const bool slipped = friction.stiffness * length > kSlipsOn * friction.limit;
+    if (slipped != after.friction[at].slips(next)) return false;
+    if (slipped && next.dot(now) < (1 - 0.5 * kTurned * kTurned) * length * length_then)
+      return false;
+  }
+  return true;
+}
+
+// A Newton step and what the friction limits change along it. Limit and depth may hold each other
+// in check within far less than either alone would change: to first order they change together from
+// where the step begins.
+bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
+                     Prediction& end, NewtonStep& newton) noexcept {
+  const auto first = frozen.friction;
+  newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
+  auto move = FrictionLimits(world, frozen, end.tip, kSlipsOn).settle(newton, frozen);
+  if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
+    frozen.friction = first;
+    newton = NewtonStep(world, frozen, here, end.tip);
+    if (!newton.convex) return false;
+    move = FrictionLimits(world, frozen, moved_along(world, frozen, end.tip, newton.move), 1)
+               .settle(newton, frozen);
+  }
+  if (move) end.move = *move;
+  return move.has_value();
+}
+
+}  // namespace
+
+Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
+  Prediction end;
+  end.tip = state.tip;
+  if (!state.linearization || state.linearization->at != state.tip) return end;
+  const Linearization& bore = *state.linearization;
+  Energy here = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
+  here.gradient += bore.curvature;
+  const bool rubbing = frozen.rubs();
+  NewtonStep newton(world, frozen, here, end.tip, rubbing ? 0 : 1);
+  if (rubbing) {
+    if (!predict_rubbing(world, here, frozen, end, newton)) return end;
+  } else {
+    if (!newton.convex) return end;
+    end.move = newton.move;
+  }
+  const double way = travel_of(world, frozen, end.move);
+  if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
+  end.hessian = newton.hessian;
+  end.slope = std::abs(end.move.dot(newton.model.gradient));
+  end.tip = moved_along(world, frozen, state.tip, end.move);
+  end.valid = true;
+  return end;
+}
+
+bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
+             const PoseVector& curvature, Minimum& found) noexcept {
+  const Potential& there = found.there;
+  if (!(std::abs(end.move.dot(there.gradient)) <= kLargestMiss * end.slope)) return false;
+  found.iterations = 1;
+  found.curvature = curvature;
+  found.curvature += there.gradient;
+  if (residual(world, there.gradient) <= kNearForce * there.force_scale)
+    final_newton_step(world, frozen, end.hessian.solve(there.gradient), found);
+  return true;
+}
+
+double first_touch(const World& world, const State& before, const Prediction& end,
+                   const Potential& there) noexcept {
+  double first = 1;
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    const ContactDepth& depth = there.depth[place];
+    const ContactState& was = before.contact[place];
+    if (was.closed || was.branch != 0 || depth.value == -INFINITY) continue;
+    const double way = depth.by_pose(end.tip.t).dot(end.move);
+    const auto touches = [&](double part) {
+      const double d = depth.value - (1 - part) * way;
+      return d > 0 || adhesion_force(world.laws, d, 0).branch != 0;
+    };
+    if (!touches(first)) continue;
+    double low = 0;
+    for (int n = 0; n < kLocated; ++n) {
+      const double middle = 0.5 * (low + first);
+      (touches(middle) ? first : low) = middle;
+    }
+  }
+  return first < 1 ? first : NAN;
+}
+
+}  // namespace ferrule
