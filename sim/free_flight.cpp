@@ -8,15 +8,12 @@
 namespace ferrule {
 namespace {
 
-// Nothing near the fibre now or where it is commanded to, and no inertia: it hangs on the holder
-// alone.
-bool flies_free(const World& world, const State& state, const Pose& command) noexcept {
-  if (world.dynamics == Dynamics::inertial) return false;
+// Nothing near the fibre now or at its `goal`.
+bool flies_free(const World& world, const State& state, const Pose& goal) noexcept {
   const double lever = world.annulus.fibre_radius;
   const double reach =
       world.profile.lead_in_length + world.annulus.clearance() + lever * world.end.cleave.norm();
   if (!(std::min(state.tip[0], state.command[0]) > reach)) return false;
-  const Pose goal = command + world.holder.sag;
   const auto tilt = [](const Pose& p) { return std::abs(p[3]) + std::abs(p[4]); };
   return std::min({state.tip[0], state.command[0], goal[0]}) -
              lever * (tilt(state.tip) + tilt(goal)) >
@@ -37,12 +34,10 @@ double room_across(const World& world, const Pose& p) noexcept {
 
 // In the opening before and after, and so all the way, its free part being convex, and too far from
 // its walls to adhere. A particle may reach out of the bore.
-bool hangs_in_opening(const World& world, const State& state, const Pose& command) noexcept {
-  if (!(std::min(state.tip[0], command[0]) > 0) || world.dynamics == Dynamics::inertial ||
-      world.laws.particle || state.contact[kEnd].closed)
+bool hangs_in_opening(const World& world, const State& state, const Pose& goal) noexcept {
+  if (!(std::min(state.tip[0], goal[0]) > 0) || world.laws.particle || state.contact[kEnd].closed)
     return false;
-  const double across =
-      std::min(room_across(world, state.tip), room_across(world, command + world.holder.sag));
+  const double across = std::min(room_across(world, state.tip), room_across(world, goal));
   const double tangent = world.profile.lead_in_tangent;
   const double room = across / std::sqrt(1 + tangent * tangent);
   if (!(room > kEdgeRounding)) return false;
@@ -54,9 +49,11 @@ bool hangs_in_opening(const World& world, const State& state, const Pose& comman
 
 bool fly_free(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
   State& state = now.state;
-  const bool in_opening = !flies_free(world, state, command);
-  if (in_opening && !hangs_in_opening(world, state, command)) return false;
-  state.tip = command + world.holder.sag;
+  if (world.dynamics == Dynamics::inertial) return false;
+  const Pose goal = command + world.holder.sag;
+  const bool in_opening = !flies_free(world, state, goal);
+  if (in_opening && !hangs_in_opening(world, state, goal)) return false;
+  state.tip = goal;
   state.command = command;
   state.time += dt;
   state.bridge = false;
