@@ -149,6 +149,8 @@ struct LocalLaw {
   }
 };
 
+const Quadrature kTouchingNodes = Quadrature::gauss_legendre(4);
+
 // The stretches where the mean surfaces touch and the laws end (sim/laws/corrected_range.hpp), by
 // Gauss-Legendre of order 4, exact where they are parabolas: the nodes are computed side by side.
 class Touching {
@@ -160,9 +162,9 @@ class Touching {
       : closest_(closest), per_thinnest_(1 / thinnest), at_closest_(force), value_at_(value) {}
 
   void add(const PoseVector& tip, double from, double to) noexcept {
-    const double half = 0.5 * (to - from), middle = 0.5 * (to + from);
-    const Nodes weight = half * Nodes(kWeight.data()), steepest = at_closest_ * weight;
-    const Nodes arm = middle + half * Nodes(kNode.data());
+    const Nodes weight = (to - from) * Nodes(kTouchingNodes.weight.data());
+    const Nodes steepest = at_closest_ * weight;
+    const Nodes arm = from + (to - from) * Nodes(kTouchingNodes.node.data());
     const Nodes y = tip.e.x() + arm * tip.t.x(), z = tip.e.y() + arm * tip.t.y();
     const Nodes radius = (y * y + z * z).sqrt(), inverse = 1 / radius;
     const Nodes over = radius - closest_, part = over * per_thinnest_;
@@ -197,11 +199,6 @@ class Touching {
   }
 
  private:
-  static constexpr std::array<double, 4> kNode = {-0.86113631159405258, -0.33998104358485626,
-                                                  0.33998104358485626, 0.86113631159405258};
-  static constexpr std::array<double, 4> kWeight = {0.34785484513745386, 0.65214515486254614,
-                                                    0.65214515486254614, 0.34785484513745386};
-
   // Sums over the nodes of a quantity times powers of the arm.
   struct Moments {
     Nodes zeroth = Nodes::Zero(), first = Nodes::Zero(), second = Nodes::Zero();
@@ -361,6 +358,7 @@ void add_surface_forces(Energy& total, SurfaceGradients& by_term, const World& w
                             charged ? nullptr : charge};
   if (nodes.any())
     add_nodes(total, nodes, world.numerics.quadrature, overlap.length, overlap.slope, tip, by_term);
+  // By x all laws have only the energy at the mouth times the overlap's slope so far.
   if (overlap.curve != 0 && overlap.slope != 0)
     total.hessian.xx += overlap.curve / overlap.slope * (total.gradient.x - along);
 }
