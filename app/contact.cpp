@@ -116,8 +116,7 @@ void add_contact(CLI::App& app, Run& run) {
   verb->add_option("--radius", a->radius, "Contact radii A")
       ->type_name("A[,A...]|FROM:TO:COUNT[:log]");
   verb->add_flag("--curve", a->curve, "Points along the whole curve, unstable parts too");
-  verb->add_option("--plot", a->plot, "Draw P(D) with its branches and jumps")
-      ->type_name("FILE.svg");
+  add_plot(*verb, a->plot, "Draw P(D) with its branches and jumps");
   add_output(*verb, a->output);
   add_examples(*verb, {"contact --lambda 0.3 --radius 0.5:2:4",
                        "contact --lambda 1 --curve --plot curve.svg"});

@@ -227,8 +227,7 @@ void add_fit(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(CLI::IsMember(methods()));
   for (const Learner& learner : learners()) add_options(*verb, learner, a->options);
-  verb->add_option("--plot", a->plot, "The law over the data; with torch: the training curve")
-      ->type_name("FILE.svg");
+  add_plot(*verb, a->plot, "The law over the data; with torch: the training curve");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
   add_seeds(*verb, a->seeds,

@@ -226,7 +226,7 @@ void add_forces(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(number_between(0, 1e9));
   add_output(*verb, a->output);
-  verb->add_option("--plot", a->plot, "Draw the curves")->type_name("FILE.svg");
+  add_plot(*verb, a->plot, "Draw the curves");
   add_examples(*verb, {"forces --scene paper --gap-nm 1:500:50:log --plot gap.svg",
                        "forces --scene demo --depth-nm 0:12:13 --csv",
                        "forces episodes/episode_0001.h5 --plot forces.svg"});

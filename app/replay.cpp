@@ -243,7 +243,7 @@ void add_replay(CLI::App& app, Run& run) {
                    "another build or compiler")
       ->needs(verify)
       ->check(number_between(0, 1));
-  verb->add_option("--plot", a->plot, "Draw velocity and forces over time")->type_name("FILE.svg");
+  add_plot(*verb, a->plot, "Draw velocity and forces over time");
   add_output(*verb, a->output);
   add_examples(*verb,
                {"replay episodes/episode_0001.h5 --plot episode.svg", "replay episodes --verify"});

@@ -299,8 +299,7 @@ void add_score(CLI::App& app, Run& run) {
                    "sittings")
       ->required()
       ->type_name("DIR...");
-  verb->add_option("--plot", a->plot, "Draw score and parts over the episodes")
-      ->type_name("FILE.svg");
+  add_plot(*verb, a->plot, "Draw score and parts over the episodes");
   verb->add_flag("--one-operator", a->one_operator,
                  "All episodes are by one person, whatever they call him: one learning curve");
   add_output(*verb, a->output);

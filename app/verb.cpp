@@ -134,6 +134,14 @@ bool is_seed(const std::string& text) {
 
 }  // namespace
 
+void add_plot(CLI::App& verb, std::string& file, const std::string& help) {
+  const auto is_svg = [](const std::string& name) {
+    const std::string kind = std::filesystem::path(name).extension();
+    return kind.empty() || kind == ".svg" ? std::string() : "is drawn as .svg, not " + kind;
+  };
+  verb.add_option("--plot", file, help)->type_name("FILE.svg")->check(CLI::Validator(is_svg, ""));
+}
+
 CLI::Validator seed_rule() {
   return CLI::Validator(
       [](const std::string& text) {

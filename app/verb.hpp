@@ -63,6 +63,8 @@ struct SceneArguments {
   ChosenScene choose(const BroughtScene& brought = {}) const;
 };
 
+// --plot of a verb that draws one: SVG, and a file that says to be of another kind is refused.
+void add_plot(CLI::App& verb, std::string& file, const std::string& help);
 // A whole number from 0 to 2^63 - 1, the rule of every seed.
 CLI::Validator seed_rule();
 // --seed, or another flag: a whole number from 0 to 2^63 - 1.

@@ -138,6 +138,8 @@ class Forces(Case):
             text = open(file).read()
             self.assertIn("</svg>", text)
             self.assertGreater(text.count("<path"), 5)
+        self.refused(2, *FORCES, "--gap-nm", "1:9:9", "--plot", self.path("plot.png"), says=["--plot", ".svg"])
+        self.assertFalse(os.path.exists(self.path("plot.png")))
 
     def test_corrected_forms_are_those_of_the_literature(self):
         lengths = 100e-6
