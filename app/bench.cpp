@@ -269,7 +269,8 @@ void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
                fmt::format("{} of {}", count.first, count.second));
   fmt::print(
       "offsets in clearances; a sharp bore takes those below 1, a lead-in those below its rim; a "
-      "rounded end its radius more\n{} of {} wrong\n",
+      "rounded end its radius more; a cleaved one while its foremost point is over the bore\n"
+      "{} of {} wrong\n",
       wrong, rows.size());
 }
 

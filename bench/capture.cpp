@@ -10,6 +10,8 @@
 namespace ferrule {
 namespace {
 
+constexpr double kPressed = 20;  // on a cleaved end, of the way that it has to slide
+
 // Lowers a fibre from above the mouth at `offset` from the axis. Does it get deeper than `depth`
 // into the bore?
 bool goes_in(const World& world, const Vector2d& offset, double speed, double dt) {
@@ -21,7 +23,8 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
   const double tangent = world.profile.lead_in_tangent;
   // The mouth's height there; a cone as steep takes the soft hand `aside` times its tangent deeper.
   const double height = tangent > 0 ? std::min(world.profile.lead_in_length, aside / tangent) : 0;
-  const double travel = above + height + aside * tangent + depth + 0.5e-6 + edge;
+  const double pressed = world.end.cleave.norm() > 0 ? kPressed : tangent;
+  const double travel = above + height + aside * pressed + depth + 0.5e-6 + edge;
   Pose hand = Pose::Zero();
   hand[0] = above + height;
   hand.segment<2>(1) = offset;
@@ -34,30 +37,40 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
   return state.tip[0] < -depth;
 }
 
-// Fibres lowered at `offset` clearances from the axis, in eight directions, at two speeds and in
-// steps of three lengths, where those within `capture` clearances go in. The world must outlive
-// them.
-void add_lowered(Cases<CaptureRow>& cases, const World& world, double capture, double offset,
-                 double edge_um) {
-  for (int k = 0; k < 8; ++k)
-    for (const double speed : {5e-6, 50e-6})
-      for (const double dt : {1e-4, 1e-3, 1e-2}) {
-        if (edge_um > 0 && dt < 1e-3) continue;
-        add_case(cases, [=, &world] {
-          const double angle = k * std::numbers::pi / 4;
-          const Vector2d at =
-              offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
-          return CaptureRow{offset,
-                            capture,
-                            45.0 * k,
-                            1e6 * speed,
-                            dt,
-                            edge_um,
-                            0,
-                            world.profile.has_lead_in(),
-                            goes_in(world, at, speed, dt)};
-        });
-      }
+struct Lowered {
+  double capture, offset;  // [clearances]
+  double edge_um = 0, cleave_deg = 0;
+};
+
+// Fibres lowered so in a direction, in eighths of a turn, at two speeds and in steps of three
+// lengths. The world must outlive them.
+void add_lowered(Cases<CaptureRow>& cases, const World& world, const Lowered& l, int direction) {
+  for (const double speed : {5e-6, 50e-6})
+    for (const double dt : {1e-4, 1e-3, 1e-2}) {
+      if ((l.edge_um > 0 || l.cleave_deg > 0) && dt < 1e-3) continue;
+      add_case(cases, [=, &world] {
+        const double angle = direction * std::numbers::pi / 4;
+        const Vector2d at =
+            l.offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
+        return CaptureRow{l.offset,
+                          l.capture,
+                          45.0 * direction,
+                          1e6 * speed,
+                          dt,
+                          l.edge_um,
+                          l.cleave_deg,
+                          world.profile.has_lead_in(),
+                          goes_in(world, at, speed, dt)};
+      });
+    }
+}
+
+// How far aside the foremost point of a cleaved end is over a sharp bore, e + r a within R, at
+// `angle` from a [clearances].
+double cleaved_range(const Annulus& bore, double angle) {
+  const double r = bore.fibre_radius, wide = r + bore.clearance();
+  const double across = r * std::sin(angle);
+  return (std::sqrt(wide * wide - across * across) - r * std::cos(angle)) / bore.clearance();
 }
 
 }  // namespace
@@ -86,9 +99,18 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
     ends.push_back({edge, with(sharp_edge), with(rigid)});
   }
 
+  // Cleaved ends, their foremost points in the direction 0.
+  std::vector<std::pair<double, World>> cleaved;
+  for (const double cleave : {0.5, 1.0}) {
+    std::vector<std::string> settings = sharp_edge;
+    settings.push_back("fibre.cleave_deg=" + std::to_string(cleave));
+    settings.push_back("fibre.cleave_direction_deg=0");
+    cleaved.emplace_back(cleave, load_scene("paper", settings).world);
+  }
+
   Cases<CaptureRow> cases;
   const auto lower = [&](const World& world, double capture, double offset, double edge_um = 0) {
-    add_lowered(cases, world, capture, offset, edge_um);
+    for (int k = 0; k < 8; ++k) add_lowered(cases, world, {capture, offset, edge_um}, k);
   };
   for (const double offset : offsets) lower(sharp, 1, offset);
   for (const double offset : offsets) lower(cone, range, offset);
@@ -100,6 +122,12 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
           world->annulus.clearance();
       for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0})
         lower(*world, caught, part * caught, end.edge_um);
+    }
+  for (const auto& [cleave, world] : cleaved)
+    for (const int k : {0, 1, 2, 6, 7}) {
+      const double caught = cleaved_range(world.annulus, k * std::numbers::pi / 4);
+      for (const double part : {0.9, 0.95, 1.05, 1.1, 3.0})
+        add_lowered(cases, world, {caught, part * caught, 0, cleave}, k);
     }
   return rows_of(cases, go_on);
 }
