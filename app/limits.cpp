@@ -13,11 +13,12 @@ namespace {
 
 struct LimitsArguments {
   SceneArguments scene;
-  double edge_um = 1, stress_GPa = 0;
+  double edge_um = 0, stress_GPa = 0;  // 0: as the scene says
   Output output;
 };
 
 constexpr double kProofStress = 0.69e9;  // usual for telecom fibre [Pa]
+constexpr double kEdge = 1;              // polished [um]
 
 struct LimitRow {
   const char *name, *what;
@@ -42,7 +43,8 @@ int limits_verb(const LimitsArguments& a) {
   const double stress = a.stress_GPa > 0        ? 1e9 * a.stress_GPa
                         : std::isfinite(stated) ? stated
                                                 : kProofStress;
-  const auto rows = limit_rows(scene, stress, 1e-6 * a.edge_um);
+  const double edge_um = a.edge_um > 0 ? a.edge_um : scene.parameters.fibre.edge_um.value_or(kEdge);
+  const auto rows = limit_rows(scene, stress, 1e-6 * edge_um);
   Provenance provenance;
   provenance.in({scene, scene_file(a.scene.name())});
   if (a.output.text()) {
@@ -52,7 +54,7 @@ int limits_verb(const LimitsArguments& a) {
       fmt::print("{:<9} {:>12} {:>14}  {}\n", r.name, number_or("-", "{:.4g}", 1e6 * r.force),
                  number_or("-", "{:.4g}", r.force / scene.limits.force), r.what);
     fmt::print("limits.force_uN is {:g}; stress allowed {:g} GPa, edge rounded by {:g} um\n{}",
-               1e6 * scene.limits.force, 1e-9 * stress, a.edge_um, provenance.foot());
+               1e6 * scene.limits.force, 1e-9 * stress, edge_um, provenance.foot());
   }
   const auto json = [&](const LimitRow& r) {
     return Json{{"damage", r.name},
@@ -63,7 +65,7 @@ int limits_verb(const LimitsArguments& a) {
                {{"scene", scene.name},
                 {"force_limit_uN", 1e6 * scene.limits.force},
                 {"stress_GPa", 1e-9 * stress},
-                {"edge_um", a.edge_um},
+                {"edge_um", edge_um},
                 {"rows", json_list(rows, json)}},
                "rows", provenance);
   return kDone;
@@ -75,8 +77,8 @@ void add_limits(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("limits", "Forces at which a fibre takes damage");
   auto a = std::make_shared<LimitsArguments>();
   a->scene.add_to(*verb);
-  verb->add_option("--edge-um", a->edge_um, "Radius of the end's edge")
-      ->capture_default_str()
+  verb->add_option("--edge-um", a->edge_um,
+                   "Radius of the end's edge; that of the scene, or 1, unless given")
       ->check(number_between(1e-4, 100));
   verb->add_option("--stress-GPa", a->stress_GPa,
                    "Stress that is allowed; the scene's proof stress, or 0.69, unless given")

@@ -66,11 +66,12 @@ void add_lowered(Cases<CaptureRow>& cases, const World& world, const Lowered& l,
 }
 
 // How far aside the foremost point of a cleaved end is over a sharp bore, e + r a within R, at
-// `angle` from a [clearances].
-double cleaved_range(const Annulus& bore, double angle) {
-  const double r = bore.fibre_radius, wide = r + bore.clearance();
-  const double across = r * std::sin(angle);
-  return (std::sqrt(wide * wide - across * across) - r * std::cos(angle)) / bore.clearance();
+// `angle` from a [clearances]; r without the rounding of the rim.
+double cleaved_range(const World& world, double angle) {
+  const Annulus& bore = world.annulus;
+  const double r = bore.fibre_radius - world.end.edge, across = r * std::sin(angle);
+  return (std::sqrt(bore.bore_radius * bore.bore_radius - across * across) - r * std::cos(angle)) /
+         bore.clearance();
 }
 
 }  // namespace
@@ -125,7 +126,7 @@ std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
     }
   for (const auto& [cleave, world] : cleaved)
     for (const int k : {0, 1, 2, 6, 7}) {
-      const double caught = cleaved_range(world.annulus, k * std::numbers::pi / 4);
+      const double caught = cleaved_range(world, k * std::numbers::pi / 4);
       for (const double part : {0.9, 0.95, 1.05, 1.1, 3.0})
         add_lowered(cases, world, {caught, part * caught, 0, cleave}, k);
     }

@@ -25,7 +25,7 @@ struct CaptureRow {
 // geometric capture range, mouth radius - fibre radius; it must take exactly those below that. The
 // same with ends as they are: rims rounded to 1, 5 and 10 um, square, at 0.9 to 3 times clearance +
 // radius over a sharp bore, mouth radius - fibre radius + radius over a cone, in steps of 1 and 10
-// ms. And cleaved at 0.5 and 1 degree, sharp, over a sharp bore, at 0.9 to 3 times where the
+// ms. And cleaved at 0.5 and 1 degree over a sharp bore, at 0.9 to 3 times where the
 // foremost point of the rim leaves the opening, in directions up to 90 degrees from that point:
 // within that an end that rests on the edge with its inclined face slides in, without friction, as
 // the hand presses on by 20 times the way; beyond it rests on its foremost point. (Who presses a

@@ -4,7 +4,10 @@
 // its side meets the rim of the bore's mouth. First order in the tilts: the rim of the end lies r
 // (outward.tilt) ahead of the end's centre; that of a cleaved end r (outward.(tilt + cleave)). On
 // bore and cone it touches where it is deepest, on the face where it is farthest from the bore, or,
-// in a world where it rests lowest, where it is lowest (sim/face_support.hpp).
+// in a world where it rests lowest, where it is lowest (sim/face_support.hpp). At the throat, the
+// edge between cone and bore, a sharp rim is as deep as the less deep of the two, each at the point
+// where the rim is deepest in it: right as long as those are about the same, the slope of its end
+// being less than c/(r tan(half the cone's angle)). A cleaved rim is rounded.
 //
 // A rim that is rounded to rho is as deep as its circle in the half plane, centre (x + rho, r -
 // rho), is in the solid: touching it at the angle alpha, 0 on the bore and 90 degrees on the face,

@@ -56,7 +56,7 @@ class Contact {
     at(terms, Term::adhesion) = std::max(0.0, adhesion(s, 1));
     for (const Term term : kSurface)
       if (info(term).present(world_.laws)) at(terms, term) = surface(term, s);
-    at(terms, Term::gravity) = weight(world_.laws.gravity, world_.fibre);
+    at(terms, Term::gravity) = -world_.holder.weight[1];
     return terms;
   }
 
@@ -66,7 +66,7 @@ class Contact {
     if (places_ == 2) at(terms, Term::adhesion) = std::max(0.0, adhesion(s, 0.5));
     for (const Term term : kSurface)
       if (info(term).present(world_.laws)) at(terms, term) = about_the_end(term, s);
-    at(terms, Term::gravity) = weight(world_.laws.gravity, world_.fibre);
+    at(terms, Term::gravity) = -world_.holder.weight[1];
     return terms;
   }
 
@@ -105,7 +105,7 @@ Release largest(ReleasePath path, double most, const Terms& terms) {
 
 Release slide(const World& world, double length, int places, double speed) {
   const Contact contact(world, length, places);
-  double load = weight(world.laws.gravity, world.fibre);
+  double load = -world.holder.weight[1];
   for (const Term term : kSurface)
     if (info(term).present(world.laws)) load += contact.surface(term, 0);
   Release r{ReleasePath::slide, 0, 0, {}};
@@ -159,7 +159,7 @@ std::vector<Release> release(const World& world, double length, int places, doub
   Release end = largest(ReleasePath::peel, most, [&](double s) {
     std::array<double, kTerms> terms{};
     at(terms, Term::adhesion) = std::max(0.0, contact.adhesion(s, 1.0 / places));
-    at(terms, Term::gravity) = weight(world.laws.gravity, world.fibre);
+    at(terms, Term::gravity) = -world.holder.weight[1];
     return terms;
   });
   return {lift, end.force > peel.force ? end : peel, slide(world, length, places, speed)};

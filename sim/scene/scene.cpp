@@ -34,7 +34,8 @@ void read_fibre(JsonFields f, FibreParameters& fibre) {
   if (f.present("cleave_deg"))
     f.number("cleave_deg", rule::between(0, 10, "must be from 0 to 10"),
              fibre.cleave_deg.emplace());
-  if (f.present("edge_um")) f.number("edge_um", positive(0.05, 1e4), fibre.edge_um.emplace());
+  if (f.present("edge_um"))
+    f.number("edge_um", positive(kSharpestEdge, 1e4), fibre.edge_um.emplace());
   if (f.present("cleave_direction_deg"))
     f.number("cleave_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
              fibre.cleave_direction_deg.emplace());

@@ -196,9 +196,9 @@ double electrostatic_at_gap(const World& world, const Posture& at) {
   return along([&](double h) { return electrostatic(law, world.annulus, h); }, 0, world, at);
 }
 
-// Towards the wall below the fibre.
+// Towards the wall below the fibre: as much as the holder leaves to the end.
 double gravity_at_gap(const World& world, const Posture&) {
-  return -weight(world.laws.gravity, world.fibre);
+  return world.holder.weight[1];
 }
 
 double capillary_at_gap(const World& world, const Posture& at) {

@@ -34,6 +34,14 @@ double modulus(const WorldParameters& p) noexcept {
                          p.ferrule.poisson);
 }
 
+// rho [m]. What touches a slanted end first moves along its rim, and at the throat on from the cone
+// to the bore: that only a rounded rim goes round (sim/contact_depth.hpp). So it is rounded, and as
+// little as may be stated where nothing is.
+double rim_radius(const FibreParameters& fibre) noexcept {
+  const bool slanted = fibre.cleave_deg.value_or(0) > 0;
+  return micro * fibre.edge_um.value_or(slanted ? kSharpestEdge : 0);
+}
+
 // The laws with what follows for them from geometry and materials.
 Laws complete(Laws laws, const WorldParameters& p, const Annulus& annulus) {
   if (auto* law = std::get_if<Capillary>(&laws.capillary)) *law = prepare(*law, annulus);
@@ -131,7 +139,7 @@ FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
   const double direction =
       degree * (fibre.roll_deg.value_or(0) + fibre.cleave_direction_deg.value_or(0));
   const double slope = elementary::tan(degree * fibre.cleave_deg.value_or(0));
-  const double edge = micro * fibre.edge_um.value_or(0);
+  const double edge = rim_radius(fibre);
   return {slope * Vector2d(elementary::cos(direction), elementary::sin(direction)), edge, true,
           0.5 * micro * fibre.diameter_um * std::abs(slope) + edge};
 }
@@ -139,7 +147,7 @@ FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
 double shallowest(const WorldParameters& p, double height) noexcept {
   const double tangent =
       p.ferrule.lead_in ? elementary::tan(0.5 * degree * p.ferrule.lead_in->angle_deg) : 0.0;
-  return shallowest(height, micro * p.fibre.edge_um.value_or(0), tangent);
+  return shallowest(height, rim_radius(p.fibre), tangent);
 }
 
 std::optional<Particle> particle(const WorldParameters& p) noexcept {

@@ -8,6 +8,8 @@
 
 namespace ferrule {
 
+inline constexpr double kSharpestEdge = 0.05;  // the least edge_um [um]
+
 // Geometry, materials and holder in the units of the scene file (data/README.md), so that what is
 // computed from a number is the same whether it was read, drawn or varied.
 struct FibreParameters {
@@ -19,7 +21,8 @@ struct FibreParameters {
   // if it were upright. Its leading rim point lies at that direction from the roll angle; none:
   // chance decides.
   std::optional<double> cleave_deg, cleave_direction_deg;
-  std::optional<double> edge_um;  // radius that its rim is rounded to; none: sharp
+  // Radius that its rim is rounded to; none: sharp, or kSharpestEdge where it is cleaved.
+  std::optional<double> edge_um;
 };
 
 struct LeadIn {

@@ -261,6 +261,15 @@ class Forces(Case):
         self.refused(2, "release", "--places", 3, says=["--places"])
         self.refused(2, "release", "--length-um", -1, says=["--length-um"])
 
+    def test_limits_are_those_of_the_edge_of_the_scene(self):
+        def ring(*more):
+            told = json.loads(self.done("limits", "--scene", "bench", "--json", *more).stdout)
+            return told["edge_um"], {row["damage"]: row["force_uN"] for row in told["rows"]}["ring"]
+        self.assertEqual(ring()[0], 1)
+        self.assertEqual(ring("--set", "fibre.edge_um=0.05"), ring("--edge-um", 0.05))
+        self.assertEqual(ring("--set", "fibre.edge_um=0.05", "--edge-um", 2), ring("--edge-um", 2))
+        self.assertLess(ring("--edge-um", 0.05)[1], 0.1 * ring()[1])
+
     def test_what_two_recordings_feel_like_is_set_side_by_side(self):
         files = self.record(self.path("out"), "--append", episodes=2)
         told = json.loads(self.done("forces", files[0], "--against", files[1], "--json").stdout)

@@ -43,6 +43,62 @@ TEST(ContactDepth, OnTheConeIsThatOfTheDeepestPointOfTheRim) {
   EXPECT_GT(on_cone, 50);
 }
 
+// A cleaved end goes from the cone into the bore point after point of its rim: it is as deep as the
+// deepest of them, each no deeper than either surface lets it, and no well holds it there.
+TEST(ContactDepth, AtTheThroatIsThatOfTheDeepestPointOfACleavedRim) {
+  RandomStream random(14, 0, Draw::plan);
+  int beyond_either = 0;
+  for (int n = 0; n < 300; ++n) {
+    const World world =
+        load_scene("bench",
+                   {"fibre.cleave_deg=" + std::to_string(0.5 + 3 * random.uniform()),
+                    "fibre.cleave_direction_deg=" + std::to_string(360 * random.uniform())})
+            .world;
+    const double r = world.annulus.fibre_radius;
+    const double angle = 2 * std::numbers::pi * random.uniform(), off = 3e-6 * random.uniform();
+    State state;
+    state.tip << 4e-6 * (random.uniform() - 0.75), off * std::cos(angle), off * std::sin(angle),
+        1e-3 * random.normal(), 1e-3 * random.normal();
+    const PoseVector tip(state.tip);
+    double deepest = -INFINITY, in_bore = -INFINITY, in_cone = -INFINITY;
+    constexpr int kPoints = 5000;
+    for (int i = 0; i < kPoints; ++i) {
+      const double at = 2 * std::numbers::pi * i / kPoints;
+      const Vector2d u(std::cos(at), std::sin(at));
+      const EdgeDepth point =
+          edge_depth(world.profile, tip.x - r * u.dot(tip.t + world.end.cleave), r + u.dot(tip.e));
+      deepest = std::max(deepest, std::min(point.bore, point.cone));
+      in_bore = std::max(in_bore, point.bore);
+      in_cone = std::max(in_cone, point.cone);
+    }
+    if (deepest < 0) continue;
+    const auto depth = contact_depths(world, contact_side(world, state), tip)[kEnd];
+    EXPECT_NEAR(depth.value, deepest, 60e-9) << n;  // rounded by 50 nm
+    beyond_either += deepest < std::min(in_bore, in_cone) - 100e-9;
+  }
+  EXPECT_GT(beyond_either, 10);
+}
+
+// Over a cone of 60 degrees r tan(cleave) tan(30) is more than the clearance from 0.8 degrees on.
+TEST(ContactDepth, ACleavedEndSlidesThroughTheThroat) {
+  for (const double direction : {0, 60, 90, 135, 180, 270}) {
+    const World world =
+        load_scene("bench", {"laws={}", "fibre.cleave_deg=2",
+                             "fibre.cleave_direction_deg=" + std::to_string(direction)})
+            .world;
+    State state = at_rest(world, testing::pose(5e-6, 1e-6, 0));
+    const Pose start = state.command;
+    double most = 0;
+    for (int n = 1; n <= 1500; ++n) {
+      const StepResult now = step(world, state, start - testing::pose(n * 10e-9, 0, 0), 1e-3);
+      state = now.state;
+      most = std::max(most, std::abs(now.forces.holder[0]));
+    }
+    EXPECT_LT(state.tip[0], -9e-6) << direction;
+    EXPECT_LT(most, 2e-6) << direction;
+  }
+}
+
 Scene rounded(double edge_um, std::vector<std::string> more = {}) {
   std::vector<std::string> settings = {"fibre.edge_um=" + std::to_string(edge_um)};
   settings.insert(settings.end(), more.begin(), more.end());

@@ -18,24 +18,24 @@ using std::numbers::pi;
 
 constexpr double kRadius = 62.5e-6;
 
-bool supported(const Vector2d& p, const Vector2d& e, double opening) {
-  return p.norm() <= kRadius && (p + e).norm() >= opening;
+bool supported(const Vector2d& p, const Vector2d& e, double opening, double radius = kRadius) {
+  return p.norm() <= radius && (p + e).norm() >= opening;
 }
 
 // The lowest of all points of the crescent: of its area, its rim and the opening's edge.
-double lowest(const Vector2d& e, double opening, const Vector2d& slope) {
+double lowest(const Vector2d& e, double opening, const Vector2d& slope, double radius = kRadius) {
   double most = -INFINITY;
   constexpr int kPoints = 200000;
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2 * pi * i / kPoints;
     const Vector2d u(std::cos(angle), std::sin(angle));
-    for (const Vector2d& p : {Vector2d((1 - 1e-12) * kRadius * u), Vector2d(opening * u - e)})
-      if (supported(p, e, (1 - 1e-12) * opening)) most = std::max(most, p.dot(slope));
+    for (const Vector2d& p : {Vector2d((1 - 1e-12) * radius * u), Vector2d(opening * u - e)})
+      if (supported(p, e, (1 - 1e-12) * opening, radius)) most = std::max(most, p.dot(slope));
   }
   for (int i = -60; i <= 60; ++i)
     for (int j = -60; j <= 60; ++j) {
-      const Vector2d p = kRadius / 60 * Vector2d(i, j);
-      if (supported(p, e, opening)) most = std::max(most, p.dot(slope));
+      const Vector2d p = radius / 60 * Vector2d(i, j);
+      if (supported(p, e, opening, radius)) most = std::max(most, p.dot(slope));
     }
   return most;
 }
@@ -170,8 +170,9 @@ TEST(Cleave, TheEndOnTheFaceIsAsDeepAsItsLowestSupportedPoint) {
     const ContactSide side = contact_side(world, state);
     if (side.side != EdgeSide::face) continue;
     const ContactDepth depth = contact_depths(world, side, state.tip)[kEnd];
-    EXPECT_LE(std::abs(depth.value - (lowest(e, 63e-6, slope) - state.tip[0])),
-              2.1 * kRestTilt * kRadius);
+    EXPECT_LE(
+        std::abs(depth.value - (lowest(e, 63e-6, slope, kRadius - world.end.edge) - state.tip[0])),
+        2.1 * kRestTilt * kRadius);
     PointForce push{depth.normal(state.tip.tail<2>()), depth.point};
     const PoseVector slope_of = depth.by_pose(state.tip.tail<2>());
     EXPECT_LT((push.wrench(state.tip) + slope_of.full()).tail<2>().norm(), 1e-9 * kRadius);
