@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "app/force_history_table.hpp"
@@ -163,6 +164,18 @@ Json curl_json(const FreeCurl& curl) {
           {"straightening_uN", 1e6 * curl.force}};
 }
 
+// What the curves take for granted of the parts of a scene.
+void print_parts(const Scene& scene) {
+  if (const auto& particle = scene.world.laws.particle)
+    fmt::print("particle: {:.4g} um high{}, and the fibre comes near on its side\n",
+               1e6 * particle->height,
+               std::isnan(scene.parameters.laws.particle->height)
+                   ? ", as high as is met once in 50 trials or as the clearance"
+                   : "");
+  if (scene.parameters.fibre.cleave_deg.value_or(0) > 0 || !scene.world.oval.round())
+    fmt::print("as of a square end in a round bore: cleave and ovality are not in these numbers\n");
+}
+
 int forces_verb(const ForcesArguments& a) {
   if (!a.episode.empty()) return forces_of_recording(a);
   if (!a.against.empty())
@@ -184,6 +197,7 @@ int forces_verb(const ForcesArguments& a) {
           "curl: the free end lies {:.4g} um aside and tilts by {:.4g} mrad; {:.4g} uN across "
           "it hold it straight\n",
           1e6 * curl->aside, 1e3 * curl->tilt, 1e6 * curl->force);
+    print_parts(scene);
     fmt::print("{}", provenance.foot());
   }
   Json json = {{"scene", scene.name},

@@ -7,6 +7,7 @@
 #include "sim/elementary.hpp"
 #include "sim/scene/random.hpp"
 #include "sim/scene/units.hpp"
+#include "sim/step.hpp"
 
 namespace ferrule {
 namespace {
@@ -82,6 +83,15 @@ void draw_particle(Scene& drawn, RandomStream random) {
 double roll_deg(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
   const FibreParameters& fibre = scene.parameters.fibre;
   return fibre.roll_deg ? *fibre.roll_deg : 360 * RandomStream(seed, trial, Draw::roll).uniform();
+}
+
+// An end that would begin in a wall leans on it at rest, or its inertia would fling it out. Without
+// inertia the first step finds that pose.
+State leaned_on(World world, const State& start) noexcept {
+  world.dynamics = Dynamics::quasi_static;
+  const State leaned = step(world, start, start.command, 0).state;
+  if (!leaned.contact[kEnd].closed && !leaned.contact[kSide].closed) return start;
+  return leaned;
 }
 
 }  // namespace
@@ -171,7 +181,8 @@ State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) no
     tip += curl(*radius, free_length(scene.parameters),
                 {elementary::cos(roll), elementary::sin(roll)});
   }
-  return at_rest(scene.world, tip);
+  const State start = at_rest(scene.world, tip);
+  return scene.world.dynamics == Dynamics::inertial ? leaned_on(scene.world, start) : start;
 }
 
 }  // namespace ferrule

@@ -28,7 +28,8 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
 Json undrawn(Json document);
 
 // Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says, and with it
-// the same whether `scene` was drawn or not.
+// the same whether `scene` was drawn or not. With inertia an end that would begin in the lead-in's
+// wall leans on it.
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept;
 
 }  // namespace ferrule

@@ -115,6 +115,25 @@ bool computes(const Scene& scene) {
   return true;
 }
 
+// A start 30 um aside, 20 um before the bore, is 18 um deep in a cone of 60 degrees: an end with
+// inertia leans on it, and stays.
+TEST(Scene, AnEndWithInertiaIsNotFlungOutOfTheLeadIn) {
+  const Scene scene = load_scene(
+      "bench", {"dynamics=inertial", "start.distance_um=20", "start.lateral_mean_um=[30,0]",
+                "start.lateral_sd_um=0", "start.tilt_sd_mrad=0"});
+  const State start = draw_start(scene, 1, 1);
+  EXPECT_TRUE(start.contact[kEnd].closed);
+  EXPECT_LT(start.contact[kEnd].depth, 1e-6);
+  EXPECT_EQ(start.velocity, Pose::Zero());
+  State state = start;
+  for (int n = 0; n < 200; ++n) state = step(scene.world, state, start.command, 1e-5).state;
+  EXPECT_LT((state.tip - start.tip).head<3>().norm(), 10e-9);
+  EXPECT_LT(state.velocity.head<3>().norm(), 1e-3);
+  const State without = draw_start(
+      load_scene("bench", {"start.distance_um=20", "start.lateral_mean_um=[30,0]"}), 1, 1);
+  EXPECT_NEAR(without.tip[0], 20e-6, 1e-18);
+}
+
 TEST(Scene, EveryNumberIsRefusedInOneLineOrCanBeComputedWith) {
   int refused = 0, computed = 0;
   for (const auto& name : shipped_scenes()) {
