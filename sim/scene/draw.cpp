@@ -89,7 +89,7 @@ double roll_deg(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noe
 // inertia the first step finds that pose.
 State leaned_on(World world, const State& start) noexcept {
   world.dynamics = Dynamics::quasi_static;
-  const State leaned = step(world, start, start.command, 0).state;
+  State leaned = step(world, start, start.command, 0).state;
   if (!leaned.contact[kEnd].closed && !leaned.contact[kSide].closed) return start;
   return leaned;
 }
