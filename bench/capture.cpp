@@ -37,98 +37,82 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
   return state.tip[0] < -depth;
 }
 
-struct Lowered {
-  double capture, offset;  // [clearances]
-  double edge_um = 0, cleave_deg = 0;
+// A fibre's end over a bore, that of `paper`, rigid and upright, without forces.
+struct End {
+  double edge_um, cleave_deg;
+  World world;
+
+  bool as_it_is() const { return edge_um > 0 || cleave_deg > 0; }
 };
 
-// Fibres lowered so in a direction, in eighths of a turn, at two speeds and in steps of three
-// lengths. The world must outlive them.
-void add_lowered(Cases<CaptureRow>& cases, const World& world, const Lowered& l, int direction) {
+// Cleaved ends have their foremost point in the direction 0.
+End end_of(double edge_um, double cleave_deg, bool lead_in) {
+  std::vector<std::string> settings = {"laws={}", "holder.tilt_stiffness_N_m_rad=1e6"};
+  if (!lead_in) settings.emplace_back("ferrule.lead_in=null");
+  if (edge_um > 0) settings.push_back("fibre.edge_um=" + std::to_string(edge_um));
+  if (cleave_deg > 0) {
+    settings.push_back("fibre.cleave_deg=" + std::to_string(cleave_deg));
+    settings.emplace_back("fibre.cleave_direction_deg=0");
+  }
+  return {edge_um, cleave_deg, load_scene("paper", settings).world};
+}
+
+// From where the end is caught, at `angle` [clearances].
+double capture_range(const World& world, double angle) {
+  const Annulus& bore = world.annulus;
+  const double edge = world.end.edge, c = bore.clearance();
+  if (world.end.cleave.isZero())
+    return (world.profile.mouth_radius() - bore.fibre_radius + edge) / c;
+  // Its foremost point over the opening of a sharp bore: e + (r - edge) a within R.
+  const double r = bore.fibre_radius - edge, across = r * std::sin(angle);
+  return (std::sqrt(bore.bore_radius * bore.bore_radius - across * across) - r * std::cos(angle)) /
+         c;
+}
+
+// Lowers the end at `offset` [clearances], in a direction in eighths of a turn; at two speeds and in steps of three lengths, ends as they are in the longer two. The end
+// must outlive the cases.
+void add_lowered(Cases<CaptureRow>& cases, const End& end, int direction, double offset) {
   for (const double speed : {5e-6, 50e-6})
     for (const double dt : {1e-4, 1e-3, 1e-2}) {
-      if ((l.edge_um > 0 || l.cleave_deg > 0) && dt < 1e-3) continue;
-      add_case(cases, [=, &world] {
+      if (end.as_it_is() && dt < 1e-3) continue;
+      add_case(cases, [=, &end] {
         const double angle = direction * std::numbers::pi / 4;
         const Vector2d at =
-            l.offset * world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
-        return CaptureRow{l.offset,
-                          l.capture,
+            offset * end.world.annulus.clearance() * Vector2d(std::cos(angle), std::sin(angle));
+        return CaptureRow{offset,
+                          capture_range(end.world, angle),
                           45.0 * direction,
                           1e6 * speed,
                           dt,
-                          l.edge_um,
-                          l.cleave_deg,
-                          world.profile.has_lead_in(),
-                          goes_in(world, at, speed, dt)};
+                          end.edge_um,
+                          end.cleave_deg,
+                          end.world.profile.has_lead_in(),
+                          goes_in(end.world, at, speed, dt)};
       });
     }
-}
-
-// How far aside the foremost point of a cleaved end is over a sharp bore, e + r a within R, at
-// `angle` from a [clearances]; r without the rounding of the rim.
-double cleaved_range(const World& world, double angle) {
-  const Annulus& bore = world.annulus;
-  const double r = bore.fibre_radius - world.end.edge, across = r * std::sin(angle);
-  return (std::sqrt(bore.bore_radius * bore.bore_radius - across * across) - r * std::cos(angle)) /
-         bore.clearance();
 }
 
 }  // namespace
 
 std::vector<CaptureRow> bench_capture(const GoOn& go_on) {
-  const std::vector<std::string> rigid = {"laws={}", "holder.tilt_stiffness_N_m_rad=1e6"};
-  std::vector<std::string> sharp_edge = rigid;
-  sharp_edge.push_back("ferrule.lead_in=null");
-  const World sharp = load_scene("paper", sharp_edge).world;
-  const World cone = load_scene("paper", rigid).world;
-  const double range =
-      (cone.profile.mouth_radius() - cone.annulus.fibre_radius) / cone.annulus.clearance();
-  const std::vector<double> offsets = {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0};
-
-  // Ends with a rounded rim, which are caught from its radius farther out.
-  struct End {
-    double edge_um;
-    World sharp, cone;
-  };
-  std::vector<End> ends;
-  for (const double edge : {1.0, 5.0, 10.0}) {
-    const auto with = [&](std::vector<std::string> settings) {
-      settings.push_back("fibre.edge_um=" + std::to_string(edge));
-      return load_scene("paper", settings).world;
-    };
-    ends.push_back({edge, with(sharp_edge), with(rigid)});
-  }
-
-  // Cleaved ends, their foremost points in the direction 0.
-  std::vector<std::pair<double, World>> cleaved;
-  for (const double cleave : {0.5, 1.0}) {
-    std::vector<std::string> settings = sharp_edge;
-    settings.push_back("fibre.cleave_deg=" + std::to_string(cleave));
-    settings.push_back("fibre.cleave_direction_deg=0");
-    cleaved.emplace_back(cleave, load_scene("paper", settings).world);
-  }
+  std::vector<End> ends = {end_of(0, 0, false), end_of(0, 0, true)};
+  for (const double edge : {1.0, 5.0, 10.0})
+    for (const bool lead_in : {false, true}) ends.push_back(end_of(edge, 0, lead_in));
+  for (const double cleave : {0.5, 1.0}) ends.push_back(end_of(0, cleave, false));
 
   Cases<CaptureRow> cases;
-  const auto lower = [&](const World& world, double capture, double offset, double edge_um = 0) {
-    for (int k = 0; k < 8; ++k) add_lowered(cases, world, {capture, offset, edge_um}, k);
-  };
-  for (const double offset : offsets) lower(sharp, 1, offset);
-  for (const double offset : offsets) lower(cone, range, offset);
-  for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0}) lower(cone, range, part * range);
   for (const End& end : ends)
-    for (const World* world : {&end.sharp, &end.cone}) {
-      const double caught =
-          (world->profile.mouth_radius() - world->annulus.fibre_radius + 1e-6 * end.edge_um) /
-          world->annulus.clearance();
-      for (const double part : {0.9, 0.98, 1.02, 1.1, 3.0})
-        lower(*world, caught, part * caught, end.edge_um);
-    }
-  for (const auto& [cleave, world] : cleaved)
-    for (const int k : {0, 1, 2, 6, 7}) {
-      const double caught = cleaved_range(world, k * std::numbers::pi / 4);
-      for (const double part : {0.9, 0.95, 1.05, 1.1, 3.0})
-        add_lowered(cases, world, {caught, part * caught, 0, cleave}, k);
+    for (int k = 0; k < 8; ++k) {
+      // Behind its foremost point a cleaved end is held by none.
+      if (end.cleave_deg > 0 && k > 2 && k < 6) continue;
+      if (!end.as_it_is())
+        for (const double offset : {0.5, 0.9, 0.98, 1.02, 1.1, 1.5, 3.0, 10.0, 30.0})
+          add_lowered(cases, end, k, offset);
+      if (!end.as_it_is() && !end.world.profile.has_lead_in()) continue;
+      const double caught = capture_range(end.world, k * std::numbers::pi / 4);
+      const double near = end.cleave_deg > 0 ? 0.05 : 0.02;
+      for (const double part : {0.9, 1 - near, 1 + near, 1.1, 3.0})
+        add_lowered(cases, end, k, part * caught);
     }
   return rows_of(cases, go_on);
 }

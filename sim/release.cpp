@@ -23,6 +23,11 @@ double sum(const std::array<double, kTerms>& terms) {
   return std::accumulate(terms.begin(), terms.end(), 0.0);
 }
 
+// That the holder leaves to the end [N].
+double weight(const World& world) {
+  return -world.holder.weight[1];
+}
+
 // Does the law know one gap, that at the fibre's middle?
 bool knows_one_gap(const Laws& laws, Term term) {
   constexpr std::size_t printed = 1;  // of EitherForm
@@ -56,7 +61,7 @@ class Contact {
     at(terms, Term::adhesion) = std::max(0.0, adhesion(s, 1));
     for (const Term term : kSurface)
       if (info(term).present(world_.laws)) at(terms, term) = surface(term, s);
-    at(terms, Term::gravity) = -world_.holder.weight[1];
+    at(terms, Term::gravity) = weight(world_);
     return terms;
   }
 
@@ -66,7 +71,7 @@ class Contact {
     if (places_ == 2) at(terms, Term::adhesion) = std::max(0.0, adhesion(s, 0.5));
     for (const Term term : kSurface)
       if (info(term).present(world_.laws)) at(terms, term) = about_the_end(term, s);
-    at(terms, Term::gravity) = -world_.holder.weight[1];
+    at(terms, Term::gravity) = weight(world_);
     return terms;
   }
 
@@ -105,7 +110,7 @@ Release largest(ReleasePath path, double most, const Terms& terms) {
 
 Release slide(const World& world, double length, int places, double speed) {
   const Contact contact(world, length, places);
-  double load = -world.holder.weight[1];
+  double load = weight(world);
   for (const Term term : kSurface)
     if (info(term).present(world.laws)) load += contact.surface(term, 0);
   Release r{ReleasePath::slide, 0, 0, {}};
@@ -159,7 +164,7 @@ std::vector<Release> release(const World& world, double length, int places, doub
   Release end = largest(ReleasePath::peel, most, [&](double s) {
     std::array<double, kTerms> terms{};
     at(terms, Term::adhesion) = std::max(0.0, contact.adhesion(s, 1.0 / places));
-    at(terms, Term::gravity) = -world.holder.weight[1];
+    at(terms, Term::gravity) = weight(world);
     return terms;
   });
   return {lift, end.force > peel.force ? end : peel, slide(world, length, places, speed)};

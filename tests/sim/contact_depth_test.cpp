@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "bench/hand_work.hpp"
 #include "sim/scene/random.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/step.hpp"
@@ -208,38 +209,33 @@ TEST(ContactDepth, ARoundedRimFindsASharpBoreFromWithinClearanceAndRadius) {
     }
 }
 
-// A tilted end that circles on the face around the bore, in so many steps, pressed harder on one
-// half of its way: the work of the hand over one round, and what it turns over [J].
-struct Round {
-  double work = 0, turned = 0;
-};
-Round round_on_the_face(const World& world, int steps, double way) {
+// The work of the hand over one round of a tilted end that circles on the face around the bore, in
+// so many steps, pressed harder on one half of its way.
+HandWork round_on_the_face(const World& world, int steps, double way) {
   const auto hand = [&](int n) {
     const double angle = 2 * std::numbers::pi * way * n / steps;
     return testing::pose((-2 - std::sin(angle)) * 1e-6, 20e-6 * std::cos(angle),
                          20e-6 * std::sin(angle), 0.02, 0);
   };
   State state = at_rest(world, hand(0) + testing::pose(5e-6, 0, 0));
-  state = step(world, state, hand(0), 1e-3).state;
-  Round sum;
-  for (int n = 1; n <= 2 * steps; ++n) {
-    const double done = world.holder.work_of_hand(state.tip, state.command, hand(n));
+  for (int n = 0; n <= steps; ++n)  // the first time round it settles
     state = step(world, state, hand(n), 1e-3).state;
-    if (n <= steps) continue;  // the first time round it settles
-    sum.work += done;
-    sum.turned += std::abs(done);
+  HandWork work(world, state);
+  for (int n = 1; n <= steps; ++n) {
+    work.move(state, hand(n));
+    state = step(world, state, hand(n), 1e-3).state;
   }
-  return sum;
+  return work;
 }
 
 // Nothing rubs: what the hand loses is what an implicit step damps, and as short as the step.
 TEST(ContactDepth, OnTheFaceAClosedMotionCostsNoEnergy) {
   const World world = testing::bare().world;
   for (const double way : {1.0, -1.0}) {
-    const Round coarse = round_on_the_face(world, 500, way);
-    const Round fine = round_on_the_face(world, 4000, way);
-    EXPECT_GE(fine.work, -1e-9 * fine.turned);
-    EXPECT_LT(fine.work, 0.13 * coarse.work);
+    const HandWork coarse = round_on_the_face(world, 500, way);
+    const HandWork fine = round_on_the_face(world, 4000, way);
+    EXPECT_GE(fine.work(), -1e-9 * fine.turned());
+    EXPECT_LT(fine.work(), 0.13 * coarse.work());
   }
 }
 
