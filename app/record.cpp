@@ -202,6 +202,18 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   return all;
 }
 
+// Episodes of one folder are learned from together, in one hand's world.
+void refuse_other_scaling(const std::string& folder, const Scaling& now) {
+  const std::vector<std::string> files = episode_files(folder);
+  if (files.empty()) return;
+  const Scaling its = scene_scaling(recorded_scene(read_episode(files.back()), files.back()));
+  if (its.motion != now.motion || its.force != now.force)
+    throw BadInput(fmt::format(
+        "{}: was recorded with another scaling (motion x{:.6g}, force x{:.6g}) than this scene's "
+        "(x{:.6g}, x{:.6g}): no law could be fitted to both; choose another folder",
+        files.back(), its.motion, its.force, now.motion, now.force));
+}
+
 int record_verb(const RecordArguments& a) {
   const bool by_controller = !a.with_device && a.operator_ != "simulated";
   std::optional<ControllerFile> controller;
@@ -222,6 +234,7 @@ int record_verb(const RecordArguments& a) {
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
+  if (first > 1) refuse_other_scaling(a.out, who.scaling);
   if (!a.output.text()) fmt::print(stderr, "{}", note);
   const Recordings all = record_all(a, toleranced, who, first,
                                     a.output.text() ? provenance.head() + note : std::string());

@@ -67,7 +67,8 @@ GapForces gap_forces(const World& world, const Posture& posture) {
   GapForces forces;
   for (const Term term : kAllTerms)
     if (info(term).present(world.laws))
-      forces.terms[static_cast<std::size_t>(term)] = info(term).at_gap(world, posture);
+      forces.terms[static_cast<std::size_t>(term)] =
+          info(term).at_gap(world, posture) + 0.0;  // no -0
   if (world.laws.drag) forces.squeeze = squeeze_at_gap(world, posture);
   return forces;
 }

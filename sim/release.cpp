@@ -53,7 +53,7 @@ class Contact {
   }
 
   double surface(Term term, double gap) const {
-    return -info(term).at_gap(world_, {.gap = gap, .length = length_, .depth = {}});
+    return 0 - info(term).at_gap(world_, {.gap = gap, .length = length_, .depth = {}});  // no -0
   }
 
   std::array<double, kTerms> lift(double s) const {

@@ -343,6 +343,12 @@ PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, doubl
 }
 
 // What is in no table of terms.
+// The roll turns a cleaved end besides.
+void leave_out_curl(Json& fibre) {
+  fibre.erase("curl_radius_m");
+  if (!fibre.contains("cleave_deg")) fibre.erase("roll_deg");
+}
+
 void add_curl_and_inertia(const Reference& reference, const Choice& choice, const Inertia& inertia,
                           Plan& plan) {
   if (const auto curl = free_curl(reference.scene.parameters)) {
@@ -408,7 +414,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   if (plan.partial) plan.error_bound = INFINITY;
   plan.document = reduced_document(reference, choice.model);
   for (const PlannedTerm& term : plan.terms)
-    if (term.name == "curl" && !term.kept) plan.document["fibre"].erase("curl_radius_m");
+    if (term.name == "curl" && !term.kept) leave_out_curl(plan.document["fibre"]);
   plan.document["planned_accuracy"] = tolerance;
   plan.document["planned_error_bound"] = plan.error_bound;
   return plan;

@@ -227,6 +227,15 @@ bool JsonFields::has(const std::string& key) {
   return found != object_.end() && !found->is_null();
 }
 
+void JsonFields::depends(const std::string& key, const std::vector<std::string>& others) {
+  if (!present(key) ||
+      std::any_of(others.begin(), others.end(), [&](const auto& other) { return present(other); }))
+    return;
+  std::string names;
+  for (const std::string& other : others) names += (names.empty() ? "" : " or ") + other;
+  refuse(key, "does nothing without " + names);
+}
+
 void JsonFields::finish() const {
   for (const auto& [key, value] : object_.items())
     if (!known_.count(key)) {

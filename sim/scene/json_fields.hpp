@@ -79,6 +79,8 @@ class JsonFields {
   bool present(const std::string& key);
   // Is it there with a value other than null?
   bool has(const std::string& key);
+  // Refuses a key that is there where none of `others` is: without them it does nothing.
+  void depends(const std::string& key, const std::vector<std::string>& others);
   // To be called last: throws BadInput on the first key that nobody asked for.
   void finish() const;
 

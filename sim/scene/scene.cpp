@@ -39,6 +39,8 @@ void read_fibre(JsonFields f, FibreParameters& fibre) {
   if (f.present("cleave_direction_deg"))
     f.number("cleave_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
              fibre.cleave_direction_deg.emplace());
+  f.depends("roll_deg", {"curl_radius_m", "cleave_deg"});
+  f.depends("cleave_direction_deg", {"cleave_deg"});
   f.finish();
 }
 
@@ -50,6 +52,7 @@ void read_ferrule(JsonFields f, FerruleParameters& ferrule) {
   if (f.present("ovality_direction_deg"))
     f.number("ovality_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
              ferrule.ovality_direction_deg.emplace());
+  f.depends("ovality_direction_deg", {"ovality_um"});
   f.number("young_GPa", positive(1e-6, 1e4), ferrule.young_GPa);
   f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), ferrule.poisson);
   f.number("shear_GPa", positive(1e-6, 1e4), ferrule.shear_GPa);
@@ -190,6 +193,9 @@ void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   number("entrance_sd_um", micro, not_negative(1e6), sensor.entrance_sd);
   number("entrance_error_um", micro, rule::between(-1e7, 1e7, "must be from -1e7 to 1e7"),
          sensor.entrance_error);
+  f.depends("temperature_drift_uN_K", {"temperature_rate_K_s"});
+  f.depends("temperature_rate_K_s", {"temperature_drift_uN_K"});
+  f.depends("vibration_Hz", {"vibration_uN"});
   f.finish();
 }
 

@@ -166,6 +166,9 @@ class Recording(Case):
         self.record(out, episodes=1)
         self.refused(2, "record", "--out", out, says=["--append"])
         self.assertEqual(len(self.record(out, "--append", episodes=2)), 3)
+        self.refused(2, "record", "--out", out, "--append", "--set", "scaling.tip_range_um=200",
+                     says=["episode_0003.h5", "another scaling"])
+        self.assertEqual(len(glob.glob(out + "/*")), 3)
 
     def test_kill_loses_no_finished_episode_and_recover_brings_back_the_running_one(self):
         for delay in (0.3, 0.8, 1.3):

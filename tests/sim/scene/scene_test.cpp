@@ -73,6 +73,29 @@ TEST(Scene, ComplaintsNameKeyValueAndRule) {
     EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
 }
 
+TEST(Scene, RefusesAKeyThatDoesNothingWithoutAnother) {
+  const std::string drift = "sensor.temperature_drift_uN_K=1",
+                    rate = "sensor.temperature_rate_K_s=1";
+  for (const auto& [key, others] :
+       {std::pair(std::string("fibre.roll_deg=20"),
+                  std::vector<std::string>{"fibre.cleave_deg=1", "fibre.curl_radius_m=4"}),
+        {"fibre.cleave_direction_deg=20", {"fibre.cleave_deg=1"}},
+        {"ferrule.ovality_direction_deg=20", {"ferrule.ovality_um=0.1"}},
+        {"sensor.vibration_Hz=20", {"sensor.vibration_uN=1"}},
+        {drift, {rate}},
+        {rate, {drift}}}) {
+    for (const std::string& other : others) EXPECT_NO_THROW(load_scene("bench", {key, other}));
+    try {
+      load_scene("bench", {key});
+      ADD_FAILURE() << key;
+    } catch (const BadInput& error) {
+      const std::string said = error.what();
+      EXPECT_NE(said.find(key.substr(0, key.find('='))), std::string::npos) << said;
+      EXPECT_NE(said.find("does nothing without"), std::string::npos) << said;
+    }
+  }
+}
+
 TEST(Scene, EveryKeyIsRequiredAndNamed) {
   const Json whole = testing::paper().document;
   const Json flat = whole.flatten();
