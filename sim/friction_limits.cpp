@@ -56,17 +56,26 @@ double FrictionLimits::largest_miss() const noexcept {
   return largest;
 }
 
+// The Hessian at given limits, and how these give way.
+Matrix5 FrictionLimits::together(const NewtonStep& newton) const noexcept {
+  Matrix5 sum = newton.model.hessian.full();
+  for (const Place& place : place_)
+    if (place.slips)
+      sum += place.per_depth * place.pull.full() * place.depth_slope.full().transpose();
+  return sum;
+}
+
+double FrictionLimits::determinant(const NewtonStep& newton) const noexcept {
+  return Eigen::PartialPivLU<Matrix5>(together(newton)).determinant();
+}
+
 // Where the Hessian at given limits is nearly singular or falls: both systems as one.
 std::optional<PoseVector> FrictionLimits::settle_together(
     const NewtonStep& newton, FrozenCoefficients& frozen) const noexcept {
-  Matrix5 together = newton.model.hessian.full();
   Pose force = -newton.model.gradient.full();
-  for (const Place& place : place_) {
-    if (!place.slips) continue;
-    together += place.per_depth * place.pull.full() * place.depth_slope.full().transpose();
-    force -= place.miss * place.pull.full();
-  }
-  const Eigen::PartialPivLU<Matrix5> solver(together);
+  for (const Place& place : place_)
+    if (place.slips) force -= place.miss * place.pull.full();
+  const Eigen::PartialPivLU<Matrix5> solver(together(newton));
   if (!(solver.determinant() > 0)) return std::nullopt;
   const PoseVector move{Pose(solver.solve(force))};
   std::array<double, kContactPlaces> by{};

@@ -24,6 +24,10 @@ class FrictionLimits {
   // The largest miss, as a part of its limit.
   double largest_miss() const noexcept;
 
+  // Determinant of what holds the pose, the limits giving way as the contacts do: that of the model
+  // of `newton` and the limits together. It falls to 0 where the pose is lost.
+  double determinant(const NewtonStep& newton) const noexcept;
+
   // Moves the limits of `frozen` to where they miss nothing after the whole move: that of `newton`
   // to where the forces balance, its model's but for the limits, and what changing them adds: that
   // move. What is no minimum of given limits may still be stable, as the limits give way when the
@@ -42,6 +46,7 @@ class FrictionLimits {
   static Place place(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                      int at, const FrictionLimit& is, const PoseVector& depth_slope,
                      double slips_at) noexcept;
+  Matrix5 together(const NewtonStep& newton) const noexcept;
   std::optional<PoseVector> settle_together(const NewtonStep& newton,
                                             FrozenCoefficients& frozen) const noexcept;
 

@@ -86,6 +86,16 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
   return true;
 }
 
+double hold(const World& world, const State& state) noexcept {
+  if (!state.linearization || state.linearization->at != state.tip) return NAN;
+  const PoseVector tip(state.tip);
+  const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
+  const Linearization& bore = *state.linearization;
+  const NewtonStep newton(world, frozen, without_friction(frozen, tip, bore.gradient, bore.hessian),
+                          tip, 1, Pivots::as_they_are, true);
+  return FrictionLimits(world, frozen, tip, kSlipsOn).determinant(newton);
+}
+
 double first_touch(const World& world, const State& before, const Prediction& end,
                    const Potential& there) noexcept {
   double first = 1;

@@ -25,6 +25,11 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
 bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
              const PoseVector& curvature, Minimum& found) noexcept;
 
+// Determinant of what holds the end in a state that a step left, friction and its limits included,
+// from its linearization; NaN without one. Where the command takes the end to a fold, and the pose
+// is lost, it falls to 0 as the root of the way that is left.
+double hold(const World& world, const State& state) noexcept;
+
 // Where on the way to its prediction, evaluated there, an open contact begins, as its depth goes to
 // first order; NaN where none does.
 double first_touch(const World& world, const State& before, const Prediction& end,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/event_search.hpp"
 #include "sim/free_flight.hpp"
 #include "sim/friction_limits.hpp"
 #include "sim/minimum.hpp"
@@ -222,7 +223,7 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   if (!found.converged) minimise(world, frozen, few, false, found, before);
   // Sliding off an edge ends on it, where one surface stops and the next is not looked at yet.
   for (int turn = 0; turn < kMostTurns && !found.converged; ++turn) {
-    if (found.evaluations >= few) break;
+    if (found.evaluations >= few || (event && !found.at_edge)) break;
     const EdgeSide side = frozen.contact.side;
     frozen = freeze_again(world, state, frozen, found.tip.full());
     const int spent = found.evaluations;
@@ -245,6 +246,17 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
     }
   }
   return found;
+}
+
+// A search that ended early may have begun where the prediction was, higher than the end is: no
+// step raises the energy.
+void stay_if_lower(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                   Minimum& found) noexcept {
+  const Potential here(world, frozen, tip);
+  ++found.evaluations;
+  if (!(here.value < found.there.value)) return;
+  found.tip = tip;
+  found.there = here;
 }
 
 // Takes the minimum as the state after the sub-step.
@@ -282,20 +294,29 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   const State& state = result.state;
   double where = NAN;
   FrozenCoefficients frozen = freeze(world, state, command, dt);
-  const int few = divisible ? std::min(kFewEvaluations, most_evaluations) : most_evaluations;
-  const Minimum found =
-      solve(world, state, dt, few, most_evaluations, divisible ? &where : nullptr, frozen);
+  const int most = most_evaluations - 1;  // one may be needed to stay
+  const int few = divisible ? std::min(kFewEvaluations, most) : most;
+  Minimum found = solve(world, state, dt, few, most, divisible ? &where : nullptr, frozen);
+  const bool spent = found.evaluations >= most;
+  if (!divisible && !found.converged) stay_if_lower(world, frozen, PoseVector(state.tip), found);
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
   if (divisible && !found.converged) return {false, true, where};
   const Contacts now = contacts(world, frozen, found.tip, found.there);
   const bool event = is_event(state, frozen, found, now, travel_of(world, state, command));
   if (divisible && event) return {false, true, where};
-  result.status = found.converged                         ? StepStatus::ok
-                  : found.evaluations >= most_evaluations ? StepStatus::capped
-                                                          : StepStatus::not_converged;
+  result.status = found.converged ? StepStatus::ok
+                  : spent         ? StepStatus::capped
+                                  : StepStatus::not_converged;
   accept(world, command, dt, frozen, found, now, result);
   return {true, event};
+}
+
+// The linearization's curvature is that of a way as long as the one before; `part` of that.
+void shorten_curvature(double part, State& state) noexcept {
+  if (!(part < 1) || !state.linearization) return;
+  PoseVector& curvature = state.linearization->curvature;
+  curvature = part * part * curvature;
 }
 
 // To `command` over dt in sub-steps, as long as nothing happens and short where it does, of at most
@@ -306,37 +327,28 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   const double travel = travel_of(world, result.state, command);
   const double shortest = std::max(world.numerics.event_travel, travel / kMostDivided);
   const double first = first_part(world, result.state, command);
-  // Something happens between the first two of these parts of the way, about at the third.
-  double done = 0, beyond = INFINITY, event = NAN;
-  const double near = 0.5 * shortest / travel;  // half a shortest sub-step
-  while (done < 1) {
+  EventSearch search(shortest / travel);
+  for (double tried = NAN; search.done() < 1;) {
+    const double done = search.done(),
+                 edge = part_to_edge(world, result.state, command[0] - from[0]);
+    double to = search.bounded() ? search.next() : done + std::min(first, edge);
     const int left = end - result.evaluations;
-    double to = done + std::min(first, part_to_edge(world, result.state, command[0] - from[0]));
-    bool divisible = (to - done) * travel > std::max(shortest, 1.01 * kEdgeStep);
-    if (beyond <= 1) {
-      // Up to just before it, past it, or, where it is not known, to the middle.
-      to = event > done + 2 * near      ? event - near
-           : event + near > done        ? event + near
-           : (beyond - done) > 2 * near ? 0.5 * (done + beyond)
-                                        : beyond;
-      to = std::min(to, beyond);
-      divisible = to - done > 2.02 * near;
-    }
     const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
     if (last) to = 1;
-    divisible = divisible && left > kReserve + kFewEvaluations;
+    const double least = edge < first ? std::max(shortest, 1.01 * kEdgeStep) : shortest;
+    const bool divisible = left > kReserve + kFewEvaluations &&
+                           (search.bounded() ? search.divisible(to) : (to - done) * travel > least);
+    shorten_curvature((to - done) / tried, result.state);
+    tried = std::fmin(tried, to - done);
     const Pose goal = last ? command : Pose(from + to * (command - from));
     const Advance went =
         advance(world, goal, (to - done) * dt, last ? left : left - kReserve, divisible, result);
-    if (!went.taken) {
-      const bool halved = !(beyond <= 1) || to - done < 0.6 * (beyond - done);  // else it misleads
-      event = halved ? done + went.where * (to - done) : NAN;
-      beyond = to;
+    if (went.taken) {
+      search.take(world, result.state, to, went.event);
+    } else {
+      search.give_up(world, result.state, to, went.where);
       ++result.halvings;
-      continue;
     }
-    done = to;
-    if (to >= beyond || went.event) beyond = INFINITY;
   }
 }
 

@@ -38,7 +38,7 @@
 // period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with
 // inertia are planned for the motion.
 //
-// The full model locates events as the scene does: to 1 nm of the hand's travel, in scenes with
+// The full model locates events as the scene does: to 0.1 nm of the hand's travel, in scenes with
 // printed surface laws or adhesion not at all unless they ask for it.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the

@@ -98,7 +98,7 @@ bool integrated(const Laws& laws) {
          std::holds_alternative<Capillary>(laws.capillary);
 }
 
-constexpr double kUsualEventTravel = 1e-9;  // [m], where there are no printed wells
+constexpr double kUsualEventTravel = 0.1e-9;  // [m], where there are no printed wells
 
 void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
   if (scene.present("integrator") && scene.choice("integrator", {"backward_euler", "bdf2"}) == 1)

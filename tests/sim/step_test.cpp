@@ -208,41 +208,6 @@ TEST(Step, AHandThatJumpsTenCentimetresIsStoppedByTheFace) {
   EXPECT_EQ(r.state.side, EdgeSide::face);
 }
 
-TEST(Step, LocatesASnapWhereTheSceneAsksForIt) {
-  // A fibre that slides along the bore while it comes nearer to the wall, snaps to it and sticks:
-  // where along the bore tells when it snapped.
-  const auto stuck_at = [](const std::string& event_travel, int* halvings) {
-    const Scene scene =
-        testing::bare({"roughness_nm=5", "holder.tilt_stiffness_N_m_rad=1e3",
-                       "laws.adhesion={\"form\":\"corrected\",\"work_of_adhesion_J_m2\":0.144,"
-                       "\"maugis_lambda\":4}",
-                       "laws.friction={\"form\":\"corrected\",\"burgers_nm\":0.48}", event_travel});
-    const double c = scene.world.annulus.clearance();
-    State state = at_rest(scene.world, pose(-20e-6, c - 60e-9, 0, -2e-3));
-    Pose hand = state.command;
-    *halvings = 0;
-    for (int n = 0; n < 200 && !state.contact[kEnd].closed; ++n) {
-      hand[0] -= 60e-9;
-      hand[1] += 1e-9;
-      const StepResult r = step(scene.world, state, hand, 1e-3);
-      *halvings += r.halvings;
-      state = r.state;
-    }
-    EXPECT_TRUE(state.contact[kEnd].closed);
-    return 1e9 * state.contact[kEnd].stuck.x();
-  };
-  int none = 0, some = 0, many = 0;
-  const double coarse = stuck_at("event_travel_nm=1e9", &none);
-  const double located = stuck_at("event_travel_nm=2", &some);
-  const double fine = stuck_at("event_travel_nm=0.1", &many);
-  EXPECT_EQ(none, 0);
-  EXPECT_GE(some, 1);
-  EXPECT_GE(many, some);
-  EXPECT_LE(std::abs(located - fine), 2);
-  EXPECT_LE(std::abs(coarse - fine), 60);
-  EXPECT_GT(std::abs(coarse - fine), std::abs(located - fine));
-}
-
 // Each Newton step that knows only where it begins leaps between the friction of a contact that
 // opens and the walls on both sides: hundreds of evaluations.
 TEST(Step, IsBoundedWhateverTheHandDoes) {

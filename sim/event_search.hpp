@@ -1,0 +1,69 @@
+// Where on the way of a command something happens: sub-steps are taken up to it and past it, and
+// what lies between them is as short as is asked for. All in parts of the way, from 0 to 1.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim/prediction.hpp"
+
+namespace ferrule {
+
+class EventSearch {
+ public:
+  // `shortest`: a sub-step that something happens in is at most so long.
+  explicit EventSearch(double shortest) noexcept : near_(0.5 * shortest) {}
+
+  double done() const noexcept { return done_; }
+  // Is it known that something happens, before an end that was given up?
+  bool bounded() const noexcept { return beyond_ <= 1; }
+
+  // How far to go next, where it is known that something happens: up to just before it, past it,
+  // or, where it is not known, to the middle.
+  double next() const noexcept {
+    const double to = event_ > done_ + 2 * near_      ? event_ - near_
+                      : event_ + near_ > done_        ? event_ + near_
+                      : (beyond_ - done_) > 2 * near_ ? 0.5 * (done_ + beyond_)
+                                                      : beyond_;
+    return std::min(to, beyond_);
+  }
+  bool divisible(double to) const noexcept { return to - done_ > 2.02 * near_; }
+
+  // A sub-step from `state` was given up: something happens before `to`, about at the part `where`
+  // of it, or NaN.
+  void give_up(const World& world, const State& state, double to, double where) noexcept {
+    const bool halved = !bounded() || to - done_ < 0.6 * (beyond_ - done_);  // else it misleads
+    event_ = halved ? done_ + where * (to - done_) : NAN;
+    beyond_ = to;
+    if (std::isnan(hold_)) hold_ = hold(world, state);
+  }
+
+  // It was taken, and left `state`.
+  void take(const World& world, const State& state, double to, bool happened) noexcept {
+    if (happened || to >= beyond_) {
+      beyond_ = INFINITY;
+      hold_ = NAN;
+    } else if (bounded()) {
+      const double fold = meet_fold(to, hold(world, state));
+      if (!(event_ > to)) event_ = fold;
+    }
+    done_ = to;
+  }
+
+ private:
+  // Where the square of what holds the end falls to 0, in a straight line; NaN where it does not.
+  double meet_fold(double to, double holds) noexcept {
+    const double square = holds * holds, before = hold_ * hold_;
+    const double fold =
+        hold_ > holds && holds > 0 ? to + (to - done_) * square / (before - square) : NAN;
+    hold_ = holds;
+    return fold;
+  }
+
+  double near_;
+  double done_ = 0, beyond_ = INFINITY;  // something happens between them
+  double event_ = NAN;                   // about there, where that is known
+  double hold_ = NAN;  // the end at done_, from the first time that one is given up
+};
+
+}  // namespace ferrule
