@@ -84,7 +84,9 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",
       plan.sampled_twice, plan.sampling_counts ? "that counts" : "the bound does not cover that",
       ringing(plan, inertia), plan.error_bound, 1e6 * plan.force_scale, plan.tolerance,
-      holds(plan) ? "" : ": NOT REACHED");
+      holds(plan)                        ? ""
+      : plan.step_error > plan.tolerance ? ": NOT REACHED, its steps are too long"
+                                         : ": NOT REACHED");
 }
 
 Plan planned_here(const Scene& scene, const PlanArguments& a) {

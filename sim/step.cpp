@@ -248,13 +248,18 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   return found;
 }
 
-// A search that ended early may have begun where the prediction was, higher than the end is: no
-// step raises the energy.
-void stay_if_lower(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
-                   Minimum& found) noexcept {
+// A search that ended early may have begun where the prediction was, higher than the end is, or
+// have gone astray, far farther than the hand is: the end stays where it was then.
+void stay_if_astray(const World& world, const FrozenCoefficients& frozen, const State& state,
+                    Minimum& found) noexcept {
+  const PoseVector tip(state.tip);
   const Potential here(world, frozen, tip);
   ++found.evaluations;
-  if (!(here.value < found.there.value)) return;
+  const auto way = [&](const PoseVector& move) {
+    return move.length() + world.annulus.fibre_radius * move.t.norm();
+  };
+  const double most = kSnap * (way(frozen.command - tip) + world.annulus.clearance());
+  if (!(here.value < found.there.value) && way(found.tip - tip) < most) return;
   found.tip = tip;
   found.there = here;
 }
@@ -298,7 +303,7 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   const int few = divisible ? std::min(kFewEvaluations, most) : most;
   Minimum found = solve(world, state, dt, few, most, divisible ? &where : nullptr, frozen);
   const bool spent = found.evaluations >= most;
-  if (!divisible && !found.converged) stay_if_lower(world, frozen, PoseVector(state.tip), found);
+  if (!divisible && !found.converged) stay_if_astray(world, frozen, state, found);
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
   if (divisible && !found.converged) return {false, true, where};

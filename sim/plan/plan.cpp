@@ -342,13 +342,13 @@ PlannedTerm planned_curl(const FreeCurl& curl, const Reference& reference, doubl
   return planned;
 }
 
-// What is in no table of terms.
 // The roll turns a cleaved end besides.
 void leave_out_curl(Json& fibre) {
   fibre.erase("curl_radius_m");
   if (!fibre.contains("cleave_deg")) fibre.erase("roll_deg");
 }
 
+// What is in no table of terms.
 void add_curl_and_inertia(const Reference& reference, const Choice& choice, const Inertia& inertia,
                           Plan& plan) {
   if (const auto curl = free_curl(reference.scene.parameters)) {
@@ -401,10 +401,11 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.step = choice.model.step;
   plan.tangent = choice.model.tangent;
   plan.force_scale = reference.force_scale;
+  plan.step_error = std::max(choice.error, reference.step_error / kMeasured);
   plan.error_bound =
-      std::max({choice.error, reference.step_error / kMeasured,
-                choice.left_out.change +
-                    reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2])});
+      std::max(plan.step_error,
+               choice.left_out.change +
+                   reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
   plan.sampled_twice = reference.sampled_twice();
   plan.sampling_counts = reference.scene.document.contains("event_travel_nm") && !for_success &&
                          reference.scene.parameters.numerics.event_travel > 1.001 * kLocatesEvents;

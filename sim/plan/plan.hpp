@@ -86,6 +86,7 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   // being located.
   double sampled_twice = 0;
   bool sampling_counts = false;
+  double step_error = 0;  // what of the bound its steps are, or all that is chosen with them [-]
   // How long a snap of a clearance rings until it is within the tolerance [s]; infinite where the
   // scene states no damping.
   double rings = INFINITY;

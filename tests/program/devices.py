@@ -140,12 +140,15 @@ class Devices(Case):
         short = ["--set", "start.distance_um=5", "--set", "success.depth_um=3",
                  "--set", "start.lateral_sd_um=0", "--set", "start.tilt_sd_mrad=0"]
         self.done(*record, "fake:pid", "--set", told, *short)
-        self.done(*record, "fake:spacemouse", *short, "--append")  # no force, nothing to refuse
+        for more in (["fake:spacemouse"], ["fake:pid", "--coupled"]):
+            self.refused(2, *record, *more, *short, "--append", says=["another scaling"])
+        record[6] = out = self.path("another")
+        self.done(*record, "fake:spacemouse", *short)  # no force, nothing to refuse
         self.done(*record, "fake:pid", "--coupled", *short, "--append")
-        with h5py.File(out + "/episode_0003.h5") as f:
+        with h5py.File(out + "/episode_0002.h5") as f:
             coupling = json.loads(f.attrs["coupling"])
             self.assertAlmostEqual(coupling["stiffness_N_m"], 2000)
-        self.done("replay", out + "/episode_0003.h5", "--verify")
+        self.done("replay", out + "/episode_0002.h5", "--verify")
         for option in (["--coupled"], ["--profile", "pen"]):
             self.refused(2, *record, "fake:spacemouse", *option, says=[option[0], "force"])
         # A grip that moves the hand further feels a stiffer fibre: 1.69 kN/m of 2.67 that are stable.
