@@ -69,8 +69,8 @@ double capture_range(const World& world, double angle) {
          c;
 }
 
-// Lowers the end at `offset` [clearances], in a direction in eighths of a turn; at two speeds and in steps of three lengths, ends as they are in the longer two. The end
-// must outlive the cases.
+// Lowers the end at `offset` [clearances], in a direction in eighths of a turn; at two speeds and
+// in steps of three lengths, ends as they are in the longer two. The end must outlive the cases.
 void add_lowered(Cases<CaptureRow>& cases, const End& end, int direction, double offset) {
   for (const double speed : {5e-6, 50e-6})
     for (const double dt : {1e-4, 1e-3, 1e-2}) {

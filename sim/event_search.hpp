@@ -35,35 +35,34 @@ class EventSearch {
     const bool halved = !bounded() || to - done_ < 0.6 * (beyond_ - done_);  // else it misleads
     event_ = halved ? done_ + where * (to - done_) : NAN;
     beyond_ = to;
-    if (std::isnan(hold_)) hold_ = hold(world, state);
+    if (std::isnan(determinant_)) determinant_ = stiffness_determinant(world, state);
   }
 
   // It was taken, and left `state`.
   void take(const World& world, const State& state, double to, bool happened) noexcept {
     if (happened || to >= beyond_) {
       beyond_ = INFINITY;
-      hold_ = NAN;
+      determinant_ = NAN;
     } else if (bounded()) {
-      const double fold = meet_fold(to, hold(world, state));
+      const double fold = meet_fold(to, stiffness_determinant(world, state));
       if (!(event_ > to)) event_ = fold;
     }
     done_ = to;
   }
 
  private:
-  // Where the square of what holds the end falls to 0, in a straight line; NaN where it does not.
-  double meet_fold(double to, double holds) noexcept {
-    const double square = holds * holds, before = hold_ * hold_;
-    const double fold =
-        hold_ > holds && holds > 0 ? to + (to - done_) * square / (before - square) : NAN;
-    hold_ = holds;
-    return fold;
+  // Where the square of the determinant falls to 0, in a straight line; NaN where it does not.
+  double meet_fold(double to, double determinant) noexcept {
+    const double square = determinant * determinant, before = determinant_ * determinant_;
+    const bool falls = determinant_ > determinant && determinant > 0;
+    determinant_ = determinant;
+    return falls ? to + (to - done_) * square / (before - square) : NAN;
   }
 
   double near_;
   double done_ = 0, beyond_ = INFINITY;  // something happens between them
   double event_ = NAN;                   // about there, where that is known
-  double hold_ = NAN;  // the end at done_, from the first time that one is given up
+  double determinant_ = NAN;  // at done_, from the first time that a sub-step is given up
 };
 
 }  // namespace ferrule

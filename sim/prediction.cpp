@@ -86,7 +86,7 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
   return true;
 }
 
-double hold(const World& world, const State& state) noexcept {
+double stiffness_determinant(const World& world, const State& state) noexcept {
   if (!state.linearization || state.linearization->at != state.tip) return NAN;
   const PoseVector tip(state.tip);
   const FrozenCoefficients frozen = freeze(world, state, state.command, 0);

@@ -25,10 +25,10 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
 bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
              const PoseVector& curvature, Minimum& found) noexcept;
 
-// Determinant of what holds the end in a state that a step left, friction and its limits included,
-// from its linearization; NaN without one. Where the command takes the end to a fold, and the pose
-// is lost, it falls to 0 as the root of the way that is left.
-double hold(const World& world, const State& state) noexcept;
+// Determinant of the stiffness that holds the end in a state that a step left, with friction and
+// how its limits give way, from its linearization [(N/m)^3 (N m/rad)^2]; NaN without one. Up to a
+// fold, where the pose is lost, it falls to 0 as the root of the way that is left.
+double stiffness_determinant(const World& world, const State& state) noexcept;
 
 // Where on the way to its prediction, evaluated there, an open contact begins, as its depth goes to
 // first order; NaN where none does.

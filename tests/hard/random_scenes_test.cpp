@@ -42,5 +42,27 @@ TEST(RandomScenes, BoundTheWorkOfAStepAndGainNoEnergy) {
   EXPECT_LT(unfinished, steps / 100);
 }
 
+// Capped steps in which the search went millimetres away, or ended higher than it began, and what
+// was left there came back to the hand as energy.
+TEST(RandomScenes, ASearchThatEndsEarlyDoesNotThrowTheEndAway) {
+  struct Case {
+    std::uint64_t seed, k;
+    Motion motion;
+    double dt;
+  };
+  for (const auto& [seed, k, motion, dt] : {Case{5, 172, Motion::insertion, 1e-4},
+                                            {12, 71, Motion::press, 1e-3},
+                                            {1, 32, Motion::jumps, 1e-4}}) {
+    const Scene scene = random_scene(seed, k);
+    State state = draw_start(scene, seed, k);
+    HandWork work(scene.world, state);
+    for (const Pose& hand : commands(scene, state, motion, dt, seed, k, 4000 * dt)) {
+      work.move(state, hand);
+      state = step(scene.world, state, hand, dt).state;
+    }
+    EXPECT_FALSE(work.gained(state)) << seed << " " << k;
+  }
+}
+
 }  // namespace
 }  // namespace ferrule

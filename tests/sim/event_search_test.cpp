@@ -58,22 +58,22 @@ TEST(EventSearch, LocatesASnapInShortStepsToo) {
     EXPECT_LE(std::abs(slides_until_it_sticks("event_travel_nm=0.2", way).x - fine), 0.3e-9) << way;
 }
 
-// Free of friction, tilted and elastic: what holds the end falls as the root of the way that is left
+// Free of friction, tilted and elastic: the determinant falls as the root of the way that is left
 // to the fold at which it snaps to the wall.
-TEST(EventSearch, HoldsLessAndLessUpToAFold) {
+TEST(EventSearch, TheStiffnessFallsUpToAFold) {
   const Scene scene = load_scene("bench", {"laws.friction=null"});
   State state = at_rest(scene.world, pose(-30e-6, 0, 0, -1e-3));
   const double way = 0.01e-9;
-  std::vector<double> holds;
+  std::vector<double> determinants;
   for (Pose hand = state.command; !state.contact[kEnd].closed && hand[1] < 1e-6; hand[1] += way) {
     state = step(scene.world, state, hand, 1e-3).state;
-    holds.push_back(hold(scene.world, state));
+    determinants.push_back(stiffness_determinant(scene.world, state));
   }
   ASSERT_TRUE(state.contact[kEnd].closed);
-  const auto n = holds.size() - 1;  // closed with the last one
+  const auto n = determinants.size() - 1;  // closed with the last one
   double nearer = 0;
   for (const std::size_t left : {20U, 40U, 80U}) {  // steps of the way
-    const double near = holds[n - left], far = holds[n - 2 * left];
+    const double near = determinants[n - left], far = determinants[n - 2 * left];
     ASSERT_LT(near, far);
     const double off = near * near / (far * far - near * near) - 1;  // relative, of the way left
     EXPECT_GT(off, nearer);
