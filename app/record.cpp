@@ -203,11 +203,11 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
 }
 
 // Episodes of one folder are learned from together, in one hand's world.
-void refuse_other_scaling(const std::string& folder, const Scaling& now) {
+void expect_same_scaling(const std::string& folder, const Scaling& now) {
   const std::vector<std::string> files = episode_files(folder);
   if (files.empty()) return;
   const Scaling its = scene_scaling(recorded_scene(read_episode(files.back()), files.back()));
-  if (its.motion != now.motion || its.force != now.force)
+  if (its != now)
     throw BadInput(fmt::format(
         "{}: was recorded with another scaling (motion x{:.6g}, force x{:.6g}) than this scene's "
         "(x{:.6g}, x{:.6g}): no law could be fitted to both; choose another folder",
@@ -234,7 +234,7 @@ int record_verb(const RecordArguments& a) {
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
-  if (first > 1) refuse_other_scaling(a.out, who.scaling);
+  if (first > 1) expect_same_scaling(a.out, who.scaling);
   if (!a.output.text()) fmt::print(stderr, "{}", note);
   const Recordings all = record_all(a, toleranced, who, first,
                                     a.output.text() ? provenance.head() + note : std::string());

@@ -140,7 +140,7 @@ int view_verb(ViewArguments a) {
   return a.recorded.path.empty() && !a.recorded.trial ? live_verb(a) : replay_in_browser(a);
 }
 
-// What is replayed instead of a session.
+// What is replayed, where nobody plays.
 void add_recorded(CLI::App& verb, ViewArguments& a) {
   RecordedViewArguments& r = a.recorded;
   verb.add_option("recorded", r.path,

@@ -24,6 +24,8 @@ struct Scaling {
   double motion;  // alpha_x [-], > 0
   double force;   // alpha_f [-], > 0
 
+  bool operator==(const Scaling&) const noexcept = default;
+
   // From ranges [m], [N], all > 0.
   static Scaling from_ranges(double hand_range, double tip_range, double hand_force,
                              double tip_force) noexcept {

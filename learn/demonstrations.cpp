@@ -48,7 +48,7 @@ void DemonstrationSet::add(const Episode& episode, const std::string& file,
     scaling = its;
     force_limit = scene.limits.force;
   }
-  if (its.motion != scaling->motion || its.force != scaling->force)
+  if (its != *scaling)
     throw BadInput(file +
                    ": was recorded with another scaling than the episodes before it; a law is "
                    "learned in one hand's world");

@@ -255,11 +255,9 @@ void stay_if_astray(const World& world, const FrozenCoefficients& frozen, const 
   const PoseVector tip(state.tip);
   const Potential here(world, frozen, tip);
   ++found.evaluations;
-  const auto way = [&](const PoseVector& move) {
-    return move.length() + world.annulus.fibre_radius * move.t.norm();
-  };
-  const double most = kSnap * (way(frozen.command - tip) + world.annulus.clearance());
-  if (!(here.value < found.there.value) && way(found.tip - tip) < most) return;
+  const double most =
+      kSnap * (travel_of(world, frozen, frozen.command - tip) + world.annulus.clearance());
+  if (!(here.value < found.there.value) && travel_of(world, frozen, found.tip - tip) < most) return;
   found.tip = tip;
   found.there = here;
 }
@@ -334,8 +332,8 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
   const double first = first_part(world, result.state, command);
   EventSearch search(shortest / travel);
   for (double tried = NAN; search.done() < 1;) {
-    const double done = search.done(),
-                 edge = part_to_edge(world, result.state, command[0] - from[0]);
+    const double done = search.done();
+    const double edge = part_to_edge(world, result.state, command[0] - from[0]);
     double to = search.bounded() ? search.next() : done + std::min(first, edge);
     const int left = end - result.evaluations;
     const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;

@@ -44,8 +44,8 @@ export class FailureMap {
     const map = this.shown = this.maps[which];
     const failed = map.points.filter((p) => p.outcome !== 'inserted' && p.outcome !== 'infeasible');
     this.said.textContent = `${map.title}: ${failed.length} of ${map.points.length} trials failed. Click a mark, or choose:`;
-    const placeholder = new Option('a failed trial \u2026', '');
-    this.trials.replaceChildren(placeholder, ...failed.map((p) =>
+    const unchosen = new Option('a failed trial \u2026', '');
+    this.trials.replaceChildren(unchosen, ...failed.map((p) =>
         new Option(`trial ${p.trial}: ${words(p.outcome)}${p.run === undefined ? ' (not in this file)' : ''}`, String(p.trial))));
     this.place.replaceChildren(this.drawing(map), this.legend(map));
   }

@@ -1,4 +1,4 @@
-// The session of a person: start, stop, rate, the list of episodes with its learning curve, and
+// A person's episodes: start, stop, rate, their list with its learning curve, and
 // what is learned from them.
 import {byId, element, fixed, withMicro, words} from './format.js';
 import {svgElement} from './map.js';
@@ -46,7 +46,7 @@ export class Session {
     this.send({type: this.running ? 'stop' : 'start'});
   }
 
-  /** @param {Message} message @returns {boolean} whether it was for the session */
+  /** @param {Message} message @returns {boolean} whether it was for this */
   take(message) {
     switch (message.type) {
       case 'state_of_session': return this.stateOf(message);
