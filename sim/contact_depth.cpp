@@ -10,52 +10,6 @@ Vector2d face_slope(const World& world, const PoseVector& tip) noexcept {
   return tip.t + world.end.cleave;
 }
 
-// How deep the end is in the front face: its lowest point there, or, where none is supported, the
-// rim's, `rim`.
-double deepest_in_face(const World& world, const PoseVector& tip, double rim) noexcept {
-  if (!world.end.rests_lowest) return rim;
-  const FaceSupport support(world.annulus.fibre_radius - world.end.edge,
-                            world.profile.mouth_radius(), tip.e);
-  if (!support.any()) return rim;
-  return world.profile.lead_in_length - tip.x + support.rest(face_slope(world, tip)).ahead;
-}
-
-// How far the rim of the fibre's end is in bore and cone, each at the point of the rim that is
-// deepest there: |e| + r against the bore, and against the cone of half angle beta, as the rim lies
-// r (n.t) ahead in the direction n, |e + r tan(beta) t| + r.
-struct RimDepths {
-  Radial bore, cone;
-  EdgeDepth depth;
-
-  RimDepths(const World& world, const PoseVector& tip) noexcept
-      : bore(tip.e, world),
-        cone(tip.e + world.annulus.fibre_radius * world.profile.lead_in_tangent *
-                         face_slope(world, tip),
-             world) {
-    const double r = world.annulus.fibre_radius;
-    const double x_rim = tip.x - r * cone.normal.dot(face_slope(world, tip));
-    depth = edge_depth(world.profile, x_rim, bore.eccentricity + r);
-    depth.cone = edge_depth(world.profile, tip.x, cone.eccentricity + r).cone;
-  }
-};
-
-// The edge between bore and cone: the share of the cone is 0 in the bore, 1 on the cone, and
-// between them the derivative of
-//   (bore + cone)/2 - w (3 + 6 t^2 - t^4)/16,   t = (bore - cone)/w.
-struct RoundedEdge {
-  double depth, cone = 0, bend = 0;  // [m], [-], [1/m]
-
-  explicit RoundedEdge(const EdgeDepth& d) noexcept : depth(d.throat()) {
-    const double apart = d.bore - d.cone;
-    if (apart > 0) cone = 1;
-    if (!(std::abs(apart) < kEdgeRounding)) return;
-    const double t = apart / kEdgeRounding, t2 = t * t;
-    depth = 0.5 * (d.bore + d.cone) - kEdgeRounding * (3 + t2 * (6 - t2)) / 16;
-    cone = 0.5 + 0.25 * t * (3 - t2);
-    bend = 0.75 * (1 - t2) / kEdgeRounding;
-  }
-};
-
 // The end on the front face, where it is lowest; second derivatives as it moves over the opening by
 // central differences.
 void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth) noexcept {
@@ -86,8 +40,16 @@ void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth
   depth.point.tail<2>() += rest.point;
 }
 
-// The same, where it is farthest from the bore: as the rim lies r (n.tilt) ahead in the direction
-// n = e/|e|, which turns with the eccentricity.
+// How deep the rim's point is that is farthest from the bore, of an end that rests as if it were
+// upright.
+EdgeDepth outermost(const World& world, const PoseVector& tip) noexcept {
+  const double r = world.annulus.fibre_radius;
+  const double ahead = r * Radial(tip.e, world.annulus.clearance()).normal.dot(tip.t);
+  return edge_depth(world.profile, tip.x - ahead, Radial(tip.e, world).eccentricity + r);
+}
+
+// The end on the front face, where it is farthest from the bore: as the rim lies r (n.tilt) ahead
+// in the direction n = e/|e|, which turns with the eccentricity.
 ContactDepth face_depth(const World& world, const PoseVector& tip) noexcept {
   ContactDepth depth;
   if (world.end.rests_lowest) {
@@ -97,8 +59,7 @@ ContactDepth face_depth(const World& world, const PoseVector& tip) noexcept {
   const double r = world.annulus.fibre_radius, off = tip.e.norm();
   const Vector2d n = off > 0 ? Vector2d(tip.e / off) : Vector2d(Vector2d::UnitX());
   const double ahead = n.dot(tip.t);
-  const EdgeDepth d =
-      edge_depth(world.profile, tip.x - r * ahead, Radial(tip.e, world).eccentricity + r);
+  const EdgeDepth d = outermost(world, tip);
   depth.point << tip.x, tip.e + r * n;
   if (d.throat() <= 0) return depth;
   depth.value = d.face;
@@ -116,51 +77,57 @@ ContactDepth face_depth(const World& world, const PoseVector& tip) noexcept {
   return depth;
 }
 
-// A rounded rim on bore, cone and the edges between bore, cone and face (sim/contact_depth.hpp).
-class RoundRim {
+// The rim on bore, cone and the edges between bore, cone and face (sim/contact_depth.hpp).
+class Rim {
  public:
-  RoundRim(const World& world, const PoseVector& tip) noexcept
+  Rim(const World& world, const PoseVector& tip) noexcept
       : world_(world),
-        rho_(world.end.edge),
+        rho_(world.end.rounding()),
         lever_(world.annulus.fibre_radius - rho_),
-        high_(tip.x + rho_),
-        across_(eccentricity(tip, rho_)),
-        slope_(face_slope(world, tip)) {
+        behind_(world.end.edge),
+        high_(tip.x + behind_),
+        across_(eccentricity(tip, behind_)),
+        slope_(face_slope(world, tip)),
+        there_(along(normal_, high_, world.annulus.clearance() + rho_)) {
+    if (there_.slope >= 0 && there_.depth < rho_) return;  // all of it is in the bore
     const FerruleProfile& profile = world.profile;
+    const Vector2d bore(1, 0), face(kLeastCosine, 1);
+    const double wide = world.annulus.clearance() + rho_;
+    if (!profile.has_lead_in()) {
+      look(bore, face, 0, wide);
+      return;
+    }
     const double tangent = profile.lead_in_tangent;
     const double cosine = 1 / std::sqrt(1 + tangent * tangent);
-    const Vector2d bore(1, 0), face(kLeastCosine, 1), cone(cosine, tangent * cosine);
-    look(bore, profile.has_lead_in() ? cone : face, 0, world.annulus.clearance() + rho_);
-    if (profile.has_lead_in())
+    const Vector2d cone(cosine, tangent * cosine);
+    if (look(bore, cone, 0, wide))
       look(cone, face, profile.lead_in_length,
            profile.mouth_radius() - world.annulus.fibre_radius + rho_);
   }
 
-  // cos and sin of alpha.
-  const Vector2d& normal() const noexcept { return normal_; }
-  Vector2d outward() const noexcept { return deepest(normal_).normal; }
+  const Vector2d& outward() const noexcept { return there_.radial.normal; }
 
   void set(const PoseVector& tip, ContactDepth& d) const noexcept {
     const double c = normal_[0], s = normal_[1];
-    const Radial radial = deepest(normal_);
+    const Radial& radial = there_.radial;
     const Vector2d& n = radial.normal;
-    d.value = depth_;
-    d.arm.length = rho_;
+    d.value = there_.depth;
+    d.arm.length = behind_;
     d.lean = -lever_ * n;
     d.slope << -s, c * n;
-    d.point << tip.x + rho_, tip.e + lever_ * n;
+    d.point << tip.x + behind_, tip.e + lever_ * n;
     if (s == 0) {
       d.curve = radial.curving;
       return;
     }
     d.curve.setZero();
-    d.cone_arm = rho_ + lever_ * s / c;
+    d.cone_arm = behind_ + lever_ * s / c;
     d.cone_curve = c * c * radial.curving;
     if (bend_ > 0) {
       d.edge = 1 / bend_;
       // By the angle the slope turns, and with it the direction in which the rim is deepest.
       const Vector2d turn = turning(radial, normal_);
-      d.over_edge = {c, s * n - c * turn, (s * rho_ - c * lever_) * n - c * d.cone_arm * turn};
+      d.over_edge = {c, s * n - c * turn, (s * behind_ - c * lever_) * n - c * d.cone_arm * turn};
     }
   }
 
@@ -175,12 +142,7 @@ class RoundRim {
     if (!(cross(from, v) > 0)) return from;
     return cross(v, to) > 0 ? v.normalized() : to;
   }
-  // What adds to the depth across the bore: |m|, with derivatives by m.
-  Radial deepest(const Vector2d& at) const noexcept {
-    return {at[0] * across_ + at[1] * lever_ * slope_, world_, at[0]};
-  }
-
-  // What that vector m changes by with the angle.
+  // What adds to the depth across the bore is |m|; what that vector m changes by with the angle.
   Vector2d turned(const Vector2d& at) const noexcept {
     return -at[1] * across_ + at[0] * lever_ * slope_;
   }
@@ -199,35 +161,41 @@ class RoundRim {
     return {std::sqrt(0.5 * (1 - more / least)), std::sqrt(0.5 * (1 + more / least))};
   }
 
-  // The depth at an angle, what it changes by with that, and that again.
+  // The depth at an angle, and what it changes by with that.
   struct Along {
-    double depth, slope, bend;
+    Radial radial;  // |m|, with derivatives by m
+    double depth, slope;
   };
   Along along(const Vector2d& at, double high, double wide) const noexcept {
-    const Radial radial = deepest(at);
+    const Radial radial(at[0] * across_ + at[1] * lever_ * slope_, world_, at[0]);
+    return {radial, rho_ - high * at[1] + radial.eccentricity - wide * at[0],
+            (wide + radial.wider) * at[1] - high * at[0] + radial.normal.dot(turned(at))};
+  }
+  // What its slope changes by with that.
+  double bend(const Along& there, const Vector2d& at) const noexcept {
     const Vector2d by = turned(at);
-    const double across = radial.eccentricity - wide * at[0], ahead = high * at[1];
-    return {rho_ - ahead + across,
-            (wide + radial.wider) * at[1] - high * at[0] + radial.normal.dot(by),
-            ahead - across + by.dot(turning(radial, at)) + at[1] * radial.wider_by.dot(by)};
+    return rho_ - there.depth + by.dot(turning(there.radial, at)) +
+           at[1] * there.radial.wider_by.dot(by);
   }
 
   void keep(const Vector2d& at, const Along& there, double bend) noexcept {
-    if (!(there.depth < depth_)) return;
-    depth_ = there.depth;
+    if (!(there.depth < there_.depth)) return;
+    there_ = there;
     normal_ = at;
     bend_ = bend;
   }
 
   // At the angles between `from` and `to`, that have the edge `x` high, and wide by `wide`: by
   // Newton's method within bounds, as the depth has one minimum where it is less than rho. It is at
-  // a bound from which the depth rises.
-  void look(const Vector2d& from, const Vector2d& to, double x, double wide) noexcept {
+  // a bound from which the depth rises. Whether it may be less beyond `to`.
+  bool look(const Vector2d& from, const Vector2d& to, double x, double wide) noexcept {
     const double high = high_ - x;
-    const Along first = along(from, high, wide), last = along(to, high, wide);
+    const Along first = along(from, high, wide);
     keep(from, first, 0);
+    if (first.slope >= 0 && first.depth < rho_) return false;
+    const Along last = along(to, high, wide);
     keep(to, last, 0);
-    if ((first.slope >= 0 && first.depth < rho_) || (last.slope <= 0 && last.depth < rho_)) return;
+    if (last.slope <= 0 && last.depth < rho_) return true;
     Vector2d low = from, most = to, at = shortest();
     // From there, if that is between them: the depth bends most there, to a kink where it is 0.
     if (!(cross(from, at) > 0 && cross(at, to) > 0))
@@ -237,7 +205,7 @@ class RoundRim {
     for (int turn = 0; turn < kTurns && there.slope != 0; ++turn) {
       (there.slope > 0 ? most : low) = at;
       (there.slope > 0 ? above : below) = there.slope;
-      const double by = there.bend > 0 ? -there.slope / there.bend : INFINITY;
+      const double bends = bend(there, at), by = bends > 0 ? -there.slope / bends : INFINITY;
       Vector2d next = at + by * Vector2d(-at[1], at[0]);
       if (!(std::abs(by) < 0.5) || cross(low, next) < 0 || cross(next, most) < 0) {
         const bool secant = below < 0 && above > 0 && turn % 3 != 2;
@@ -248,39 +216,22 @@ class RoundRim {
       at = next;
       there = along(at, high, wide);
     }
-    keep(at, there, there.bend);
+    keep(at, there, bend(there, at));
+    return !(there_.depth < rho_);
   }
 
   const World& world_;
-  double rho_, lever_, high_;
+  double rho_, lever_, behind_, high_;
   Vector2d across_, slope_;
-  double depth_ = INFINITY, bend_ = 0;  // bend: second derivative by alpha where it is free
-  Vector2d normal_ = Vector2d::UnitX();
+  Vector2d normal_ = Vector2d::UnitX();  // cos and sin of alpha
+  Along there_;
+  double bend_ = 0;  // second derivative by alpha where it is free
 };
 
-// The rim of the fibre's end on the bore wall or the cone.
+// The rim of the fibre's end in the throat.
 ContactDepth throat_depth(const World& world, const PoseVector& tip) noexcept {
   ContactDepth depth;
-  if (world.end.edge > 0) {
-    RoundRim(world, tip).set(tip, depth);
-    return depth;
-  }
-  const double r = world.annulus.fibre_radius, tangent = world.profile.lead_in_tangent;
-  const RimDepths rim(world, tip);
-  const RoundedEdge edge(rim.depth);
-  const Vector2d& outward = edge.cone > 0 ? rim.cone.normal : rim.bore.normal;
-  depth.point << tip.x, tip.e + r * outward;
-  if (deepest_in_face(world, tip, rim.depth.face) <= 0) return depth;
-  const double cosine = 1 / std::sqrt(1 + tangent * tangent), sine = tangent * cosine;
-  const double on_cone = edge.cone * cosine, in_bore = 1 - edge.cone;
-  depth.value = edge.depth;
-  depth.lean = -r * outward;
-  depth.slope << -edge.cone * sine, on_cone * rim.cone.normal + in_bore * rim.bore.normal;
-  depth.curve = in_bore * rim.bore.curving;
-  depth.cone_arm = r * tangent;
-  depth.cone_curve = on_cone * rim.cone.curving;
-  depth.edge = edge.bend;
-  depth.over_edge = {sine, rim.bore.normal - cosine * rim.cone.normal, sine * depth.lean};
+  Rim(world, tip).set(tip, depth);
   return depth;
 }
 
@@ -301,12 +252,14 @@ ContactDepth side_depth(const World& world, const ContactSide& side,
   return depth;
 }
 
-// Which side a rounded rim is on: the face where its circle's centre is over it.
-EdgeSide round_side(const World& world, const PoseVector& tip, const ContactSide& at,
-                    EdgeSide before) noexcept {
+// Which side the end is on: the face where it is in front of it, or its rim's circle has its centre
+// over it.
+EdgeSide side_of(const World& world, const PoseVector& tip, EdgeSide before) noexcept {
+  if (!world.end.rests_lowest) return edge_side(outermost(world, tip), before);
   const double rho = world.end.edge, lever = world.annulus.fibre_radius - rho;
-  if (!at.support.any()) return EdgeSide::throat;
-  const double ahead = at.support.rest(face_slope(world, tip)).ahead;
+  const FaceSupport support(lever, world.profile.mouth_radius(), tip.e);
+  if (!support.any()) return EdgeSide::throat;
+  const double ahead = support.rest(face_slope(world, tip)).ahead;
   if (world.profile.lead_in_length - tip.x + ahead <= rho) return EdgeSide::face;
   // Deeper than its own radius: in front of a wall, or pressed into the face.
   const EdgeDepth centre = edge_depth(world.profile, tip.x + rho, tip.e.norm() + lever);
@@ -318,35 +271,13 @@ EdgeSide round_side(const World& world, const PoseVector& tip, const ContactSide
 ContactSide contact_side(const World& world, const State& state) noexcept {
   ContactSide at;
   const PoseVector tip(state.tip);
-  const double r = world.annulus.fibre_radius;
-  const RimDepths rim(world, tip);
-  Vector2d out = tip.e;
-  EdgeDepth depth = rim.depth;
-  EdgeSide before = state.side;
-  if (state.side == EdgeSide::throat)
-    out += RoundedEdge(rim.depth).cone * world.profile.lead_in_tangent * r * face_slope(world, tip);
+  at.side = side_of(world, tip, state.side);
+  const Vector2d out = at.side == EdgeSide::throat ? Rim(world, tip).outward() : tip.e;
   if (out.norm() > 0) at.outward = out.normalized();
-  if (state.side == EdgeSide::face && !world.end.rests_lowest)
-    depth = edge_depth(world.profile,
-                       tip.x - r * Radial(tip.e, world.annulus.clearance()).normal.dot(tip.t),
-                       tip.e.norm() + r);
-  if (world.end.rests_lowest) {
-    at.support = FaceSupport(r - world.end.edge, world.profile.mouth_radius(), tip.e);
-    // Over the opening it is in the throat with its lowest point.
-    const Vector2d slope = face_slope(world, tip);
-    const double ahead =
-        at.support.any() ? at.support.rest(slope).ahead : (r - world.end.edge) * slope.norm();
-    depth.face = world.profile.lead_in_length - tip.x + ahead;
-    if (!at.support.any()) before = EdgeSide::throat;
-  }
-  at.side = world.end.edge > 0 ? round_side(world, tip, at, before) : edge_side(depth, before);
-  if (world.end.edge > 0 && at.side == EdgeSide::throat) {
-    const Vector2d rounded = RoundRim(world, tip).outward();
-    if (rounded.norm() > 0) at.outward = rounded.normalized();
-  }
   const Vector2d at_mouth = eccentricity(tip, -tip.x);
   if (at_mouth.norm() > 0) at.mouth_outward = at_mouth.normalized();
-  at.side_ahead = r * at.mouth_outward.dot(world.end.cleave) - world.end.edge;
+  at.side_ahead =
+      world.annulus.fibre_radius * at.mouth_outward.dot(world.end.cleave) - world.end.edge;
   return at;
 }
 

@@ -2,20 +2,20 @@
 //
 // The end's rim meets the bore wall, the lead-in cone or the front face (sim/ferrule_profile.hpp);
 // its side meets the rim of the bore's mouth. First order in the tilts: the rim of the end lies r
-// (outward.tilt) ahead of the end's centre; that of a cleaved end r (outward.(tilt + cleave)). On
-// bore and cone it touches where it is deepest, on the face where it is farthest from the bore, or,
-// in a world where it rests lowest, where it is lowest (sim/face_support.hpp). At the throat, the
-// edge between cone and bore, a sharp rim is as deep as the less deep of the two, each at the point
-// where the rim is deepest in it: right as long as those are about the same, the slope of its end
-// being less than c/(r tan(half the cone's angle)). A cleaved rim is rounded.
+// outward.(tilt + cleave) ahead of the end's centre. In the throat it touches where it is deepest,
+// on the face where it is farthest from the bore, or, in a world where it rests lowest, where it is
+// lowest (sim/face_support.hpp).
 //
-// A rim that is rounded to rho is as deep as its circle in the half plane, centre (x + rho, r -
-// rho), is in the solid: touching it at the angle alpha, 0 on the bore and 90 degrees on the face,
-// with the edge at (x_v, R_v) that has such a tangent,
-//   d = min over alpha of rho - (x + rho - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
-//                         + |(e + rho tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
+// There it is as deep as the circle that it is rounded to, in the half plane, of radius rho and with
+// its centre at (x + s, r - rho), is in the solid: touching it at the angle alpha, 0 on the bore and
+// 90 degrees on the face, with the edge at (x_v, R_v) that has such a tangent,
+//   d = min over alpha of rho - (x + s - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
+//                         + |(e + s tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
 // the last term being what the direction adds in which the rim is deepest. So the end goes round
-// the edges of bore and cone, and an upright one into a sharp bore from within c + rho of its axis.
+// the edges of bore and cone. A rounded rim has s = rho, and an upright one goes into a sharp bore
+// from within c + rho of its axis. A sharp rim is rounded to kSharpestRim with s = 0: in the bore
+// it is a sharp one, on the cone rho (1 - cos(alpha)) deeper, 7 nm on one of 60 degrees, and at the
+// throat one point of it after the other goes over from one to the other.
 #pragma once
 
 #include <array>
@@ -69,10 +69,6 @@ struct Radial {
                 w * w * (4 * e * e.transpose() - kIdentity / inverse));
   }
 };
-
-// The edge between bore and cone is rounded where both depths differ by less than this [m]: to
-// where an adhering rim rests on it the energy falls from both sides.
-inline constexpr double kEdgeRounding = 50e-9;
 
 // A vector across the bore in three dimensions.
 inline Vector3d across(const Vector2d& n) noexcept {
@@ -144,7 +140,6 @@ struct ContactSide {
   // from the bore's axis at the mouth.
   Vector2d outward = Vector2d::UnitX(), mouth_outward = Vector2d::UnitX();
   double side_ahead = 0;  // of an upright end's centre the side begins: less than 0 by its edge [m]
-  FaceSupport support;    // of an end that rests lowest on the face
 
   // Length of the side [m] that is past the mouth where it is nearest to the mouth's rim: there the
   // rim of the end is r mouth_outward.tilt ahead of its centre. <= 0 outside.

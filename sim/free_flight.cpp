@@ -39,9 +39,10 @@ bool hangs_in_opening(const World& world, const State& state, const Pose& goal) 
     return false;
   const double across = std::min(room_across(world, state.tip), room_across(world, goal));
   const double tangent = world.profile.lead_in_tangent;
-  const double room = across / std::sqrt(1 + tangent * tangent);
-  if (!(room > kEdgeRounding)) return false;
-  const AdhesionForce pull = adhesion_force(world.laws, kEdgeRounding - room, 0);
+  const double room =
+      across / std::sqrt(1 + tangent * tangent) - (world.end.rounding() - world.end.edge);
+  if (!(room > 0)) return false;
+  const AdhesionForce pull = adhesion_force(world.laws, -room, 0);
   return pull.force == 0 && pull.branch == 0;
 }
 

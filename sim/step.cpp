@@ -17,7 +17,7 @@ constexpr int kMostParts = 8192;     // of the longest steps that the world allo
 constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided into before it is tried
 constexpr int kFewEvaluations = 5;   // of a sub-step that may still be shortened
 constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
-constexpr double kEdgeStep = 10e-9;  // where the end slides over an edge [m]
+constexpr double kEdgeStep = 0.2;    // of the rim's radius, where it slides over an edge
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
@@ -111,18 +111,18 @@ double first_part(const World& world, const State& state, const Pose& command) n
 }
 
 // The part of a way along x to be taken at most where the end rubs near the edge between bore and
-// cone: up to the edge's rounding, and within it in short parts, as friction and adhesion turn
-// there.
+// cone: up to where its rim goes round that, and there in short parts, as friction and adhesion
+// turn.
 double part_to_edge(const World& world, const State& state, double way) noexcept {
   const double tangent = world.profile.lead_in_tangent;
   if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0))
     return INFINITY;
   const PoseVector tip(state.tip);
   const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t + world.end.cleave) / tip.e.norm() : 0.0;
-  const double reach = kEdgeRounding * std::sqrt(1 + 1 / (tangent * tangent)) + kEdgeStep;
+  const double rho = world.end.rounding(), step = kEdgeStep * rho, reach = rho + step;
   const double rim = (way > 0 ? 1 : -1) * (tip.x - world.annulus.fibre_radius * out);
   if (rim > reach) return INFINITY;
-  return std::max(kEdgeStep, -reach - rim) / std::abs(way);
+  return std::max(step, -reach - rim) / std::abs(way);
 }
 
 // Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
@@ -338,7 +338,8 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     const int left = end - result.evaluations;
     const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
     if (last) to = 1;
-    const double least = edge < first ? std::max(shortest, 1.01 * kEdgeStep) : shortest;
+    const double least =
+        edge < first ? std::max(shortest, 1.01 * kEdgeStep * world.end.rounding()) : shortest;
     const bool divisible = left > kReserve + kFewEvaluations &&
                            (search.bounded() ? search.divisible(to) : (to - done) * travel > least);
     shorten_curvature((to - done) / tried, result.state);

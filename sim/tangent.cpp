@@ -28,7 +28,7 @@ bool follows_tangents(const World& world) noexcept {
 // Between which edges of the ferrule all of the rim of the end at `tip` is.
 void set_range(const World& world, const PoseVector& tip, Tangent& tangent) noexcept {
   const double rim = world.annulus.fibre_radius * (tip.t.norm() + world.end.cleave.norm()) +
-                     world.end.edge + kFromEdge;
+                     world.end.rounding() + kFromEdge;
   const bool inside = tip.x < 0;
   tangent.least_x = inside ? rim - world.profile.length : rim;
   tangent.most_x = inside ? -rim - kPatch : world.profile.lead_in_length - rim;

@@ -2,6 +2,8 @@
 // computed. Built from what a scene states (sim/scene/world_parameters.hpp).
 #pragma once
 
+#include <algorithm>
+
 #include "sim/ferrule_profile.hpp"
 #include "sim/holder.hpp"
 #include "sim/laws/annulus.hpp"
@@ -15,18 +17,23 @@ namespace ferrule {
 // Whether the fibre's inertia is modelled.
 enum class Dynamics { quasi_static, inertial };
 
-// The fibre's end as it is cleaved and its edge is worn or polished.
+inline constexpr double kSharpestRim = 50e-9;  // [m]
+
+// The fibre's end as it is cleaved and its rim is worn or polished.
 struct FibreEnd {
   // Slope of its face against the fibre's cross-section [rad]: the rim at the direction n lies
   // r (n.cleave) ahead.
   Vector2d cleave = Vector2d::Zero();
-  double edge = 0;  // radius that its rim is rounded to, rho [m]; 0: sharp
+  double edge = 0;  // radius that its rim is rounded to [m]; 0: sharp
   // Whether it rests on the front face where it is lowest (sim/face_support.hpp), or as if it were
   // upright where it is farthest from the bore.
   bool rests_lowest = false;
   // How far behind the centre of its face the fibre is whole around: r |cleave| + rho [m]. Surface
   // forces act from there on.
   double behind = 0;
+
+  // In the throat even a sharp rim is, rho [m] (sim/contact_depth.hpp).
+  double rounding() const noexcept { return std::max(edge, kSharpestRim); }
 };
 
 struct World {

@@ -34,12 +34,9 @@ double modulus(const WorldParameters& p) noexcept {
                          p.ferrule.poisson);
 }
 
-// rho [m]. What touches a slanted end first moves along its rim, and at the throat on from the cone
-// to the bore: that only a rounded rim goes round (sim/contact_depth.hpp). So it is rounded, and as
-// little as may be stated where nothing is.
+// [m]
 double rim_radius(const FibreParameters& fibre) noexcept {
-  const bool slanted = fibre.cleave_deg.value_or(0) > 0;
-  return micro * fibre.edge_um.value_or(slanted ? kSharpestEdge : 0);
+  return micro * fibre.edge_um.value_or(0);
 }
 
 // The laws with what follows for them from geometry and materials.

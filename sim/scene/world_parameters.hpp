@@ -9,6 +9,7 @@
 namespace ferrule {
 
 inline constexpr double kSharpestEdge = 0.05;  // the least edge_um [um]
+static_assert(1e-6 * kSharpestEdge == kSharpestRim);
 
 // Geometry, materials and holder in the units of the scene file (data/README.md), so that what is
 // computed from a number is the same whether it was read, drawn or varied.
@@ -21,7 +22,7 @@ struct FibreParameters {
   // if it were upright. Its leading rim point lies at that direction from the roll angle; none:
   // chance decides.
   std::optional<double> cleave_deg, cleave_direction_deg;
-  // Radius that its rim is rounded to; none: sharp, or kSharpestEdge where it is cleaved.
+  // Radius that its rim is rounded to; none: sharp.
   std::optional<double> edge_um;
 };
 

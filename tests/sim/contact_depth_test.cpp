@@ -15,11 +15,11 @@
 namespace ferrule {
 namespace {
 
-// The rim of the end is as deep in the cone as the deepest of its points, all of them looked at.
-TEST(ContactDepth, OnTheConeIsThatOfTheDeepestPointOfTheRim) {
+// The rim of the end is as deep in the cone as the deepest of its circles, all of them looked at.
+TEST(ContactDepth, OnTheConeIsThatOfTheDeepestCircleOfTheRim) {
   const World world = load_scene("bench").world;
   const FerruleProfile& profile = world.profile;
-  const double r = world.annulus.fibre_radius;
+  const double rho = world.end.rounding(), lever = world.annulus.fibre_radius - rho;
   RandomStream random(4, 0, Draw::plan);
   int on_cone = 0;
   for (int n = 0; n < 200; ++n) {
@@ -33,9 +33,10 @@ TEST(ContactDepth, OnTheConeIsThatOfTheDeepestPointOfTheRim) {
     for (int i = 0; i < kPoints; ++i) {
       const double angle = 2 * std::numbers::pi * i / kPoints;
       const Vector2d u(std::cos(angle), std::sin(angle));
-      // As far from the bore's axis as r + u.e, to first order in e.
-      const EdgeDepth point = edge_depth(profile, tip.x - r * u.dot(tip.t), r + u.dot(tip.e));
-      deepest = std::max(deepest, point.cone);
+      // Its centre is as far from the bore's axis as lever + u.e, to first order in e.
+      const EdgeDepth centre =
+          edge_depth(profile, tip.x - lever * u.dot(tip.t), lever + u.dot(tip.e));
+      deepest = std::max(deepest, rho + centre.cone);
     }
     if (depth.value == -INFINITY || depth.edge > 0 || depth.slope[0] == 0) continue;
     ++on_cone;
@@ -43,69 +44,6 @@ TEST(ContactDepth, OnTheConeIsThatOfTheDeepestPointOfTheRim) {
   }
   EXPECT_GT(on_cone, 50);
 }
-
-// A cleaved end goes from the cone into the bore point after point of its rim: it is as deep as the
-// deepest of them, each no deeper than either surface lets it, and no well holds it there.
-TEST(ContactDepth, AtTheThroatIsThatOfTheDeepestPointOfACleavedRim) {
-  RandomStream random(14, 0, Draw::plan);
-  int beyond_either = 0;
-  for (int n = 0; n < 300; ++n) {
-    const World world =
-        load_scene("bench",
-                   {"fibre.cleave_deg=" + std::to_string(0.5 + 3 * random.uniform()),
-                    "fibre.cleave_direction_deg=" + std::to_string(360 * random.uniform())})
-            .world;
-    const double r = world.annulus.fibre_radius;
-    const double angle = 2 * std::numbers::pi * random.uniform(), off = 3e-6 * random.uniform();
-    State state;
-    state.tip << 4e-6 * (random.uniform() - 0.75), off * std::cos(angle), off * std::sin(angle),
-        1e-3 * random.normal(), 1e-3 * random.normal();
-    const PoseVector tip(state.tip);
-    double deepest = -INFINITY, in_bore = -INFINITY, in_cone = -INFINITY;
-    constexpr int kPoints = 5000;
-    for (int i = 0; i < kPoints; ++i) {
-      const double at = 2 * std::numbers::pi * i / kPoints;
-      const Vector2d u(std::cos(at), std::sin(at));
-      const EdgeDepth point =
-          edge_depth(world.profile, tip.x - r * u.dot(tip.t + world.end.cleave), r + u.dot(tip.e));
-      deepest = std::max(deepest, std::min(point.bore, point.cone));
-      in_bore = std::max(in_bore, point.bore);
-      in_cone = std::max(in_cone, point.cone);
-    }
-    if (deepest < 0) continue;
-    const auto depth = contact_depths(world, contact_side(world, state), tip)[kEnd];
-    EXPECT_NEAR(depth.value, deepest, 60e-9) << n;  // rounded by 50 nm
-    beyond_either += deepest < std::min(in_bore, in_cone) - 100e-9;
-  }
-  EXPECT_GT(beyond_either, 10);
-}
-
-// Over a cone of 60 degrees r tan(cleave) tan(30) is more than the clearance from 0.8 degrees on.
-TEST(ContactDepth, ACleavedEndSlidesThroughTheThroat) {
-  for (const double direction : {0, 60, 90, 135, 180, 270}) {
-    const World world =
-        load_scene("bench", {"laws={}", "fibre.cleave_deg=2",
-                             "fibre.cleave_direction_deg=" + std::to_string(direction)})
-            .world;
-    State state = at_rest(world, testing::pose(5e-6, 1e-6, 0));
-    const Pose start = state.command;
-    double most = 0;
-    for (int n = 1; n <= 1500; ++n) {
-      const StepResult now = step(world, state, start - testing::pose(n * 10e-9, 0, 0), 1e-3);
-      state = now.state;
-      most = std::max(most, std::abs(now.forces.holder[0]));
-    }
-    EXPECT_LT(state.tip[0], -9e-6) << direction;
-    EXPECT_LT(most, 2e-6) << direction;
-  }
-}
-
-Scene rounded(double edge_um, std::vector<std::string> more = {}) {
-  std::vector<std::string> settings = {"fibre.edge_um=" + std::to_string(edge_um)};
-  settings.insert(settings.end(), more.begin(), more.end());
-  return testing::bare(settings);
-}
-constexpr const char* kCone = "ferrule.lead_in={\"angle_deg\":60,\"diameter_um\":250}";
 
 // Distance of a point outside a convex solid, by its boundary point after point.
 double distance_to(const FerruleProfile& profile, double x, double rho) {
@@ -119,6 +57,90 @@ double distance_to(const FerruleProfile& profile, double x, double rho) {
   if (L > 0) least = std::min(least, to_segment(0, R, L, R_o));
   return least;
 }
+
+// A slanted end, tilted or cleaved, goes from the cone into the bore point after point of its rim:
+// it is as deep as the deepest of them, each no deeper than either surface lets it, and no well
+// holds it there.
+TEST(ContactDepth, AtTheThroatIsThatOfTheDeepestPointOfASlantedRim) {
+  RandomStream random(14, 0, Draw::plan);
+  int near = 0, beyond_either = 0;
+  for (int n = 0; n < 6000; ++n) {
+    static World world;
+    const bool cleaved = n % 200 < 100;
+    if (n % 100 == 0)
+      world =
+          load_scene("bench",
+                     cleaved ? std::vector<std::string>{"fibre.cleave_deg=" +
+                                                        std::to_string(0.5 + 3 * random.uniform())}
+                             : std::vector<std::string>{})
+              .world;
+    const double rho = world.end.rounding(), lever = world.annulus.fibre_radius - rho;
+    const double angle = 2 * std::numbers::pi * random.uniform(), off = 2e-6 * random.uniform();
+    const double tilts = cleaved ? 1e-3 : 2e-2;
+    State state;
+    state.tip << 4e-6 * (random.uniform() - 0.75), off * std::cos(angle), off * std::sin(angle),
+        tilts * random.normal(), tilts * random.normal();
+    const PoseVector tip(state.tip);
+    double in_bore = -INFINITY, in_cone = -INFINITY;
+    bool outside = true;
+    const auto depth_of_circle = [&](double at) {
+      const Vector2d u(std::cos(at), std::sin(at));
+      const double x = tip.x - lever * u.dot(tip.t + world.end.cleave), y = lever + u.dot(tip.e);
+      const EdgeDepth centre = edge_depth(world.profile, x, y);
+      outside = outside && centre.throat() < 0;
+      in_bore = std::max(in_bore, rho + centre.bore);
+      in_cone = std::max(in_cone, rho + centre.cone);
+      return rho - distance_to(world.profile, x, y);
+    };
+    double deepest = -INFINITY, where = 0;
+    for (double apart : {1.0, 2e-3, 4e-6}) {  // of half a turn, about the deepest so far
+      const double middle = where;
+      for (int i = -1000; i <= 1000; ++i) {
+        const double at = middle + std::numbers::pi * apart * 1e-3 * i, d = depth_of_circle(at);
+        if (d > deepest) deepest = d, where = at;
+      }
+    }
+    if (!outside || deepest < -3 * rho) continue;
+    ++near;
+    const auto depth = contact_depths(world, contact_side(world, state), tip)[kEnd];
+    EXPECT_NEAR(depth.value, deepest, 1e-13) << n;
+    beyond_either += deepest < std::min(in_bore, in_cone) - 100e-9;
+  }
+  EXPECT_GT(near, 100);
+  EXPECT_GT(beyond_either, 50);
+}
+
+// Over a cone of 60 degrees r slope tan(30) is more than the clearance from 14 mrad on.
+TEST(ContactDepth, ASlantedEndSlidesThroughTheThroat) {
+  for (const bool cleaved : {false, true})
+    for (const double direction : {0, 60, 90, 135, 180, 270}) {
+      std::vector<std::string> settings = {"laws={}"};
+      if (cleaved) {
+        settings.emplace_back("fibre.cleave_deg=2");
+        settings.push_back("fibre.cleave_direction_deg=" + std::to_string(direction));
+      }
+      const World world = load_scene("bench", settings).world;
+      const double angle = direction * std::numbers::pi / 180, tilt = cleaved ? 0 : 0.035;
+      State state = at_rest(
+          world, testing::pose(5e-6, 1e-6, 0, tilt * std::cos(angle), tilt * std::sin(angle)));
+      const Pose start = state.command;
+      double most = 0;
+      for (int n = 1; n <= 1500; ++n) {
+        const StepResult now = step(world, state, start - testing::pose(n * 10e-9, 0, 0), 1e-3);
+        state = now.state;
+        most = std::max(most, std::abs(now.forces.holder[0]));
+      }
+      EXPECT_LT(state.tip[0], -9e-6) << cleaved << " " << direction;
+      EXPECT_LT(most, 2e-6) << cleaved << " " << direction;
+    }
+}
+
+Scene rounded(double edge_um, std::vector<std::string> more = {}) {
+  std::vector<std::string> settings = {"fibre.edge_um=" + std::to_string(edge_um)};
+  settings.insert(settings.end(), more.begin(), more.end());
+  return testing::bare(settings);
+}
+constexpr const char* kCone = "ferrule.lead_in={\"angle_deg\":60,\"diameter_um\":250}";
 
 // The rim's circle at every direction, against the solid's boundary.
 TEST(ContactDepth, OfARoundedRimIsThatOfItsDeepestCircle) {
