@@ -227,6 +227,8 @@ double far_out(const Scene& scene, const State& start) {
   return start.command[0] + scene.world.profile.lead_in_length + 100e-6;
 }
 
+constexpr double kSteepest = 0.02;  // tilts are small slopes [rad]
+
 std::vector<Pose> draw_jumps(const Scene& scene, const State& start, Chance& chance) {
   std::vector<Pose> hand = {start.command};
   const double c = scene.world.annulus.clearance();
@@ -241,13 +243,13 @@ std::vector<Pose> draw_jumps(const Scene& scene, const State& start, Chance& cha
     goal[0] -= way * chance.between(-0.1, 1.2);
     for (int i : {1, 2})
       goal[i] = c * chance.decades(0.1, 300) * chance.around(1) - scene.world.holder.sag[i];
-    for (int i : {3, 4}) goal[i] = chance.around(std::min(0.02, 10 * c / lever));
+    for (int i : {3, 4}) goal[i] = chance.around(std::min(kSteepest, 10 * c / lever));
     sweep(goal, static_cast<int>(chance.decades(1, 300)));
     for (int n = 0; n < 5; ++n) {
       Pose near = hand.back();
       const double reach = chance.decades(1e-9, 30 * c + 2e-9);
       for (int i = 0; i < 3; ++i) near[i] += reach * chance.normal();
-      for (int i : {3, 4}) near[i] += reach / lever * chance.normal();
+      for (int i : {3, 4}) near[i] += std::min(kSteepest, reach / lever) * chance.normal();
       hand.push_back(near);
       if (chance.with(0.3)) hand.push_back(near);  // a stall
     }

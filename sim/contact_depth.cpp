@@ -115,7 +115,7 @@ class Rim {
     d.arm.length = behind_;
     d.lean = -lever_ * n;
     d.slope << -s, c * n;
-    d.point << tip.x + behind_, tip.e + lever_ * n;
+    d.point << tip.x + behind_ - rho_ * s, tip.e + (lever_ + rho_ * c) * n;
     if (s == 0) {
       d.curve = radial.curving;
       return;

@@ -13,9 +13,9 @@
 //                         + |(e + s tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
 // the last term being what the direction adds in which the rim is deepest. So the end goes round
 // the edges of bore and cone. A rounded rim has s = rho, and an upright one goes into a sharp bore
-// from within c + rho of its axis. A sharp rim is rounded to kSharpestRim with s = 0: in the bore
-// it is a sharp one, on the cone rho (1 - cos(alpha)) deeper, 7 nm on one of 60 degrees, and at the
-// throat one point of it after the other goes over from one to the other.
+// from within c + rho of its axis. A sharp rim is rounded to kSharpRounding with s = 0: in the
+// bore it is a sharp one, on the cone rho (1 - cos(alpha)) deeper, 27 nm on one of 60 degrees, and
+// at the throat one point of it after the other goes over from one to the other.
 #pragma once
 
 #include <array>

@@ -39,8 +39,10 @@ bool hangs_in_opening(const World& world, const State& state, const Pose& goal) 
     return false;
   const double across = std::min(room_across(world, state.tip), room_across(world, goal));
   const double tangent = world.profile.lead_in_tangent;
-  const double room =
-      across / std::sqrt(1 + tangent * tangent) - (world.end.rounding() - world.end.edge);
+  const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+  // A rim that is rounded for the throat alone touches the cone earlier.
+  const double earlier = (1 - cosine) * (world.end.rounding() - world.end.edge);
+  const double room = cosine * across - earlier;
   if (!(room > 0)) return false;
   const AdhesionForce pull = adhesion_force(world.laws, -room, 0);
   return pull.force == 0 && pull.branch == 0;

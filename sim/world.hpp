@@ -2,8 +2,6 @@
 // computed. Built from what a scene states (sim/scene/world_parameters.hpp).
 #pragma once
 
-#include <algorithm>
-
 #include "sim/ferrule_profile.hpp"
 #include "sim/holder.hpp"
 #include "sim/laws/annulus.hpp"
@@ -17,7 +15,7 @@ namespace ferrule {
 // Whether the fibre's inertia is modelled.
 enum class Dynamics { quasi_static, inertial };
 
-inline constexpr double kSharpestRim = 50e-9;  // [m]
+inline constexpr double kSharpRounding = 200e-9;  // [m]
 
 // The fibre's end as it is cleaved and its rim is worn or polished.
 struct FibreEnd {
@@ -33,7 +31,7 @@ struct FibreEnd {
   double behind = 0;
 
   // In the throat even a sharp rim is, rho [m] (sim/contact_depth.hpp).
-  double rounding() const noexcept { return std::max(edge, kSharpestRim); }
+  double rounding() const noexcept { return edge > 0 ? edge : kSharpRounding; }
 };
 
 struct World {

@@ -9,7 +9,6 @@
 namespace ferrule {
 
 inline constexpr double kSharpestEdge = 0.05;  // the least edge_um [um]
-static_assert(1e-6 * kSharpestEdge == kSharpestRim);
 
 // Geometry, materials and holder in the units of the scene file (data/README.md), so that what is
 // computed from a number is the same whether it was read, drawn or varied.

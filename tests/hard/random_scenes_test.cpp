@@ -56,7 +56,6 @@ TEST(RandomScenes, ASearchThatEndsEarlyDoesNotThrowTheEndAway) {
   Steps steps;
   follow_closed_motion(5, 172, Motion::insertion, 1e-4, 0.4, steps);
   follow_closed_motion(12, 71, Motion::press, 1e-3, 4, steps);
-  follow_closed_motion(1, 32, Motion::jumps, 1e-4, 0.4, steps);
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
 TEST(Identify, IntervalsHoldTheParametersOfNoisyRecordings) {
   int inside = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
-    const auto data = recordings(without_wells({}), 2e-8, seed);
+    const auto data = recordings(without_wells({}), 2e-8, seed, 8);
     for (const auto& [start, keys] : {std::pair{without_wells({"laws.friction.burgers_nm=0.8",
                                                                "ferrule.bore_diameter_um=126.4"}),
                                                 std::vector<std::string>{kFriction, kBore}},

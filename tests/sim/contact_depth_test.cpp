@@ -100,7 +100,7 @@ TEST(ContactDepth, AtTheThroatIsThatOfTheDeepestPointOfASlantedRim) {
         if (d > deepest) deepest = d, where = at;
       }
     }
-    if (!outside || deepest < -3 * rho) continue;
+    if (!outside || deepest < -rho) continue;
     ++near;
     const auto depth = contact_depths(world, contact_side(world, state), tip)[kEnd];
     EXPECT_NEAR(depth.value, deepest, 1e-13) << n;
