@@ -18,6 +18,7 @@ constexpr int kMostAtOnce = 12;      // sub-steps that a long way is divided int
 constexpr int kFewEvaluations = 5;   // of a sub-step that may still be shortened
 constexpr int kReserve = 24;         // evaluations that are kept for the way to the command
 constexpr double kEdgeStep = 0.05;   // of the rim's radius, where it slides over an edge
+constexpr double kNearEdge = 0.5;    // and before and behind
 constexpr double kMostDivided = 64;  // the shortest sub-step of a way is that part of it
 constexpr int kMostTurns = 4;        // at edges, in one sub-step
 constexpr double kSameLimit = 1e-4;  // of a friction limit: what it may miss
@@ -119,12 +120,12 @@ double part_to_edge(const World& world, const State& state, double way) noexcept
     return INFINITY;
   const PoseVector tip(state.tip);
   const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t + world.end.cleave) / tip.e.norm() : 0.0;
-  const double rho = world.end.rounding(), step = kEdgeStep * rho;
+  const double rho = world.end.rounding(), step = kEdgeStep * rho, near = kNearEdge * rho;
   const double turning = rho * tangent / std::sqrt(1 + tangent * tangent);
   const double rim = tip.x + world.end.edge - world.annulus.fibre_radius * out;
-  const double left = step + (way > 0 ? turning - rim : rim);
+  const double left = near + (way > 0 ? turning - rim : rim);
   if (left < 0) return INFINITY;
-  return std::max(step, left - turning - 2 * step) / std::abs(way);
+  return std::max(step, left - turning - 2 * near) / std::abs(way);
 }
 
 // Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by

@@ -111,8 +111,8 @@ class Bench(Case):
             # A rounded rim adds its radius.
             takes = (125 if row["lead_in"] else 1) + row["edge_um"] / 0.5
             if row["cleave_deg"]:
-                # The foremost point of the rim, in the direction 0 and rounded by 50 nm, within the bore of 63 um.
-                angle, r = math.radians(row["direction_deg"]), 62.5 - 0.05
+                # The foremost point of the rim, in the direction 0, within the bore of 63 um.
+                angle, r = math.radians(row["direction_deg"]), 62.5
                 takes = (math.sqrt(63**2 - (r * math.sin(angle))**2) - r * math.cos(angle)) / 0.5
             self.assertAlmostEqual(row["capture_clearances"], takes, delta=1e-9 * takes)
             self.assertEqual(row["inserted"], row["offset_clearances"] < takes, row)
