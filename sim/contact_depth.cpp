@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/face_support.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -94,15 +96,15 @@ class Rim {
     const Vector2d bore(1, 0), face(kLeastCosine, 1);
     const double wide = world.annulus.clearance() + rho_;
     if (!profile.has_lead_in()) {
-      look(bore, face, 0, wide);
+      look(bore, face, high_, wide, there_);
       return;
     }
-    const double tangent = profile.lead_in_tangent;
-    const double cosine = 1 / std::sqrt(1 + tangent * tangent);
-    const Vector2d cone(cosine, tangent * cosine);
-    if (look(bore, cone, 0, wide))
-      look(cone, face, profile.lead_in_length,
-           profile.mouth_radius() - world.annulus.fibre_radius + rho_);
+    const double cosine = profile.lead_in_cosine();
+    const Vector2d cone(cosine, profile.lead_in_tangent * cosine);
+    if (!look(bore, cone, high_, wide, there_)) return;
+    const double high = high_ - profile.lead_in_length;
+    const double at_face = profile.mouth_radius() - world.annulus.fibre_radius + rho_;
+    look(cone, face, high, at_face, along(cone, high, at_face));
   }
 
   const Vector2d& outward() const noexcept { return there_.radial.normal; }
@@ -185,12 +187,11 @@ class Rim {
     bend_ = bend;
   }
 
-  // At the angles between `from` and `to`, that have the edge `x` high, and wide by `wide`: by
-  // Newton's method within bounds, as the depth has one minimum where it is less than rho. It is at
-  // a bound from which the depth rises. Whether it may be less beyond `to`.
-  bool look(const Vector2d& from, const Vector2d& to, double x, double wide) noexcept {
-    const double high = high_ - x;
-    const Along first = along(from, high, wide);
+  // At the angles between `from`, where it is `first`, and `to`, about an edge that the centre is
+  // `high` in front of: by Newton's method within bounds, as the depth has one minimum where it is
+  // less than rho. It is at a bound from which the depth rises. Whether it may be less beyond `to`.
+  bool look(const Vector2d& from, const Vector2d& to, double high, double wide,
+            Along first) noexcept {
     keep(from, first, 0);
     if (first.slope >= 0 && first.depth < rho_) return false;
     const Along last = along(to, high, wide);

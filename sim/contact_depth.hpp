@@ -6,7 +6,7 @@
 // on the face where it is farthest from the bore, or, in a world where it rests lowest, where it is
 // lowest (sim/face_support.hpp).
 //
-// There it is as deep as the circle that it is rounded to, in the half plane, of radius rho and with
+// In the throat it is as deep as the circle that it is rounded to, in the half plane, of radius rho and with
 // its centre at (x + s, r - rho), is in the solid: touching it at the angle alpha, 0 on the bore and
 // 90 degrees on the face, with the edge at (x_v, R_v) that has such a tangent,
 //   d = min over alpha of rho - (x + s - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
@@ -22,7 +22,6 @@
 #include <cmath>
 
 #include "sim/energy.hpp"
-#include "sim/face_support.hpp"
 #include "sim/world.hpp"
 
 namespace ferrule {

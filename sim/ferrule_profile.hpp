@@ -24,6 +24,10 @@ struct FerruleProfile {
   double length;           // of the bore [m], > 0
 
   bool has_lead_in() const noexcept { return lead_in_length > 0; }
+  // cos(beta) [-].
+  double lead_in_cosine() const noexcept {
+    return 1 / std::sqrt(1 + lead_in_tangent * lead_in_tangent);
+  }
   // Radius of the lead-in where it meets the face [m]; R without a lead-in.
   double mouth_radius() const noexcept { return bore_radius + lead_in_length * lead_in_tangent; }
 };
@@ -44,10 +48,8 @@ enum class EdgeSide { throat, face };
 inline EdgeDepth edge_depth(const FerruleProfile& profile, double x, double rho) noexcept {
   const double radial = rho - profile.bore_radius;
   double cone = INFINITY;
-  if (profile.has_lead_in()) {
-    const double cosine = 1 / std::sqrt(1 + profile.lead_in_tangent * profile.lead_in_tangent);
-    cone = (radial - x * profile.lead_in_tangent) * cosine;
-  }
+  if (profile.has_lead_in())
+    cone = (radial - x * profile.lead_in_tangent) * profile.lead_in_cosine();
   return {profile.lead_in_length - x, radial, cone};
 }
 

@@ -38,8 +38,7 @@ bool hangs_in_opening(const World& world, const State& state, const Pose& goal) 
   if (!(std::min(state.tip[0], goal[0]) > 0) || world.laws.particle || state.contact[kEnd].closed)
     return false;
   const double across = std::min(room_across(world, state.tip), room_across(world, goal));
-  const double tangent = world.profile.lead_in_tangent;
-  const double cosine = 1 / std::sqrt(1 + tangent * tangent);
+  const double cosine = world.profile.lead_in_cosine();
   // A rim that is rounded for the throat alone touches the cone earlier.
   const double earlier = (1 - cosine) * (world.end.rounding() - world.end.edge);
   const double room = cosine * across - earlier;

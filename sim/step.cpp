@@ -111,6 +111,11 @@ double first_part(const World& world, const State& state, const Pose& command) n
   return std::max(0.5 * clearance / travel, 1.0 / kMostAtOnce);
 }
 
+// What the rim slides over an edge in [m].
+double edge_step(const World& world) noexcept {
+  return kEdgeStep * world.end.rounding();
+}
+
 // The part of a way along x to be taken at most where the end rubs near the edge between bore and
 // cone: up to where its rim goes round that, and there in short parts, as friction and adhesion
 // turn.
@@ -120,12 +125,12 @@ double part_to_edge(const World& world, const State& state, double way) noexcept
     return INFINITY;
   const PoseVector tip(state.tip);
   const double out = tip.e.norm() > 0 ? tip.e.dot(tip.t + world.end.cleave) / tip.e.norm() : 0.0;
-  const double rho = world.end.rounding(), step = kEdgeStep * rho, near = kNearEdge * rho;
-  const double turning = rho * tangent / std::sqrt(1 + tangent * tangent);
+  const double rho = world.end.rounding(), near = kNearEdge * rho;
+  const double turning = rho * tangent * world.profile.lead_in_cosine();
   const double rim = tip.x + world.end.edge - world.annulus.fibre_radius * out;
   const double left = near + (way > 0 ? turning - rim : rim);
   if (left < 0) return INFINITY;
-  return std::max(step, left - turning - 2 * near) / std::abs(way);
+  return std::max(edge_step(world), left - turning - 2 * near) / std::abs(way);
 }
 
 // Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
@@ -341,8 +346,7 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     const int left = end - result.evaluations;
     const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
     if (last) to = 1;
-    const double least =
-        edge < first ? std::max(shortest, 1.01 * kEdgeStep * world.end.rounding()) : shortest;
+    const double least = edge < first ? std::max(shortest, 1.01 * edge_step(world)) : shortest;
     const bool divisible = left > kReserve + kFewEvaluations &&
                            (search.bounded() ? search.divisible(to) : (to - done) * travel > least);
     shorten_curvature((to - done) / tried, result.state);

@@ -15,7 +15,9 @@ namespace ferrule {
 // Whether the fibre's inertia is modelled.
 enum class Dynamics { quasi_static, inertial };
 
-inline constexpr double kSharpRounding = 200e-9;  // [m]
+// The radius at which a sharp rim goes round the throat's edges [m]: over a corner the contact's
+// normal would turn at once, and where friction leaves the end would depend on the step.
+inline constexpr double kSharpRounding = 200e-9;
 
 // The fibre's end as it is cleaved and its rim is worn or polished.
 struct FibreEnd {
@@ -30,7 +32,7 @@ struct FibreEnd {
   // forces act from there on.
   double behind = 0;
 
-  // In the throat even a sharp rim is, rho [m] (sim/contact_depth.hpp).
+  // Radius rho of the rim in the throat [m] (sim/contact_depth.hpp).
   double rounding() const noexcept { return edge > 0 ? edge : kSharpRounding; }
 };
 

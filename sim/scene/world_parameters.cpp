@@ -34,7 +34,7 @@ double modulus(const WorldParameters& p) noexcept {
                          p.ferrule.poisson);
 }
 
-// [m]
+// Radius that the end's rim is rounded to [m]; 0: sharp.
 double rim_radius(const FibreParameters& fibre) noexcept {
   return micro * fibre.edge_um.value_or(0);
 }
