@@ -256,18 +256,43 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   return found;
 }
 
+// The contacts' side at the pose of a minimum, as the next step will find it.
+ContactSide side_at(const World& world, const FrozenCoefficients& frozen,
+                    const PoseVector& tip) noexcept {
+  State there;
+  there.tip = tip.full();
+  there.side = frozen.contact.side;
+  return contact_side(world, there);
+}
+
 // A search that ended early may have begun where the prediction was, higher than the end is, or
-// have gone astray, far farther than the hand is: the end stays where it was then.
-void stay_if_astray(const World& world, const FrozenCoefficients& frozen, const State& state,
-                    Minimum& found) noexcept {
+// have gone astray, far farther than the hand is; one that fell off the face, where bore and cone
+// are not looked at, may end deep in them. The end stays where it was then.
+void stay_if_astray(const World& world, const State& state, const Pose& command, double dt,
+                    FrozenCoefficients& frozen, Minimum& found) noexcept {
+  const ContactSide side = side_at(world, frozen, found.tip);
+  const bool fell = state.side == EdgeSide::face && side.side == EdgeSide::throat;
+  if (found.converged && !fell) return;
   const PoseVector tip(state.tip);
-  const Potential here(world, frozen, tip);
+  const FrozenCoefficients first = freeze(world, state, command, dt);
+  const Potential here(world, first, tip);
   ++found.evaluations;
+  double energy = found.there.value;
+  if (fell && frozen.contact.side == EdgeSide::face) {
+    FrozenCoefficients below = frozen;
+    below.contact = side;
+    energy = Potential(world, below, found.tip).value;
+    ++found.evaluations;
+  }
   const double most =
       kSnap * (travel_of(world, frozen, frozen.command - tip) + world.annulus.clearance());
-  if (!(here.value < found.there.value) && travel_of(world, frozen, found.tip - tip) < most) return;
+  if (!(here.value < energy) &&
+      (found.converged || travel_of(world, frozen, found.tip - tip) < most))
+    return;
+  frozen = first;
   found.tip = tip;
   found.there = here;
+  found.converged = false;
 }
 
 // Takes the minimum as the state after the sub-step.
@@ -305,11 +330,12 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   const State& state = result.state;
   double where = NAN;
   FrozenCoefficients frozen = freeze(world, state, command, dt);
-  const int most = most_evaluations - 1;  // one may be needed to stay
+  const int most = most_evaluations - 2;  // two may be needed to stay
   const int few = divisible ? std::min(kFewEvaluations, most) : most;
   Minimum found = solve(world, state, dt, few, most, divisible ? &where : nullptr, frozen);
   const bool spent = found.evaluations >= most;
-  if (!divisible && !found.converged) stay_if_astray(world, frozen, state, found);
+  if (!divisible && (!found.converged || state.side == EdgeSide::face))
+    stay_if_astray(world, state, command, dt, frozen, found);
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
   if (divisible && !found.converged) return {false, true, where};

@@ -12,8 +12,9 @@ namespace {
 
 constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 
-constexpr double kFarthest = 1e6;  // of a start [um]
-constexpr int kUsualNodes = 5;     // of the quadrature along the insertion
+constexpr double kFarthest = 1e6;     // of a start [um]
+constexpr int kUsualNodes = 5;        // of the quadrature along the insertion
+constexpr double kMostHanging = 0.3;  // tilt of the end in free air [rad]
 
 // Ranges are wide, so that whatever is in them can be computed with.
 using rule::not_negative;
@@ -271,6 +272,10 @@ Scene parse_scene(const Json& document, const std::string& file) {
   read_scene(fields, scene);
   if (const auto found = inconsistency(scene)) refuse(fields, found->key, found->rule);
   scene.world = make_world(scene.parameters);
+  if (scene.world.holder.sag.tail<2>().norm() > kMostHanging)
+    refuse(fields, "holder.free_length_mm",
+           "must be so short that the fibre's end hangs tilted by no more than 0.3 rad under its "
+           "weight: tilts are taken as small");
   return scene;
 }
 

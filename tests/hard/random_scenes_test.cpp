@@ -3,6 +3,8 @@
 // closed motion gains energy.
 #include <gtest/gtest.h>
 
+#include <tuple>
+
 #include "bench/hand_work.hpp"
 #include "bench/random_scene.hpp"
 #include "sim/scene/draw.hpp"
@@ -56,6 +58,15 @@ TEST(RandomScenes, ASearchThatEndsEarlyDoesNotThrowTheEndAway) {
   Steps steps;
   follow_closed_motion(5, 172, Motion::insertion, 1e-4, 0.4, steps);
   follow_closed_motion(12, 71, Motion::press, 1e-3, 4, steps);
+}
+
+// Hands that jump over the mouth from the face: off it, bore and cone were not looked at, and a
+// search that ended deep in them had the end wedged there.
+TEST(RandomScenes, AnEndThatFallsOffTheFaceIsNotWedgedInTheFerrule) {
+  Steps steps;
+  for (const auto& [seed, k, dt] :
+       {std::tuple{4, 141, 1e-3}, {6, 157, 1e-4}, {11, 16, 1e-3}, {11, 77, 1e-4}})
+    follow_closed_motion(seed, k, Motion::jumps, dt, 4000 * dt, steps);
 }
 
 }  // namespace

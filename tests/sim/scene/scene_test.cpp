@@ -69,6 +69,10 @@ TEST(Scene, ComplaintsNameKeyValueAndRule) {
   EXPECT_NE(complaint("limits.time_s=\"long\"").find("must be a number"), std::string::npos);
   EXPECT_NE(complaint("nonsense").find("--set nonsense: must be dotted.key=value"),
             std::string::npos);
+  EXPECT_NE(complaint("holder={\"type\":\"elastic_fibre\",\"free_length_mm\":200,"
+                      "\"gripper_stiffness_N_m\":100}")
+                .find("holder.free_length_mm = 200: must be so short that"),
+            std::string::npos);
   for (const auto* wrong : {"fibre.diameter_um=-3", "laws.capilary={}", "start=null"})
     EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
 }
