@@ -29,6 +29,9 @@ constexpr int kMostRounds = 3, kMostRoundsInWell = 6;
 constexpr double kFurther = 3;  // a step that got ever steeper
 constexpr int kMostExpansions = 4;
 constexpr int kMostBisections = 8;
+constexpr double kNarrow = 50e-12;        // narrower than a barrier of adhesion [m]
+constexpr int kMostNarrow = 20;           // as wide as one
+constexpr double kBarrier = 0.05;         // of the slope at the begin: a barrier rises more
 constexpr double kShortest = 1e-12;       // part of a Newton step
 constexpr double kShortestTrial = 1e-19;  // the printed well is 1e12 N/m stiff [m]
 
@@ -59,6 +62,7 @@ class StiffModel {
     for (const StiffLaw& law : here)
       if (law.acts) {
         const double rate = law.slope.dot(newton.move);
+        deeper_ = std::max(deeper_, std::abs(rate));
         slope_ += law.force * rate;
         curve_ += law.stiffness * rate * rate;
       }
@@ -87,8 +91,8 @@ class StiffModel {
   double least(double most) const noexcept {
     const double limit = kOvershoot * newton_.fall;
     const auto rises = [&](const AlongStep& there) { return there.slope > limit || higher(there); };
-    if (!rises(at(most, laws(most)))) return most;
-    double low = 0, high = most;
+    double low = 0, high = barrier(most);
+    if (high == most && !rises(at(most, laws(most)))) return most;
     for (int n = 0; n < kMostBisections && high - low > kShortest * most; ++n) {
       const double middle =
           low < 1e-3 * high ? std::max(0.03 * high, std::sqrt(low * high)) : 0.5 * (low + high);
@@ -104,12 +108,24 @@ class StiffModel {
   }
 
  private:
+  // The part, up to `most`, at which the energy first rises: what lies behind a barrier of adhesion
+  // may be lower.
+  double barrier(double most) const noexcept {
+    for (int n = 1; n <= kMostNarrow; ++n) {
+      const double part = n * kNarrow / deeper_;
+      if (!(part < most)) break;
+      if (at(part, laws(part)).slope > kBarrier * newton_.fall) return part;
+    }
+    return most;
+  }
+
   const World& world_;
   const FrozenCoefficients& frozen_;
   const PoseVector& tip_;
   const StiffLaws& here_;
   const NewtonStep& newton_;
   double slope_ = 0, curve_ = 0;
+  double deeper_ = 0;  // the stiff laws are, or less deep, after the whole move [m]
 };
 
 // What the printed well's pull bends by where it is so much more: along the wall.

@@ -162,7 +162,8 @@ bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen
 
 // Goes on from a minimum to where the friction limits are those of the contacts there; whether it
 // got there. Contacts that less friction lets go later are held by no minimum of given limits; they
-// are followed by Newton's method in both together, as long as that stays near.
+// are followed by Newton's method in both together, as long as that stays near: from a move that does
+// not, the search goes back, with limits halfway.
 bool settle_limits(const World& world, const State* before, int most_evaluations,
                    FrozenCoefficients& frozen, Minimum& found) noexcept {
   bool met = false;
@@ -184,15 +185,23 @@ bool settle_limits(const World& world, const State* before, int most_evaluations
     const NewtonStep newton(world, frozen,
                             without_friction(frozen, found.tip, bore.gradient, bore.hessian),
                             found.tip, 1, Pivots::as_they_are);
+    const auto friction = frozen.friction;
     const auto move = limits.settle(newton, frozen);
     found.converged = false;
     if (move) {
       met = settled && final_newton_step(world, frozen, *move, found);
       if (met) continue;
-      found.tip = moved_along(world, frozen, found.tip, *move);
+      const PoseVector from = found.tip;
+      found.tip = moved_along(world, frozen, from, *move);
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
       if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
+      if (found.evaluations >= most_evaluations) return false;
+      found.tip = from;
+      for (std::size_t at = 0; at < kContactPlaces; ++at)
+        frozen.friction[at].limit = 0.5 * (friction[at].limit + frozen.friction[at].limit);
+      found.there = Potential(world, frozen, from);
+      ++found.evaluations;
     }
     minimise(world, frozen, most_evaluations, true, found, before);
     if (!found.converged) return false;
@@ -324,9 +333,14 @@ struct Advance {
   double where = NAN;  // about this part of it, where it was not taken
 };
 
+// Where a sub-step may be given up, to be divided. Over an edge, where much turns and a search needs
+// more evaluations, only where the end has come off.
+enum class Divisible { no, where_end_comes_off, at_events };
+
 // One from result.state to `command`, of at most so many evaluations.
 Advance advance(const World& world, const Pose& command, double dt, int most_evaluations,
-                bool divisible, StepResult& result) noexcept {
+                Divisible may_be, StepResult& result) noexcept {
+  const bool divisible = may_be == Divisible::at_events;
   const State& state = result.state;
   double where = NAN;
   FrozenCoefficients frozen = freeze(world, state, command, dt);
@@ -342,6 +356,8 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   const Contacts now = contacts(world, frozen, found.tip, found.there);
   const bool event = is_event(state, frozen, found, now, travel_of(world, state, command));
   if (divisible && event) return {false, true, where};
+  const bool came_off = state.contact[kEnd].closed && !now.contact[kEnd].closed;
+  if (may_be == Divisible::where_end_comes_off && came_off) return {false, true};
   result.status = found.converged ? StepStatus::ok
                   : spent         ? StepStatus::capped
                                   : StepStatus::not_converged;
@@ -372,9 +388,13 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     const int left = end - result.evaluations;
     const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
     if (last) to = 1;
-    const double least = edge < first ? std::max(shortest, 1.01 * edge_step(world)) : shortest;
-    const bool divisible = left > kReserve + kFewEvaluations &&
-                           (search.bounded() ? search.divisible(to) : (to - done) * travel > least);
+    const double way = (to - done) * travel;
+    Divisible divisible = Divisible::no;
+    if (left > kReserve + kFewEvaluations &&
+        (search.bounded() ? search.divisible(to) : way > shortest))
+      divisible = !search.bounded() && edge < first && way <= 1.01 * edge_step(world)
+                      ? Divisible::where_end_comes_off
+                      : Divisible::at_events;
     shorten_curvature((to - done) / tried, result.state);
     tried = std::fmin(tried, to - done);
     const Pose goal = last ? command : Pose(from + to * (command - from));

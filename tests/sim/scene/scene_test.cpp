@@ -69,12 +69,24 @@ TEST(Scene, ComplaintsNameKeyValueAndRule) {
   EXPECT_NE(complaint("limits.time_s=\"long\"").find("must be a number"), std::string::npos);
   EXPECT_NE(complaint("nonsense").find("--set nonsense: must be dotted.key=value"),
             std::string::npos);
-  EXPECT_NE(complaint("holder={\"type\":\"elastic_fibre\",\"free_length_mm\":200,"
-                      "\"gripper_stiffness_N_m\":100}")
-                .find("holder.free_length_mm = 200: must be so short that"),
-            std::string::npos);
   for (const auto* wrong : {"fibre.diameter_um=-3", "laws.capilary={}", "start=null"})
     EXPECT_EQ(complaint(wrong).find('\n'), std::string::npos);
+}
+
+TEST(Scene, RefusesAFibreThatHangsSteeply) {
+  const Json document = load_scene("bench").document;
+  Json soft = document;
+  soft["fibre"]["young_GPa"] = 1e-3 * document["fibre"]["young_GPa"].get<double>();
+  EXPECT_NO_THROW(parse_scene(document, "bench"));
+  try {
+    soft["holder"]["free_length_mm"] = 30;
+    parse_scene(soft, "soft");
+    ADD_FAILURE();
+  } catch (const BadInput& error) {
+    EXPECT_NE(std::string(error.what()).find("soft: holder.free_length_mm = 30: must be so short"),
+              std::string::npos)
+        << error.what();
+  }
 }
 
 TEST(Scene, RefusesAKeyThatDoesNothingWithoutAnother) {
