@@ -62,7 +62,7 @@ class StiffModel {
     for (const StiffLaw& law : here)
       if (law.acts) {
         const double rate = law.slope.dot(newton.move);
-        deeper_ = std::max(deeper_, std::abs(rate));
+        if (!has_printed_wells(world.laws)) deeper_ = std::max(deeper_, std::abs(rate));
         slope_ += law.force * rate;
         curve_ += law.stiffness * rate * rate;
       }

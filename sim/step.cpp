@@ -162,8 +162,8 @@ bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen
 
 // Goes on from a minimum to where the friction limits are those of the contacts there; whether it
 // got there. Contacts that less friction lets go later are held by no minimum of given limits; they
-// are followed by Newton's method in both together, as long as that stays near: from a move that does
-// not, the search goes back, with limits halfway.
+// are followed by Newton's method in both together, as long as that stays near: from a move that
+// does not, the search goes back, with limits halfway.
 bool settle_limits(const World& world, const State* before, int most_evaluations,
                    FrozenCoefficients& frozen, Minimum& found) noexcept {
   bool met = false;
@@ -211,8 +211,8 @@ bool settle_limits(const World& world, const State* before, int most_evaluations
 
 // Finds the minimum of a sub-step: predictor, corrector, and Newton's method where they do not
 // suffice, at `few` evaluations at most to the first minimum. Freezes the coefficients again where
-// the end slides off an edge. With an `event`, the sub-step may be divided: it is given up, and that
-// is the part of it at which something seems to happen.
+// the end slides off an edge. With an `event`, the sub-step may be divided: it is given up, and
+// that is the part of it at which something seems to happen.
 Minimum solve(const World& world, const State& state, double dt, int few, int most_evaluations,
               double* event, FrozenCoefficients& frozen) noexcept {
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
@@ -265,37 +265,53 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   return found;
 }
 
-// The contacts' side at the pose of a minimum, as the next step will find it.
-ContactSide side_at(const World& world, const FrozenCoefficients& frozen,
-                    const PoseVector& tip) noexcept {
+// The side of an end at `tip`, as the next step will find it.
+EdgeSide side_at(const World& world, const FrozenCoefficients& frozen,
+                 const PoseVector& tip) noexcept {
   State there;
   there.tip = tip.full();
   there.side = frozen.contact.side;
-  return contact_side(world, there);
+  return contact_side(world, there).side;
+}
+
+// Goes on from where a search that fell off the face, from `tip` on it, left that on a straight
+// way.
+void go_on_from_edge(const World& world, const State& state, const PoseVector& tip,
+                     int most_evaluations, FrozenCoefficients& frozen, Minimum& found) noexcept {
+  constexpr int kBisections = 30;
+  PoseVector on_face = tip, off = found.tip;
+  for (int n = 0; n < kBisections; ++n) {
+    const PoseVector middle{Pose(0.5 * (on_face.full() + off.full()))};
+    (side_at(world, frozen, middle) == EdgeSide::face ? on_face : off) = middle;
+  }
+  frozen = freeze_again(world, state, frozen, off.full());
+  found.tip = off;
+  found.there = Potential(world, frozen, off);
+  ++found.evaluations;
+  found.converged = false;
+  minimise(world, frozen, most_evaluations, true, found);
 }
 
 // A search that ended early may have begun where the prediction was, higher than the end is, or
-// have gone astray, far farther than the hand is; one that fell off the face, where bore and cone
-// are not looked at, may end deep in them. The end stays where it was then.
+// have gone astray, far farther than the hand is: the end stays where it was then. One that fell
+// off the face, where bore and cone are not looked at, may end deep in them: it goes on from the
+// edge.
 void stay_if_astray(const World& world, const State& state, const Pose& command, double dt,
-                    FrozenCoefficients& frozen, Minimum& found) noexcept {
-  const ContactSide side = side_at(world, frozen, found.tip);
-  const bool fell = state.side == EdgeSide::face && side.side == EdgeSide::throat;
-  if (found.converged && !fell) return;
+                    int most_evaluations, FrozenCoefficients& frozen, Minimum& found) noexcept {
   const PoseVector tip(state.tip);
+  const bool fell =
+      state.side == EdgeSide::face && side_at(world, frozen, found.tip) == EdgeSide::throat;
+  if (found.converged && !fell) return;
   const FrozenCoefficients first = freeze(world, state, command, dt);
   const Potential here(world, first, tip);
   ++found.evaluations;
-  double energy = found.there.value;
   if (fell && frozen.contact.side == EdgeSide::face) {
-    FrozenCoefficients below = frozen;
-    below.contact = side;
-    energy = Potential(world, below, found.tip).value;
-    ++found.evaluations;
+    frozen = first;
+    go_on_from_edge(world, state, tip, most_evaluations, frozen, found);
   }
   const double most =
       kSnap * (travel_of(world, frozen, frozen.command - tip) + world.annulus.clearance());
-  if (!(here.value < energy) &&
+  if (!(here.value < found.there.value) &&
       (found.converged || travel_of(world, frozen, found.tip - tip) < most))
     return;
   frozen = first;
@@ -333,8 +349,8 @@ struct Advance {
   double where = NAN;  // about this part of it, where it was not taken
 };
 
-// Where a sub-step may be given up, to be divided. Over an edge, where much turns and a search needs
-// more evaluations, only where the end has come off.
+// Where a sub-step may be given up, to be divided. Over an edge, where much turns and a search
+// needs more evaluations, only where the end has come off.
 enum class Divisible { no, where_end_comes_off, at_events };
 
 // One from result.state to `command`, of at most so many evaluations.
@@ -347,9 +363,9 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   const int most = most_evaluations - 2;  // two may be needed to stay
   const int few = divisible ? std::min(kFewEvaluations, most) : most;
   Minimum found = solve(world, state, dt, few, most, divisible ? &where : nullptr, frozen);
-  const bool spent = found.evaluations >= most;
   if (!divisible && (!found.converged || state.side == EdgeSide::face))
-    stay_if_astray(world, state, command, dt, frozen, found);
+    stay_if_astray(world, state, command, dt, most_evaluations, frozen, found);
+  const bool spent = found.evaluations >= most;
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
   if (divisible && !found.converged) return {false, true, where};
