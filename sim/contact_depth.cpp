@@ -96,12 +96,12 @@ class Rim {
     const Vector2d bore(1, 0), face(kLeastCosine, 1);
     const double wide = world.annulus.clearance() + rho_;
     if (!profile.has_lead_in()) {
-      look(bore, face, high_, wide, there_);
+      look(bore, face, high_, wide, Along(there_));
       return;
     }
     const double cosine = profile.lead_in_cosine();
     const Vector2d cone(cosine, profile.lead_in_tangent * cosine);
-    if (!look(bore, cone, high_, wide, there_)) return;
+    if (!look(bore, cone, high_, wide, Along(there_))) return;
     const double high = high_ - profile.lead_in_length;
     const double at_face = profile.mouth_radius() - world.annulus.fibre_radius + rho_;
     look(cone, face, high, at_face, along(cone, high, at_face));
@@ -191,7 +191,7 @@ class Rim {
   // `high` in front of: by Newton's method within bounds, as the depth has one minimum where it is
   // less than rho. It is at a bound from which the depth rises. Whether it may be less beyond `to`.
   bool look(const Vector2d& from, const Vector2d& to, double high, double wide,
-            Along first) noexcept {
+            const Along& first) noexcept {
     keep(from, first, 0);
     if (first.slope >= 0 && first.depth < rho_) return false;
     const Along last = along(to, high, wide);
