@@ -253,8 +253,8 @@ ContactDepth side_depth(const World& world, const ContactSide& side,
   return depth;
 }
 
-// Which side the end is on: the face where it is in front of it, or its rim's circle has its centre
-// over it.
+}  // namespace
+
 EdgeSide side_of(const World& world, const PoseVector& tip, EdgeSide before) noexcept {
   if (!world.end.rests_lowest) return edge_side(outermost(world, tip), before);
   const double rho = world.end.edge, lever = world.annulus.fibre_radius - rho;
@@ -266,8 +266,6 @@ EdgeSide side_of(const World& world, const PoseVector& tip, EdgeSide before) noe
   const EdgeDepth centre = edge_depth(world.profile, tip.x + rho, tip.e.norm() + lever);
   return centre.throat() <= 0 ? EdgeSide::throat : before;
 }
-
-}  // namespace
 
 ContactSide contact_side(const World& world, const State& state) noexcept {
   ContactSide at;

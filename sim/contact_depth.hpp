@@ -6,9 +6,9 @@
 // on the face where it is farthest from the bore, or, in a world where it rests lowest, where it is
 // lowest (sim/face_support.hpp).
 //
-// In the throat it is as deep as the circle that it is rounded to, in the half plane, of radius rho and with
-// its centre at (x + s, r - rho), is in the solid: touching it at the angle alpha, 0 on the bore and
-// 90 degrees on the face, with the edge at (x_v, R_v) that has such a tangent,
+// In the throat it is as deep as the circle that it is rounded to, in the half plane, of radius rho
+// and with its centre at (x + s, r - rho), is in the solid: touching it at the angle alpha, 0 on the
+// bore and 90 degrees on the face, with the edge at (x_v, R_v) that has such a tangent,
 //   d = min over alpha of rho - (x + s - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
 //                         + |(e + s tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
 // the last term being what the direction adds in which the rim is deepest. So the end goes round
@@ -149,6 +149,10 @@ struct ContactSide {
 };
 
 ContactSide contact_side(const World& world, const State& state) noexcept;
+
+// Which side an end at `tip` is on that was on the side `before`: the face where it is in front of
+// it, or its rim's circle has its centre over it.
+EdgeSide side_of(const World& world, const PoseVector& tip, EdgeSide before) noexcept;
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const PoseVector& tip) noexcept;

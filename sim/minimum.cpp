@@ -62,7 +62,7 @@ class StiffModel {
     for (const StiffLaw& law : here)
       if (law.acts) {
         const double rate = law.slope.dot(newton.move);
-        if (!has_printed_wells(world.laws)) deeper_ = std::max(deeper_, std::abs(rate));
+        deeper_ = std::max(deeper_, std::abs(rate));
         slope_ += law.force * rate;
         curve_ += law.stiffness * rate * rate;
       }
@@ -109,8 +109,9 @@ class StiffModel {
 
  private:
   // The part, up to `most`, at which the energy first rises: what lies behind a barrier of adhesion
-  // may be lower.
+  // may be lower. Not looked for among printed laws, which take much longer to evaluate.
   double barrier(double most) const noexcept {
+    if (has_printed_wells(world_.laws)) return most;
     for (int n = 1; n <= kMostNarrow; ++n) {
       const double part = n * kNarrow / deeper_;
       if (!(part < most)) break;

@@ -185,7 +185,7 @@ bool settle_limits(const World& world, const State* before, int most_evaluations
     const NewtonStep newton(world, frozen,
                             without_friction(frozen, found.tip, bore.gradient, bore.hessian),
                             found.tip, 1, Pivots::as_they_are);
-    const auto friction = frozen.friction;
+    const std::array limit = {frozen.friction[kEnd].limit, frozen.friction[kSide].limit};
     const auto move = limits.settle(newton, frozen);
     found.converged = false;
     if (move) {
@@ -199,7 +199,7 @@ bool settle_limits(const World& world, const State* before, int most_evaluations
       if (found.evaluations >= most_evaluations) return false;
       found.tip = from;
       for (std::size_t at = 0; at < kContactPlaces; ++at)
-        frozen.friction[at].limit = 0.5 * (friction[at].limit + frozen.friction[at].limit);
+        frozen.friction[at].limit = 0.5 * (limit[at] + frozen.friction[at].limit);
       found.there = Potential(world, frozen, from);
       ++found.evaluations;
     }
@@ -265,24 +265,14 @@ Minimum solve(const World& world, const State& state, double dt, int few, int mo
   return found;
 }
 
-// The side of an end at `tip`, as the next step will find it.
-EdgeSide side_at(const World& world, const FrozenCoefficients& frozen,
-                 const PoseVector& tip) noexcept {
-  State there;
-  there.tip = tip.full();
-  there.side = frozen.contact.side;
-  return contact_side(world, there).side;
-}
-
-// Goes on from where a search that fell off the face, from `tip` on it, left that on a straight
-// way.
-void go_on_from_edge(const World& world, const State& state, const PoseVector& tip,
-                     int most_evaluations, FrozenCoefficients& frozen, Minimum& found) noexcept {
+// Goes on from where a search that fell off the face left that, on a straight way.
+void go_on_from_edge(const World& world, const State& state, int most_evaluations,
+                     FrozenCoefficients& frozen, Minimum& found) noexcept {
   constexpr int kBisections = 30;
-  PoseVector on_face = tip, off = found.tip;
+  PoseVector on_face(state.tip), off = found.tip;
   for (int n = 0; n < kBisections; ++n) {
     const PoseVector middle{Pose(0.5 * (on_face.full() + off.full()))};
-    (side_at(world, frozen, middle) == EdgeSide::face ? on_face : off) = middle;
+    (side_of(world, middle, frozen.contact.side) == EdgeSide::face ? on_face : off) = middle;
   }
   frozen = freeze_again(world, state, frozen, off.full());
   found.tip = off;
@@ -299,15 +289,16 @@ void go_on_from_edge(const World& world, const State& state, const PoseVector& t
 void stay_if_astray(const World& world, const State& state, const Pose& command, double dt,
                     int most_evaluations, FrozenCoefficients& frozen, Minimum& found) noexcept {
   const PoseVector tip(state.tip);
+  const EdgeSide side = frozen.contact.side;
   const bool fell =
-      state.side == EdgeSide::face && side_at(world, frozen, found.tip) == EdgeSide::throat;
+      state.side == EdgeSide::face && side_of(world, found.tip, side) == EdgeSide::throat;
   if (found.converged && !fell) return;
   const FrozenCoefficients first = freeze(world, state, command, dt);
   const Potential here(world, first, tip);
   ++found.evaluations;
-  if (fell && frozen.contact.side == EdgeSide::face) {
+  if (fell && side == EdgeSide::face) {
     frozen = first;
-    go_on_from_edge(world, state, tip, most_evaluations, frozen, found);
+    go_on_from_edge(world, state, most_evaluations, frozen, found);
   }
   const double most =
       kSnap * (travel_of(world, frozen, frozen.command - tip) + world.annulus.clearance());
@@ -363,8 +354,7 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   const int most = most_evaluations - 2;  // two may be needed to stay
   const int few = divisible ? std::min(kFewEvaluations, most) : most;
   Minimum found = solve(world, state, dt, few, most, divisible ? &where : nullptr, frozen);
-  if (!divisible && (!found.converged || state.side == EdgeSide::face))
-    stay_if_astray(world, state, command, dt, most_evaluations, frozen, found);
+  if (!divisible) stay_if_astray(world, state, command, dt, most_evaluations, frozen, found);
   const bool spent = found.evaluations >= most;
   result.evaluations += found.evaluations;
   result.iterations += found.iterations;
@@ -402,15 +392,14 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     const double edge = part_to_edge(world, result.state, command[0] - from[0]);
     double to = search.bounded() ? search.next() : done + std::min(first, edge);
     const int left = end - result.evaluations;
-    const bool last = left <= kReserve + kFewEvaluations || to > 1 - 1e-9;
+    const bool enough = left > kReserve + kFewEvaluations;
+    const bool last = !enough || to > 1 - 1e-9;
     if (last) to = 1;
     const double way = (to - done) * travel;
+    const bool over_edge = !search.bounded() && edge < first && way <= 1.01 * edge_step(world);
     Divisible divisible = Divisible::no;
-    if (left > kReserve + kFewEvaluations &&
-        (search.bounded() ? search.divisible(to) : way > shortest))
-      divisible = !search.bounded() && edge < first && way <= 1.01 * edge_step(world)
-                      ? Divisible::where_end_comes_off
-                      : Divisible::at_events;
+    if (enough && (search.bounded() ? search.divisible(to) : way > shortest))
+      divisible = over_edge ? Divisible::where_end_comes_off : Divisible::at_events;
     shorten_curvature((to - done) / tried, result.state);
     tried = std::fmin(tried, to - done);
     const Pose goal = last ? command : Pose(from + to * (command - from));

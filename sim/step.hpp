@@ -18,7 +18,7 @@ namespace ferrule {
 
 enum class StepStatus {
   ok,
-  not_converged,  // finite and lower in energy than before, but not stationary
+  not_converged,  // finite and no higher in energy than before, but not stationary
   bad_command,    // the command or dt is not finite, or dt < 0: the state is unchanged
   capped,  // not stationary yet: kMostEvaluations were spent, the next step goes on from there
 };

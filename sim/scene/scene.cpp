@@ -274,8 +274,8 @@ Scene parse_scene(const Json& document, const std::string& file) {
   scene.world = make_world(scene.parameters);
   if (scene.world.holder.sag.tail<2>().norm() > kMostHanging)
     refuse(fields, "holder.free_length_mm",
-           "must be so short that the fibre's end hangs tilted by no more than 0.3 rad under its "
-           "weight: tilts are taken as small");
+           "must be so short that the fibre's end hangs tilted by no more than " +
+               Json(kMostHanging).dump() + " rad under its weight: tilts are taken as small");
   return scene;
 }
 

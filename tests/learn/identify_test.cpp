@@ -66,7 +66,7 @@ TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
     const double friction = i.parameters[0].value, adhesion = i.parameters[1].value;
     EXPECT_CLOSE(friction, 0.6, 1e-3);
     EXPECT_CLOSE(adhesion, 0.2, 3e-2);
-    found += std::abs(friction - 0.6) <= 1e-4 * 0.6 && std::abs(adhesion - 0.2) <= 1e-3 * 0.2;
+    found += testing::close(friction, 0.6, 1e-4) && testing::close(adhesion, 0.2, 1e-3);
     EXPECT_LT(i.residual, 0.01 * i.residual_start);
   }
   EXPECT_GE(found, kSets - 1);
