@@ -83,6 +83,7 @@ std::vector<ForceRow> force_rows(const World& world, const Grid& grid, const For
                      static_cast<double>(std::max<std::size_t>(1, grid.depths.size()));
   if (all > kMostRows)
     throw BadInput(fmt::format("{:.4g} rows are asked for; at most {:.0f}", all, kMostRows));
+  for (const double length : grid.inserted) expect_in_bore(world, length);
   for (const double gap : grid.gaps)
     for (const double length : grid.inserted) expect_fits(world, gap, length, a.tilt_mrad);
   const double tilt = 1e-3 * a.tilt_mrad, speed = 1e-6 * a.speed_um_s;

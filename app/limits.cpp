@@ -17,8 +17,8 @@ struct LimitsArguments {
   Output output;
 };
 
-constexpr double kProofStress = 0.69e9;  // usual for telecom fibre [Pa]
-constexpr double kEdge = 1;              // polished [um]
+constexpr double kProofStress = 0.69;  // usual for telecom fibre [GPa]
+constexpr double kEdge = 1;            // polished [um]
 
 struct LimitRow {
   const char *name, *what;
@@ -40,11 +40,11 @@ std::array<LimitRow, 4> limit_rows(const Scene& scene, double stress, double edg
 int limits_verb(const LimitsArguments& a) {
   const Scene scene = a.scene.load();
   const double stated = scene.limits.proof_stress;
-  const double stress = a.stress_GPa > 0        ? 1e9 * a.stress_GPa
-                        : std::isfinite(stated) ? stated
-                                                : kProofStress;
+  const double stress_GPa = a.stress_GPa > 0        ? a.stress_GPa
+                            : std::isfinite(stated) ? 1e-9 * stated
+                                                    : kProofStress;
   const double edge_um = a.edge_um > 0 ? a.edge_um : scene.parameters.fibre.edge_um.value_or(kEdge);
-  const auto rows = limit_rows(scene, stress, 1e-6 * edge_um);
+  const auto rows = limit_rows(scene, 1e9 * stress_GPa, 1e-6 * edge_um);
   Provenance provenance;
   provenance.in({scene, scene_file(a.scene.name())});
   if (a.output.text()) {
@@ -54,17 +54,19 @@ int limits_verb(const LimitsArguments& a) {
       fmt::print("{:<9} {:>12} {:>14}  {}\n", r.name, number_or("-", "{:.4g}", 1e6 * r.force),
                  number_or("-", "{:.4g}", r.force / scene.limits.force), r.what);
     fmt::print("limits.force_uN is {:g}; stress allowed {:g} GPa, edge rounded by {:g} um\n{}",
-               1e6 * scene.limits.force, 1e-9 * stress, edge_um, provenance.foot());
+               1e6 * scene.limits.force, stress_GPa, edge_um, provenance.foot());
   }
   const auto json = [&](const LimitRow& r) {
     return Json{{"damage", r.name},
                 {"force_uN", number_or_null(1e6 * r.force)},
-                {"over_limit", number_or_null(r.force / scene.limits.force)}};
+                {"over_limit", number_or_null(r.force / scene.limits.force)},
+                {"stress_GPa", stress_GPa},
+                {"edge_um", edge_um}};
   };
   print_result(a.output,
                {{"scene", scene.name},
                 {"force_limit_uN", 1e6 * scene.limits.force},
-                {"stress_GPa", 1e-9 * stress},
+                {"stress_GPa", stress_GPa},
                 {"edge_um", edge_um},
                 {"rows", json_list(rows, json)}},
                "rows", provenance);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/verb.hpp"
+#include "sim/gap_forces.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {
@@ -55,6 +56,7 @@ std::optional<PullOff> pull_off(const Laws& laws) {
 
 int release_verb(const ReleaseArguments& a) {
   const Scene scene = a.scene.load();
+  expect_in_bore(scene.world, a.length_um);
   const std::vector<Release> rows =
       release(scene.world, 1e-6 * a.length_um, a.places, 1e-6 * a.speed_um_s);
   const std::optional<PullOff> alone = pull_off(scene.world.laws);

@@ -36,6 +36,13 @@ void expect_fits(const World& world, double gap_nm, double length_um, double til
                    " mrad fit");
 }
 
+void expect_in_bore(const World& world, double length_um) {
+  const double longest = 1e6 * world.profile.length;
+  if (length_um > longest * (1 + 1e-9))
+    refuse_posture("--length-um ", length_um, ": the bore is ", longest,
+                   " um long (ferrule.length_mm)");
+}
+
 double mean_line_force(const std::function<double(double)>& law, const World& world, double reach,
                        const Posture& at) {
   const double rise = at.rise(), clearance = world.annulus.clearance();

@@ -40,6 +40,9 @@ GapForces gap_forces(const World& world, const Posture& posture);
 // laws without tilt know no other wall: there any gap is right.
 void expect_fits(const World& world, double gap_nm, double length_um, double tilt_mrad);
 
+// Throws BadInput unless a fibre can be so far in [um]: no farther than the bore is long.
+void expect_in_bore(const World& world, double length_um);
+
 // Mean over the inserted length of a corrected force per length that ends at the gap `reach` [m].
 double mean_line_force(const std::function<double(double)>& law, const World& world, double reach,
                        const Posture& posture);

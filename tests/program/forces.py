@@ -1,3 +1,5 @@
+import csv
+import io
 import json
 import math
 import os
@@ -269,6 +271,17 @@ class Forces(Case):
         self.assertEqual(ring("--set", "fibre.edge_um=0.05"), ring("--edge-um", 0.05))
         self.assertEqual(ring("--set", "fibre.edge_um=0.05", "--edge-um", 2), ring("--edge-um", 2))
         self.assertLess(ring("--edge-um", 0.05)[1], 0.1 * ring()[1])
+        rows = list(csv.DictReader(io.StringIO(self.done(
+            "limits", "--scene", "bench", "--csv", "--edge-um", 2, "--stress-GPa", 1.4).stdout)))
+        self.assertEqual([(float(row["edge_um"]), float(row["stress_GPa"])) for row in rows],
+                         [(2, 1.4)] * 4)
+
+    def test_a_fibre_is_no_farther_in_than_the_bore_is_long(self):
+        for verb in ("forces", "release"):
+            self.refused(2, verb, "--scene", "bench", "--length-um", 10501,
+                         says=["--length-um 10501", "10500 um", "ferrule.length_mm"])
+        self.refused(2, "forces", "--length-um", "100:11000:3", says=["11000"])
+        self.done("forces", "--scene", "bench", "--length-um", 10500)
 
     def test_what_two_recordings_feel_like_is_set_side_by_side(self):
         files = self.record(self.path("out"), "--append", episodes=2)
