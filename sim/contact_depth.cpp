@@ -1,5 +1,6 @@
 #include "sim/contact_depth.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/face_support.hpp"
@@ -87,7 +88,8 @@ class Rim {
         rho_(world.end.rounding()),
         lever_(world.annulus.fibre_radius - rho_),
         behind_(world.end.edge),
-        high_(tip.x + behind_),
+        face_(world.profile.lead_in_length - (rho_ - behind_)),
+        high_(tip.x + behind_ - std::min(face_, 0.0)),
         across_(eccentricity(tip, behind_)),
         slope_(face_slope(world, tip)),
         there_(along(normal_, high_, world.annulus.clearance() + rho_)) {
@@ -95,15 +97,14 @@ class Rim {
     const FerruleProfile& profile = world.profile;
     const Vector2d bore(1, 0), face(kLeastCosine, 1);
     const double wide = world.annulus.clearance() + rho_;
-    if (!profile.has_lead_in()) {
+    if (!(face_ > 0)) {
       look(bore, face, high_, wide, Along(there_));
       return;
     }
     const double cosine = profile.lead_in_cosine();
     const Vector2d cone(cosine, profile.lead_in_tangent * cosine);
     if (!look(bore, cone, high_, wide, Along(there_))) return;
-    const double high = high_ - profile.lead_in_length;
-    const double at_face = profile.mouth_radius() - world.annulus.fibre_radius + rho_;
+    const double high = high_ - face_, at_face = wide + face_ * profile.lead_in_tangent;
     look(cone, face, high, at_face, along(cone, high, at_face));
   }
 
@@ -222,7 +223,8 @@ class Rim {
   }
 
   const World& world_;
-  double rho_, lever_, behind_, high_;
+  double rho_, lever_, behind_;
+  double face_, high_;  // where the face is, and how far the rim's centre is in front of the bore
   Vector2d across_, slope_;
   Vector2d normal_ = Vector2d::UnitX();  // cos and sin of alpha
   Along there_;

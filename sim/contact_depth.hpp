@@ -15,7 +15,8 @@
 // the edges of bore and cone. A rounded rim has s = rho, and an upright one goes into a sharp bore
 // from within c + rho of its axis. A sharp rim is rounded to kSharpRounding with s = 0: in the
 // bore it is a sharp one, on the cone rho (1 - cos(alpha)) deeper, 27 nm on one of 60 degrees, and
-// at the throat one point of it after the other goes over from one to the other.
+// at the throat one point of it after the other goes over from one to the other. The face is rho
+// farther back for it, so that over the mouth's edge an end is as high as on the face.
 #pragma once
 
 #include <array>

@@ -297,6 +297,28 @@ TEST(ContactDepth, OnTheFaceHasItsDerivatives) {
   EXPECT_GT(on_face, 50);
 }
 
+// Over the mouth's edge, beyond where its rim goes round that, an upright end is as high as on the
+// face, which is taken to fall off by 1e-4 there; where the lead-in is shorter than the rim, too.
+TEST(ContactDepth, OverTheMouthsEdgeAnEndIsAsHighAsOnTheFace) {
+  constexpr const char* kShort = "ferrule.lead_in={\"angle_deg\":60,\"diameter_um\":126.1}";
+  const std::string no_lead_in = "ferrule.lead_in=null", rounded = "fibre.edge_um=0.5";
+  for (const std::string& lead_in : {no_lead_in, std::string(kCone), std::string(kShort)})
+    for (const bool sharp : {true, false}) {
+      const World world = testing::bare({lead_in, sharp ? lead_in : rounded}).world;
+      const double room = world.profile.mouth_radius() - world.annulus.fibre_radius;
+      for (const double beyond : {0.1e-6, 1e-6, 5e-6}) {
+        const PoseVector tip{testing::pose(world.profile.lead_in_length - 5e-9,
+                                           room + world.end.rounding() + beyond, 0)};
+        ContactSide side;
+        for (const EdgeSide at : {EdgeSide::throat, EdgeSide::face}) {
+          side.side = at;
+          const double depth = contact_depths(world, side, tip)[kEnd].value;
+          EXPECT_NEAR(depth, 5e-9, 0.3e-9 + 1e-4 * beyond) << lead_in << sharp;
+        }
+      }
+    }
+}
+
 TEST(ContactDepth, WithARoundedRimNoClosedMotionGainsEnergy) {
   for (std::uint64_t k = 0; k < 30; ++k) {
     RandomStream random(13, k, Draw::start);
