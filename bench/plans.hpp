@@ -16,7 +16,8 @@ struct PlanRow {
   double planning_s;     // of the processor
   double error_bound;    // the plan's
   double sampled_twice;
-  // Of a campaign on one core, sensor, controller and all, in turns; medians [us of the processor].
+  // Of a campaign on one core, sensor, controller and all, in turns; the least of each [us of the
+  // processor].
   double full_us_per_simulated_s, planned_us_per_simulated_s;
   double ratio;  // full over planned
   std::size_t trials;
