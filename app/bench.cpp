@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <functional>
 #include <map>
+#include <optional>
 #include <tuple>
 
 #include "app/plot.hpp"
@@ -29,10 +30,17 @@ namespace {
 struct BenchArguments {
   std::string what, plot;
   std::uint64_t seed = 1;
-  std::size_t scenes = 200, trials = 100;
+  std::optional<std::size_t> scenes;
+  std::size_t trials = 100;
   std::string scene;
   Output output;
 };
+
+constexpr std::size_t kScenes = 200;
+
+std::vector<std::string> scenes_of(const BenchArguments& a) {
+  return a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
+}
 
 // Every benchmark makes its own scenes of one that ships. Partial where Ctrl-C ended it.
 Provenance provenance_of_bench() {
@@ -42,10 +50,10 @@ Provenance provenance_of_bench() {
   return provenance;
 }
 
-// Of the benchmarks that draw motions in every shipped scene.
-Provenance provenance_of_steps(const BenchArguments& a) {
+// Of the benchmarks that draw motions in shipped scenes.
+Provenance provenance_of_steps(const BenchArguments& a, const std::vector<std::string>& scenes) {
   Provenance provenance = provenance_of_bench();
-  for (const std::string& name : shipped_scenes())
+  for (const std::string& name : scenes)
     if (name != "paper") provenance.read(scene_file(name));
   provenance.seed("scenes, starts and motions", a.seed);
   return provenance;
@@ -348,8 +356,8 @@ void print_tail(const std::vector<TailRow>& rows) {
 }
 
 int tail(const BenchArguments& a) {
-  return tell(a, bench_tail(a.seed, a.scenes, watched("tail")), print_tail, tail_json,
-              provenance_of_steps(a));
+  return tell(a, bench_tail(a.seed, a.scenes.value_or(kScenes), watched("tail")), print_tail,
+              tail_json, provenance_of_steps(a, shipped_scenes()));
 }
 
 Json event_json(const EventRow& r) {
@@ -373,8 +381,8 @@ void print_events(const std::vector<EventRow>& rows) {
 }
 
 int events(const BenchArguments& a) {
-  return tell(a, bench_events(a.seed, 2, shipped_scenes(), watched("events")), print_events,
-              event_json, provenance_of_steps(a));
+  const auto rows = bench_events(a.seed, a.scenes.value_or(2), scenes_of(a), watched("events"));
+  return tell(a, rows, print_events, event_json, provenance_of_steps(a, scenes_of(a)));
 }
 
 Json turn_json(const TurnRow& r) {
@@ -392,12 +400,8 @@ void print_turns(const std::vector<TurnRow>& rows) {
 }
 
 int turns(const BenchArguments& a) {
-  return tell(a, bench_turns(a.seed, a.scenes, watched("turns")), print_turns, turn_json,
-              provenance_of_steps(a));
-}
-
-std::vector<std::string> scenes_of(const BenchArguments& a) {
-  return a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
+  return tell(a, bench_turns(a.seed, a.scenes.value_or(kScenes), watched("turns")), print_turns,
+              turn_json, provenance_of_steps(a, shipped_scenes()));
 }
 
 Json part_json(const PartRow& r) {
@@ -421,7 +425,7 @@ void print_parts(const std::vector<PartRow>& rows) {
 
 int parts(const BenchArguments& a) {
   return tell(a, bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")), print_parts,
-              part_json, provenance_of_steps(a));
+              part_json, provenance_of_steps(a, scenes_of(a)));
 }
 
 Json plan_json(const PlanRow& r) {
@@ -463,7 +467,7 @@ void print_plans(const std::vector<PlanRow>& rows) {
 
 int plans(const BenchArguments& a) {
   return tell(a, bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")), print_plans,
-              plan_json, provenance_of_steps(a));
+              plan_json, provenance_of_steps(a, scenes_of(a)));
 }
 
 Json sensor_json(const SensorRow& r) {
@@ -480,7 +484,7 @@ void print_sensors(const std::vector<SensorRow>& rows) {
 
 int sensors(const BenchArguments& a) {
   return tell(a, bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")), print_sensors,
-              sensor_json, provenance_of_steps(a));
+              sensor_json, provenance_of_steps(a, scenes_of(a)));
 }
 
 Json peer_json(const PeerRow& r) {
@@ -549,14 +553,16 @@ void add_bench(CLI::App& app, Run& run) {
            "Of the scenes, starts, motions and trials that tail, events, turns, parts, plans and "
            "sensors draw");
   verb->add_option("--scene", a->scene,
-                   "The scene of parts, plans and sensors; all that ship unless given")
+                   "The scene of events, parts, plans and sensors; all that ship unless given")
       ->type_name("SCENE");
   verb->add_option("--trials", a->trials,
                    "Of every controller in every scene of parts, plans and sensors")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  verb->add_option("--scenes", a->scenes,
-                   "How many random scenes, and starts of shipped ones, tail and turns draw")
+  verb->add_option(
+          "--scenes", a->scenes,
+          "How many random scenes, and starts of shipped ones, tail, events and turns draw; "
+          "200, and 2 for events, unless given")
       ->check(CLI::Range(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);

@@ -86,6 +86,16 @@ class Bench(Case):
                 self.assertLess(max(row["turned_90"], row["turned_37"]), 1e-6, row)
                 self.assertEqual(row["off"], 0)
 
+    def test_events_of_one_scene(self):
+        rows = json.loads(self.done("bench", "events", "--scene", "easy", "--scenes", 1,
+                                    "--json").stdout)["rows"]
+        self.assertEqual([row["scene"] for row in rows], 21 * ["easy"])
+        for row in rows:
+            if row["step_s"] < 2e-5:  # the finest, which the others are compared with
+                self.assertEqual(row["pose_difference_clearances"], 0)
+            elif row["motion"] != "jumps":
+                self.assertLess(row["pose_difference_clearances"], 0.05, row)
+
     def test_tail_bounds_every_step(self):
         rows = json.loads(self.done("bench", "tail", "--seed", 3, "--scenes", 2,
                                     "--json").stdout)["rows"]
