@@ -24,7 +24,7 @@ World with_only(const Plan& plan, const Scene& scene, const std::string& name) {
 }  // namespace
 
 double term_cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
-  constexpr int kTurns = 8;  // both are timed in turns, so that neither is the one disturbed
+  constexpr int kRounds = 8;  // both are timed in turns, so that neither is the one disturbed
   const World with = with_only(plan, scene, term.name), without = with_only(plan, scene, "");
   const auto time = [&](const World& world) {
     return nanoseconds_per_call(
@@ -36,7 +36,7 @@ double term_cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) 
         2e5);
   };
   double most = time(with), least = time(without);
-  for (int turn = 1; turn < kTurns; ++turn) {
+  for (int turn = 1; turn < kRounds; ++turn) {
     most = std::min(most, time(with));
     least = std::min(least, time(without));
   }

@@ -12,7 +12,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kPeriod = 1e-3;
+constexpr double kStep = 1e-3;
 constexpr double kOff = 1e-6;  // [clearances]
 constexpr int kEvery = 100;    // steps from a row of the state to the next
 const Matrix2d kQuarter = (Matrix2d() << 0, -1, 1, 0).finished();
@@ -34,8 +34,8 @@ double difference(const World& world, const State& start, const std::vector<Pose
   double most = 0;
   int n = 0;
   for (const Pose& to : hand) {
-    here = step(world, here, to, kPeriod).state;
-    there = step(world, there, turned(turn, to), kPeriod).state;
+    here = step(world, here, to, kStep).state;
+    there = step(world, there, turned(turn, to), kStep).state;
     if (every > 0 && ++n % every == 0) there = state_of(to_row(there));
     most = std::max(most, (turned(turn, here.tip) - there.tip).head<3>().norm());
   }
@@ -49,7 +49,7 @@ TurnRow measured(const std::string& name, Motion motion, std::uint64_t seed, std
   row.motion = ferrule::name(motion);
   for (std::size_t k = 0; k < starts; ++k) {
     const State start = draw_start(scene, seed, k);
-    const std::vector<Pose> hand = commands(scene, start, motion, kPeriod, seed, k);
+    const std::vector<Pose> hand = commands(scene, start, motion, kStep, seed, k);
     const auto off = [&](const Matrix2d& turn, int every, double& most) {
       const double by = difference(scene.world, start, hand, turn, every);
       most = std::max(most, by);

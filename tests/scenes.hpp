@@ -5,8 +5,17 @@
 
 namespace ferrule::testing {
 
+inline constexpr double kFibreRadius = 62.5e-6;  // [m] of all shipped scenes
+
 inline Scene paper(const std::vector<std::string>& settings = {}) {
   return load_scene("paper", settings);
+}
+
+// An insertion of some 20 um.
+inline Scene quick(std::vector<std::string> settings = {}) {
+  for (const char* s : {"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"})
+    settings.emplace_back(s);
+  return paper(settings);
 }
 
 inline Pose pose(double x, double y, double z, double tilt_y = 0, double tilt_z = 0) {

@@ -128,11 +128,11 @@ namespace {
 // A contact with its derivatives along the curve. The energy is that of the elastic bodies and the
 // stress, less the work of adhesion on the disc of radius m A: where closure holds its differential
 // is P dD.
-struct Contact {
+struct TouchingPoint {
   MaugisPoint point;
   double D_by_s, slope, A_slope, energy;  // slopes: by D
 
-  Contact(double lambda, double s) noexcept : point(maugis_at_s(lambda, s)) {
+  TouchingPoint(double lambda, double s) noexcept : point(maugis_at_s(lambda, s)) {
     const double A = point.A, m = point.m, m2 = m * m, angle = elementary::atan(s);
     const double b = ring_bending(s), o = ring_opening(s, m), g = s + m2 * angle;
     const double closure_A = lambda * (A * b + 4.0 / 3 * lambda * o);
@@ -162,7 +162,7 @@ MaugisCurve::Piece MaugisCurve::tabulate(bool touching, double from, double to,
   piece.begin = begin;
   const double end = D_at(touching, to);
   piece.end = end;
-  if (touching) piece.energy_there = Contact(lambda_, elementary::exp(to)).energy;
+  if (touching) piece.energy_there = TouchingPoint(lambda_, elementary::exp(to)).energy;
   const double width = std::sqrt(std::sqrt(end - begin)) / static_cast<double>(kCells);
   piece.cells_per_y = 1 / width;
 
@@ -206,12 +206,12 @@ MaugisCurve::Value MaugisCurve::beyond(const Piece& table, double D) const noexc
   double s = std::min(elementary::cbrt(1.5 / (lambda_ * D)),
                       std::sqrt(1.5 / (lambda_ * lambda_ * std::sqrt(D))));
   for (int n = 0; n < kMostNewton; ++n) {
-    const Contact there(lambda_, s);
+    const TouchingPoint there(lambda_, s);
     const double step = -elementary::log(there.point.D / D) * there.point.D / (there.D_by_s * s);
     s *= elementary::exp(std::clamp(step, -1.0, 1.0));
     if (std::abs(step) < 1e-8) break;  // it converges quadratically
   }
-  const Contact there(lambda_, s);
+  const TouchingPoint there(lambda_, s);
   Value value;
   value.P = there.point.P;
   value.A = there.point.A;

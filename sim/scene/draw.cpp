@@ -141,11 +141,11 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
 }
 
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
-  constexpr std::size_t kMost = 10000;
+  constexpr std::size_t kMostDraws = 10000;
   FeasibleTrial found{nullptr, trial, 0};
   while (!(found.scene = draw_scene(scene, seed, found.trial))) {
-    if (++found.infeasible == kMost)
-      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMost) +
+    if (++found.infeasible == kMostDraws)
+      throw BadInput(scene.name + ": tolerance: of " + std::to_string(kMostDraws) +
                      " drawn pairs of parts not one fits");
     found.trial += std::uint64_t{1} << 32;
   }

@@ -17,10 +17,6 @@ namespace {
 
 constexpr double T = 2e-4;  // [s]
 
-Scene quick() {
-  return testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"});
-}
-
 // A hand that pushes on at half the scene's speed for so many periods, with something that happens
 // to it at one of them; and what it rendered.
 class PushingHand : public Device {
@@ -105,7 +101,7 @@ ForceFeedback feedback_of(const Scene& scene) {
 
 // The thread, the clock and the ring change nothing in what is recorded.
 TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
   const auto hand = simulated_operator(scene, start, 1, 1e-3, 1, 1);
   const auto [end, alone] = testing::record_rows(scene, start, *hand);
@@ -122,7 +118,7 @@ TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
 // No force within two periods, the rows until then, and a reason.
 TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
   using Event = PushingHand::Event;
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   constexpr int kAt = 400;
   for (const auto& [event, why] : {std::pair{Event::not_a_number, "not a finite number"},
                                    {Event::jump, "jumped"},
@@ -148,7 +144,7 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
 
 // The effects of a device have ended by then.
 TEST(HapticLoop, AfterAStallTheForceRampsUpAgain) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   constexpr int kAt = 1000;
   PushingHand hand(scene, PushingHand::Event::stall, kAt);
   hand.periods = 2 * kAt;
@@ -169,7 +165,7 @@ TEST(HapticLoop, AfterAStallTheForceRampsUpAgain) {
 
 // Without force there is no guard, and a pose that is not finite is no row.
 TEST(HapticLoop, ADeviceWithoutForceThatIsNotFiniteKeepsItsRows) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   PushingHand hand(scene, PushingHand::Event::not_a_number, 100);
   Kept kept;
   const TimedEpisode episode = run(scene, hand, std::ref(kept));
@@ -180,7 +176,7 @@ TEST(HapticLoop, ADeviceWithoutForceThatIsNotFiniteKeepsItsRows) {
 }
 
 TEST(HapticLoop, TroubleOfTheDeviceComesThrough) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   PushingHand hand(scene, PushingHand::Event::trouble, 100);
   Kept kept;
   EXPECT_THROW(run(scene, hand, std::ref(kept)), DeviceTrouble);
@@ -190,7 +186,7 @@ TEST(HapticLoop, TroubleOfTheDeviceComesThrough) {
 
 // The disk holds up the first row until the loop has gone on by 1000 periods.
 TEST(HapticLoop, ASlowDiskDelaysNothing) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   PushingHand hand(scene);
   hand.periods = 1500;
   Kept kept;
@@ -224,7 +220,7 @@ TEST(HapticLoop, ADiskThatStandsEndsTheEpisode) {
 }
 
 TEST(HapticLoop, ADiskThatFailsEndsTheLoop) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   PushingHand hand(scene);
   EXPECT_THROW(
       run(scene, hand,
@@ -236,7 +232,7 @@ TEST(HapticLoop, ADiskThatFailsEndsTheLoop) {
 // The disk gives nothing back until the force is gone.
 TEST(HapticLoop, StoppedItEndsWithinTwoPeriodsWhileTheDiskStands) {
   using Clock = std::chrono::steady_clock;
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const ForceSensor noisy({.noise = 1e-8}, 1, 1);  // there is something to feel
   PushingHand hand(scene);
   Kept kept;
@@ -263,7 +259,7 @@ TEST(HapticLoop, StoppedItEndsWithinTwoPeriodsWhileTheDiskStands) {
 }
 
 TEST(HapticLoop, TheCallingThreadEndsIt) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   for (const auto& [request, outcome] : {std::pair{Request::finish, Outcome::stopped_short},
                                          {Request::stop, Outcome::interrupted}}) {
     PushingHand hand(scene);

@@ -20,13 +20,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Scene quick() {
-  return testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"});
-}
-
 TEST(Episode, IsReadBackBitForBit) {
   const testing::TemporaryFolder folder;
-  const std::string file = testing::record(quick(), folder.path(), 1);
+  const std::string file = testing::record(testing::quick(), folder.path(), 1);
   const Episode episode = read_episode(file);
   EXPECT_EQ(episode.info.outcome, Outcome::inserted);
   const std::string copy = folder / "copy.h5";
@@ -37,7 +33,7 @@ TEST(Episode, IsReadBackBitForBit) {
 
 TEST(Replay, VerifiesARecordedEpisodeAndFindsAChangedBit) {
   const testing::TemporaryFolder folder;
-  Episode episode = read_episode(testing::record(quick(), folder.path(), 1));
+  Episode episode = read_episode(testing::record(testing::quick(), folder.path(), 1));
   EXPECT_FALSE(verify(episode).has_value());
   for (const Block& b : kBlocks) {
     Episode changed = episode;
@@ -51,7 +47,7 @@ TEST(Replay, VerifiesARecordedEpisodeAndFindsAChangedBit) {
 
 TEST(Replay, FindsAChangedOutcomeAndMissingRows) {
   const testing::TemporaryFolder folder;
-  Episode episode = read_episode(testing::record(quick(), folder.path(), 1));
+  Episode episode = read_episode(testing::record(testing::quick(), folder.path(), 1));
   Episode other = episode;
   other.info.outcome = Outcome::jam;
   ASSERT_TRUE(verify(other).has_value());
@@ -64,7 +60,7 @@ TEST(Replay, FindsAChangedOutcomeAndMissingRows) {
 
 TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
   const testing::TemporaryFolder folder;
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   for (const std::size_t killed_at : {150u, 777u, 1500u}) {
     const pid_t child = ::fork();
     if (child == 0) {
@@ -96,7 +92,7 @@ TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
 
 TEST(Recover, TakesWhatIsWholeOfATornJournal) {
   const testing::TemporaryFolder folder;
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   {
     const State start = draw_start(scene, 1, 1);
     auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
@@ -120,7 +116,7 @@ TEST(Recover, LeavesAJournalThatHasNoRowsYet) {
   const testing::TemporaryFolder folder;
   std::string header;
   {
-    Recorder recorder(folder.path(), 1, testing::info_of(quick(), 1, 1));
+    Recorder recorder(folder.path(), 1, testing::info_of(testing::quick(), 1, 1));
     std::ifstream file(folder / "episode_0001.part");
     std::getline(file, header);
   }
@@ -133,7 +129,7 @@ TEST(Recover, LeavesAJournalThatHasNoRowsYet) {
 
 TEST(Recover, LeavesAJournalAloneThatIsBeingWritten) {
   const testing::TemporaryFolder folder;
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
   const pid_t child = ::fork();  // locks belong to processes
   if (child == 0) {
@@ -148,7 +144,7 @@ TEST(Recover, LeavesAJournalAloneThatIsBeingWritten) {
 
 // Rows of a short insertion in a journal that is left without an end.
 void leave_a_journal(const std::string& folder, std::size_t rows) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
   auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
   Recorder recorder(folder, 1, testing::info_of(scene, 1, 1));
@@ -168,7 +164,7 @@ TEST(EpisodeClaim, ThatWaitsForItsStartIsLeftAloneAndKeepsItsNumber) {
   EXPECT_NE(recovered[0].remark.find("still being recorded"), std::string::npos);
   EXPECT_TRUE(fs::exists(claim.journal()));
   EXPECT_EQ(EpisodeClaim(folder.path(), 1).number(), 2);
-  Recorder recorder(std::move(claim), testing::info_of(quick(), 1, 1));
+  Recorder recorder(std::move(claim), testing::info_of(testing::quick(), 1, 1));
   RowVector row = RowVector::Zero();
   recorder.add(row);
   EXPECT_EQ(recorder.finish(Outcome::interrupted), folder / "episode_0001.h5");
@@ -182,7 +178,7 @@ TEST(EpisodeClaim, ThatNeverBeganLeavesNothing) {
 
 TEST(Recorder, ANameThatWasTakenMeanwhileMeansTheNextNumber) {
   const testing::TemporaryFolder folder;
-  Recorder recorder(folder.path(), 1, testing::info_of(quick(), 1, 1));
+  Recorder recorder(folder.path(), 1, testing::info_of(testing::quick(), 1, 1));
   RowVector row = RowVector::Zero();
   recorder.add(row);
   std::ofstream(folder / "episode_0001.h5") << "of somebody else";
@@ -194,7 +190,7 @@ TEST(Recorder, ANameThatWasTakenMeanwhileMeansTheNextNumber) {
 TEST(Recover, OfAJournalBesideAnotherEpisodeOfItsNameTakesTheNextNumber) {
   const testing::TemporaryFolder folder, elsewhere;
   leave_a_journal(folder.path(), 500);
-  fs::copy_file(testing::record(quick(), elsewhere.path(), 2), folder / "episode_0001.h5");
+  fs::copy_file(testing::record(testing::quick(), elsewhere.path(), 2), folder / "episode_0001.h5");
   const auto recovered = recover(folder.path());
   ASSERT_EQ(recovered.size(), 1u);
   EXPECT_EQ(recovered[0].file, folder / "episode_0002.h5");
@@ -257,7 +253,7 @@ TEST(Recover, SaysWhatIsWrongWithGarbage) {
 
 TEST(Episode, DamagedFilesAreRefusedNotRead) {
   const testing::TemporaryFolder folder;
-  const std::string file = testing::record(quick(), folder.path(), 1);
+  const std::string file = testing::record(testing::quick(), folder.path(), 1);
   const auto size = fs::file_size(file);
   for (const auto part : {0.0, 0.1, 0.5, 0.9}) {
     const std::string torn = folder / "torn.h5";

@@ -1,11 +1,10 @@
 #include "haptic/force_feedback.hpp"
 
 #include "tests/compare.hpp"
+#include "tests/haptic/sample_period.hpp"
 
 namespace ferrule {
 namespace {
-
-constexpr double T = 1e-3;
 
 HandWrench along_y(double force) {
   HandWrench w = HandWrench::Zero();

@@ -2,12 +2,12 @@
 
 #include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
+#include "tests/haptic/sample_period.hpp"
 
 namespace ferrule {
 namespace {
 
 using Stage = ForceGuard::Stage;
-constexpr double T = 1e-3;
 
 HandWrench pull(double x, double y = 0, double moment = 0) {
   HandWrench w = HandWrench::Zero();

@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "tests/compare.hpp"
+#include "tests/haptic/sample_period.hpp"
 
 namespace ferrule {
 namespace {
 
 using Eigen::Vector3d;
-constexpr double T = 1e-3;
 
 TEST(PassivityController, EnergyIsTheWorkOfTheHand) {
   PassivityController passivity(T, 0);

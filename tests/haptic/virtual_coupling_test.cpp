@@ -2,14 +2,13 @@
 
 #include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
+#include "tests/haptic/sample_period.hpp"
 
 namespace ferrule {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-
-constexpr double T = 1e-3;
 
 TEST(VirtualCoupling, HolderGoesWithTheHandInFreeAir) {
   VirtualCoupling coupling({1000, 0.5}, T, Vector3d::Zero());

@@ -28,10 +28,6 @@ std::unique_ptr<Device> hand_on(FakeModel model, const Scene& scene, double gain
                    draw_start(scene, 1, 1), gain, kFull);
 }
 
-Scene quick() {
-  return testing::paper({"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"});
-}
-
 EpisodeInfo info_of(const Scene& scene, const Device& device) {
   EpisodeInfo info = testing::info_of(scene, 1, 1);
   info.mapping = mapping_text(*device.mapping());
@@ -66,7 +62,7 @@ struct Recording {
 };
 
 TEST(HandDevice, TheFakeHandInsertsWithEveryModelAndTheEpisodeReplays) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   for (const FakeModel model : kModels) {
     const Recording r(scene, model, 1);
     EXPECT_EQ(r.episode.info.outcome, Outcome::inserted);
@@ -78,7 +74,7 @@ TEST(HandDevice, TheFakeHandInsertsWithEveryModelAndTheEpisodeReplays) {
 
 // A reader of the file finds the hand's motion again from counts and mapping alone.
 TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   for (const FakeModel model : kModels) {
     const Recording recording(scene, model, 1.5);
     const Episode& episode = recording.episode;
@@ -121,7 +117,7 @@ TEST(HandDevice, CountsAndMappingInTheFileAreTheMotion) {
 
 // Unplugged in the middle: the rows until then are there, the outcome says interrupted.
 TEST(HandDevice, AnEpisodeWhoseDeviceIsLostKeepsItsRows) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
   for (const FakeModel model : kModels) {
     const testing::TemporaryFolder folder;
@@ -156,7 +152,7 @@ TEST(HandDevice, AnEpisodeWhoseDeviceIsLostKeepsItsRows) {
 
 TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
   const testing::TemporaryFolder folder;
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
   CountRows counts(300, kRawAxes);
   {
@@ -182,13 +178,13 @@ TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
 // A recording without a device is what it was: no mapping, no counts.
 TEST(HandDevice, SimulatedOperatorsHaveNoCounts) {
   const testing::TemporaryFolder folder;
-  const Episode episode = read_episode(testing::record(quick(), folder.path(), 1));
+  const Episode episode = read_episode(testing::record(testing::quick(), folder.path(), 1));
   EXPECT_TRUE(episode.info.mapping.empty());
   EXPECT_EQ(episode.counts.rows(), 0);
 }
 
 TEST(HandDevice, AForceStickFeelsTheFibreAndIsLetGoAtTheEnd) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
   FakeFirmware firmware(FakeModel::pid_22);
   {

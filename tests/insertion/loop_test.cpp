@@ -11,12 +11,6 @@
 namespace ferrule {
 namespace {
 
-Scene quick(std::vector<std::string> settings = {}) {
-  for (const char* s : {"start.distance_um=10", "success.depth_um=8", "limits.speed_um_s=20"})
-    settings.emplace_back(s);
-  return testing::paper(settings);
-}
-
 // A hand at a velocity that follows from what it felt last, with something that happens at a read.
 class KnownHand : public Device {
  public:
@@ -155,7 +149,7 @@ TEST(Loop, ARecordingAndATrialOfAControllerAreTheSame) {
 }
 
 TEST(Loop, PastSuccessTheHandSaysWhenItIsFinished) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const Ended trial = run(
       scene, [](int, HandSample&) {}, false, 8e-3);
   EXPECT_EQ(trial.end.outcome, Outcome::inserted);
@@ -169,7 +163,7 @@ TEST(Loop, PastSuccessTheHandSaysWhenItIsFinished) {
 
 // What happens to a fibre that is in already does not undo that it went in.
 TEST(Loop, AFailurePastSuccessEndsItAsInserted) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const Ended ended = run(
       scene,
       [&](int, HandSample& sample) {
@@ -188,7 +182,7 @@ TEST(Loop, AFailurePastSuccessEndsItAsInserted) {
 
 TEST(Loop, ATrialWhoseTimeRunsOutSaysSo) {
   for (const char* limit : {"limits.time_s=5", "limits.time_s=10"}) {
-    const Scene scene = quick({limit});
+    const Scene scene = testing::quick({limit});
     const Ended trial = run(
         scene, [](int, HandSample&) {}, false, 0);
     EXPECT_EQ(trial.end.outcome, Outcome::timeout);
@@ -197,7 +191,7 @@ TEST(Loop, ATrialWhoseTimeRunsOutSaysSo) {
 }
 
 TEST(Loop, AHandEndsItByWhatItIsOrSays) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   constexpr int kAt = 300;
   const auto at = [](auto what) {
     return [what](int n, HandSample& sample) {
@@ -233,7 +227,7 @@ TEST(Loop, AHandEndsItByWhatItIsOrSays) {
 }
 
 TEST(Loop, ThereIsOneTickAtLeastAndWhoListensMayEndIt) {
-  const Scene scene = quick();
+  const Scene scene = testing::quick();
   const Ended at_once = run(
       scene, [](int, HandSample& s) { s.finished = true; }, true);
   EXPECT_EQ(at_once.end.outcome, Outcome::stopped_short);

@@ -108,8 +108,8 @@ class Devices(Case):
     def test_a_fake_device_records_with_counts_and_mapping(self):
         for device, motion in (("fake:spacemouse", "velocity"), ("fake:pid", "position")):
             out = self.path(device[5:])
-            self.done("record", "--scene", "demo", "--set", "start.distance_um=20", "--set",
-                      "success.depth_um=10", "--device", device, "--episodes", 2, "--out", out)
+            self.done("record", "--scene", "demo", "--set", "start.distance_um=8", "--set",
+                      "success.depth_um=5", "--device", device, "--episodes", 2, "--out", out)
             for file in sorted(glob.glob(out + "/*.h5")):
                 with h5py.File(file) as f:
                     self.assertEqual(f.attrs["outcome"], b"inserted")
@@ -249,8 +249,8 @@ class Devices(Case):
         reach = {}
         for gain in (1, 2):
             out = self.path(str(gain))
-            self.done("record", "--scene", "demo", "--set", "start.distance_um=20", "--set",
-                      "success.depth_um=10", "--device", "fake:spacemouse", "--gain", gain,
+            self.done("record", "--scene", "demo", "--set", "start.distance_um=8", "--set",
+                      "success.depth_um=5", "--device", "fake:spacemouse", "--gain", gain,
                       "--episodes", 1, "--out", out)
             with h5py.File(out + "/episode_0001.h5") as f:
                 reach[gain] = json.loads(f.attrs["mapping"])["gain_m_s"][0][0]

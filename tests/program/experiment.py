@@ -87,7 +87,7 @@ class Experiment(Case):
                               "--out", folder)
                 self.done("fit", folder, "--out", file)
                 laws[scene] = json.load(open(file))["gains"]
-                told = json.loads(self.done("evaluate", file, "--trials", 100, "--seed", 7, "--json").stdout)
+                told = json.loads(self.done("evaluate", file, "--trials", 60, "--seed", 7, "--json").stdout)
                 self.assertGreater(told["success_rate"], 0.8, (scene, seed))
             # Dry, the hand is hardly slowed by what it feels; in liquid, beyond doubt.
             dry, wet = (laws[scene]["slowing"] for scene in SCENES)

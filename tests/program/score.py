@@ -5,7 +5,7 @@ import os
 import h5py
 import numpy
 
-from case import Case, main
+from case import QUICK, Case, main
 
 
 class Score(Case):
@@ -58,7 +58,7 @@ class Score(Case):
     def test_folders_of_several_persons_compare_in_one_scene_alone(self):
         ada, ben, other = self.path("ada"), self.path("ben"), self.path("other")
         for folder in (ada, ben):
-            self.done("record", "--scene", "demo", "--device", "fake:spacemouse", "--episodes", 1,
+            self.done("record", "--scene", "demo", *QUICK, "--device", "fake:spacemouse", "--episodes", 1,
                       "--trainee", os.path.basename(folder), "--out", folder)
         both = json.loads(self.done("score", ada, ben, "--json").stdout)
         self.assertEqual([g["operator"] for g in both["groups"]], ["ada", "ben"])
@@ -69,7 +69,7 @@ class Score(Case):
         table = self.done("score", ada, ben).stdout
         self.assertIn("sitting", table)
         # The name that --trainee had before.
-        self.done("record", "--scene", "demo", "--device", "fake:spacemouse", "--episodes", 1,
+        self.done("record", "--scene", "demo", *QUICK, "--device", "fake:spacemouse", "--episodes", 1,
                   "--person", "ada", "--append", "--out", ada)
         again = json.loads(self.done("score", ada, "--json").stdout)
         self.assertEqual([g["operator"] for g in again["groups"]], ["ada"])

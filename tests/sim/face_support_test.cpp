@@ -15,15 +15,15 @@ namespace ferrule {
 namespace {
 
 using std::numbers::pi;
+using testing::kFibreRadius;
 
-constexpr double kRadius = 62.5e-6;
-
-bool supported(const Vector2d& p, const Vector2d& e, double opening, double radius = kRadius) {
+bool supported(const Vector2d& p, const Vector2d& e, double opening, double radius = kFibreRadius) {
   return p.norm() <= radius && (p + e).norm() >= opening;
 }
 
 // The lowest of all points of the crescent: of its area, its rim and the opening's edge.
-double lowest(const Vector2d& e, double opening, const Vector2d& slope, double radius = kRadius) {
+double lowest(const Vector2d& e, double opening, const Vector2d& slope,
+              double radius = kFibreRadius) {
   double most = -INFINITY;
   constexpr int kPoints = 200000;
   for (int i = 0; i < kPoints; ++i) {
@@ -44,19 +44,19 @@ TEST(FaceSupport, ATiltedEndRestsAtTheLowestPointOfTheCrescent) {
   RandomStream random(8, 0, Draw::plan);
   int corners = 0;
   for (int n = 0; n < 60; ++n) {
-    const double opening = n % 3 ? 63e-6 : 125e-6, least = opening - kRadius;
+    const double opening = n % 3 ? 63e-6 : 125e-6, least = opening - kFibreRadius;
     const double off = least + (n % 2 ? 3e-6 : 150e-6) * random.uniform();
     const double angle = 2 * pi * random.uniform(), lean = 2 * pi * random.uniform();
     const double tilt = 1e-2 * (0.2 + random.uniform());
     const Vector2d e = off * Vector2d(std::cos(angle), std::sin(angle));
     const Vector2d slope = tilt * Vector2d(std::cos(lean), std::sin(lean));
-    const FaceSupport support(kRadius, opening, e);
+    const FaceSupport support(kFibreRadius, opening, e);
     ASSERT_TRUE(support.any());
     const FaceSupport::Rest rest = support.rest(slope);
     const double found = lowest(e, opening, slope);
     // Smoothing lifts it by no more than kRestTilt r/2 4.
-    EXPECT_LE(std::abs(rest.ahead - found), 2.1 * kRestTilt * kRadius) << n;
-    EXPECT_LE(std::abs(rest.point.dot(slope) - found), 2.1 * kRestTilt * kRadius) << n;
+    EXPECT_LE(std::abs(rest.ahead - found), 2.1 * kRestTilt * kFibreRadius) << n;
+    EXPECT_LE(std::abs(rest.point.dot(slope) - found), 2.1 * kRestTilt * kFibreRadius) << n;
     corners += rest.turning.norm() == 0;
   }
   EXPECT_GT(corners, 10);
@@ -65,21 +65,21 @@ TEST(FaceSupport, ATiltedEndRestsAtTheLowestPointOfTheCrescent) {
 // 15 um aside over a sharp bore of 126 um: supported for |phi| < 95 degrees.
 TEST(FaceSupport, TellsOfTheHoleOnlyWhereTheTiltLetsIt) {
   const Vector2d e(15e-6, 0);
-  const FaceSupport support(kRadius, 63e-6, e);
+  const FaceSupport support(kFibreRadius, 63e-6, e);
   for (int degrees = 0; degrees <= 180; degrees += 5) {
     const double angle = degrees * pi / 180;
     const Vector2d slope = 0.01 * Vector2d(std::cos(angle), std::sin(angle));
     const Vector2d p = support.rest(slope).point;
     const double rests = std::atan2(p.y(), p.x()) * 180 / pi;
     EXPECT_TRUE(degrees == 180 || std::abs(rests - std::min(degrees, 95)) < 0.5) << degrees;
-    EXPECT_CLOSE(p.norm(), degrees == 180 ? std::abs(p.x()) : kRadius, 1e-9);
+    EXPECT_CLOSE(p.norm(), degrees == 180 ? std::abs(p.x()) : kFibreRadius, 1e-9);
   }
 }
 
 TEST(FaceSupport, AnUprightEndRestsAtTheCentroidOfTheCrescent) {
   for (const double opening : {63e-6, 125e-6})
     for (const double more : {0.3e-6, 15e-6, 60e-6, 200e-6}) {
-      const Vector2d e = (opening - kRadius + more) * Vector2d(0.6, -0.8);
+      const Vector2d e = (opening - kFibreRadius + more) * Vector2d(0.6, -0.8);
       Vector2d sum = Vector2d::Zero();
       double count = 0;
       // In polar coordinates, finer at the rim, where the thin crescents are.
@@ -89,23 +89,23 @@ TEST(FaceSupport, AnUprightEndRestsAtTheCentroidOfTheCrescent) {
           const double part = 1 - std::pow((i + 0.5) / kRings, 3);
           const double width = 3 * std::pow((i + 0.5) / kRings, 2) / kRings;
           const double angle = 2 * pi * (j + 0.5) / kAngles;
-          const Vector2d p = part * kRadius * Vector2d(std::cos(angle), std::sin(angle));
+          const Vector2d p = part * kFibreRadius * Vector2d(std::cos(angle), std::sin(angle));
           if (!supported(p, e, opening)) continue;
           sum += part * width * p;
           count += part * width;
         }
-      const FaceSupport::Rest rest = FaceSupport(kRadius, opening, e).rest(Vector2d::Zero());
-      EXPECT_LT((rest.point - sum / count).norm(), 3e-3 * kRadius) << opening << " " << more;
+      const FaceSupport::Rest rest = FaceSupport(kFibreRadius, opening, e).rest(Vector2d::Zero());
+      EXPECT_LT((rest.point - sum / count).norm(), 3e-3 * kFibreRadius) << opening << " " << more;
       EXPECT_EQ(rest.ahead, 0);
     }
-  EXPECT_FALSE(FaceSupport(kRadius, 63e-6, Vector2d(0.49e-6, 0)).any());
+  EXPECT_FALSE(FaceSupport(kFibreRadius, 63e-6, Vector2d(0.49e-6, 0)).any());
 }
 
 TEST(FaceSupport, RestsWhereItsHeightChangesWithTheSlope) {
   RandomStream random(9, 0, Draw::plan);
   for (int n = 0; n < 400; ++n) {
     const Vector2d e = 40e-6 * random.uniform() * Vector2d(0.8, 0.6) + Vector2d(0.6e-6, 0);
-    const FaceSupport support(kRadius, 63e-6, e);
+    const FaceSupport support(kFibreRadius, 63e-6, e);
     const Vector2d slope =
         std::pow(10.0, -7 + 5 * random.uniform()) * Vector2d(random.normal(), random.normal());
     const FaceSupport::Rest rest = support.rest(slope);
@@ -114,7 +114,7 @@ TEST(FaceSupport, RestsWhereItsHeightChangesWithTheSlope) {
       Vector2d step = Vector2d::Zero();
       step[i] = h;
       const auto up = support.rest(slope + step), down = support.rest(slope - step);
-      EXPECT_LE(std::abs((up.ahead - down.ahead) / (2 * h) - rest.point[i]), 1e-3 * kRadius);
+      EXPECT_LE(std::abs((up.ahead - down.ahead) / (2 * h) - rest.point[i]), 1e-3 * kFibreRadius);
     }
     EXPECT_LE(std::abs(rest.turning(0, 1) - rest.turning(1, 0)), 1e-12 * rest.turning.norm());
   }
@@ -126,15 +126,15 @@ TEST(FaceSupport, ChangesItsHeightAsItMovesOverTheOpening) {
   int corners = 0;
   for (int n = 0; n < 2000; ++n) {
     const double opening = n % 2 ? 63e-6 : 125e-6, angle = 2 * pi * random.uniform();
-    const double off = opening - kRadius + std::pow(10.0, -8 + 4.2 * random.uniform());
+    const double off = opening - kFibreRadius + std::pow(10.0, -8 + 4.2 * random.uniform());
     const Vector2d e = off * Vector2d(std::cos(angle), std::sin(angle));
     const Vector2d slope =
         std::pow(10.0, -6 + 5 * random.uniform()) * Vector2d(random.normal(), random.normal());
     const auto rest = [&](const Vector2d& at) {
-      return FaceSupport(kRadius, opening, at).rest(slope);
+      return FaceSupport(kFibreRadius, opening, at).rest(slope);
     };
     corners += rest(e).turning.norm() == 0;
-    const double h = 1e-5 * (off - opening + kRadius);
+    const double h = 1e-5 * (off - opening + kFibreRadius);
     for (int i = 0; i < 2; ++i) {
       Vector2d step = Vector2d::Zero();
       step[i] = h;
@@ -170,12 +170,12 @@ TEST(Cleave, TheEndOnTheFaceIsAsDeepAsItsLowestSupportedPoint) {
     const ContactSide side = contact_side(world, state);
     if (side.side != EdgeSide::face) continue;
     const ContactDepth depth = contact_depths(world, side, state.tip)[kEnd];
-    EXPECT_LE(
-        std::abs(depth.value - (lowest(e, 63e-6, slope, kRadius - world.end.edge) - state.tip[0])),
-        2.1 * kRestTilt * kRadius);
+    EXPECT_LE(std::abs(depth.value -
+                       (lowest(e, 63e-6, slope, kFibreRadius - world.end.edge) - state.tip[0])),
+              2.1 * kRestTilt * kFibreRadius);
     PointForce push{depth.normal(state.tip.tail<2>()), depth.point};
     const PoseVector slope_of = depth.by_pose(state.tip.tail<2>());
-    EXPECT_LT((push.wrench(state.tip) + slope_of.full()).tail<2>().norm(), 1e-9 * kRadius);
+    EXPECT_LT((push.wrench(state.tip) + slope_of.full()).tail<2>().norm(), 1e-9 * kFibreRadius);
   }
 }
 
@@ -192,7 +192,7 @@ TEST(Cleave, GradientAndHessianOfTheEnergyAreItsDerivatives) {
       State state;
       const bool face = n % 2;
       state.side = face ? EdgeSide::face : EdgeSide::throat;
-      const double room = face ? world.profile.mouth_radius() - kRadius + world.end.edge : 0;
+      const double room = face ? world.profile.mouth_radius() - kFibreRadius + world.end.edge : 0;
       const double reach = room + std::pow(10.0, -7 + 2.3 * random.uniform());
       const double angle = 2 * pi * random.uniform();
       state.tip << world.profile.lead_in_length, reach * std::cos(angle), reach * std::sin(angle),
@@ -235,9 +235,10 @@ double lowest_on_edges(const Vector2d& e, const Vector2d& slope) {
   constexpr int kPoints = 8000;
   for (int i = 0; i < kPoints; ++i) {
     const double angle = 2 * pi * i / kPoints;
-    const Vector2d u(std::cos(angle), std::sin(angle)), rim = kRadius * u, edge = 63e-6 * u - e;
+    const Vector2d u(std::cos(angle), std::sin(angle)), rim = kFibreRadius * u,
+                                                        edge = 63e-6 * u - e;
     if ((rim + e).norm() >= 63e-6) most = std::max(most, rim.dot(slope));
-    if (edge.norm() <= kRadius) most = std::max(most, edge.dot(slope));
+    if (edge.norm() <= kFibreRadius) most = std::max(most, edge.dot(slope));
   }
   return most;
 }
@@ -266,7 +267,7 @@ bool slides_in(const Vector2d& hand, const Vector2d& slope, double lowered) {
     const double pressed = std::max(0.0, lowest_on_edges(at, slope) - x);
     return 0.5 * pressed * pressed + 0.5 * (at - hand).squaredNorm();
   };
-  for (double x = 2 * kRadius * slope.norm(); x > -lowered; x -= kLower)
+  for (double x = 2 * kFibreRadius * slope.norm(); x > -lowered; x -= kLower)
     for (double least = energy(e, x), stride = kStep; stride > 1e-9;) {
       bool lower = false;
       for (int k = 0; k < 8 && !lower; ++k) {
@@ -310,7 +311,7 @@ TEST(Cleave, TheLeadingPointTouchesFirst) {
     state = step(world, state, testing::pose(5e-6 - n * 5e-9, 40e-6, 0), 1e-3).state;
     if (state.contact[kEnd].closed) touched = state.tip[0];
   }
-  EXPECT_NEAR(touched, kRadius * std::tan(pi / 180), 2e-8);
+  EXPECT_NEAR(touched, kFibreRadius * std::tan(pi / 180), 2e-8);
 }
 
 // A hand that wanders on and off the face and over the opening, and comes back.

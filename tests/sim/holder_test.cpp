@@ -12,12 +12,13 @@
 namespace ferrule {
 namespace {
 
-constexpr double pi = std::numbers::pi;
-constexpr double kYoung = 72e9, kRadius = 62.5e-6, kDensity = 2200;
-const double kEI = kYoung * pi * std::pow(kRadius, 4) / 4;
+using std::numbers::pi;
+using testing::kFibreRadius;
+constexpr double kYoung = 72e9, kDensity = 2200;
+const double kEI = kYoung * pi * std::pow(kFibreRadius, 4) / 4;
 
 Holder silica(double length, const GravityLaw& gravity = Gravity{}) {
-  return elastic_fibre(length, 1e9, {kRadius, kDensity, length}, kYoung, gravity);
+  return elastic_fibre(length, 1e9, {kFibreRadius, kDensity, length}, kYoung, gravity);
 }
 
 TEST(ElasticFibre, HasTheStiffnessOfACantilever) {
@@ -36,7 +37,8 @@ TEST(ElasticFibre, HasTheStiffnessOfACantilever) {
 }
 
 TEST(ElasticFibre, SagsUnderItsWeightToTheClosedForm) {
-  const double length = 50e-3, load = kDensity * pi * kRadius * kRadius * kStandardGravity;
+  const double length = 50e-3,
+               load = kDensity * pi * kFibreRadius * kFibreRadius * kStandardGravity;
   const Holder holder = silica(length);
   EXPECT_CLOSE(holder.sag[1], -load * std::pow(length, 4) / (8 * kEI), 1e-10);
   EXPECT_CLOSE(holder.sag[3], load * std::pow(length, 3) / (6 * kEI), 1e-10);
@@ -44,8 +46,9 @@ TEST(ElasticFibre, SagsUnderItsWeightToTheClosedForm) {
 }
 
 TEST(ElasticFibre, AxialStiffnessIsInSeriesWithTheGripper) {
-  const double length = 10e-3, rod = kYoung * pi * kRadius * kRadius / length;
-  const Holder holder = elastic_fibre(length, 2 * rod, {kRadius, kDensity, length}, kYoung, {});
+  const double length = 10e-3, rod = kYoung * pi * kFibreRadius * kFibreRadius / length;
+  const Holder holder =
+      elastic_fibre(length, 2 * rod, {kFibreRadius, kDensity, length}, kYoung, {});
   EXPECT_CLOSE(holder.stiffness(0, 0), rod * 2 / 3, 1e-12);
 }
 
@@ -64,9 +67,10 @@ TEST(ElasticFibre, EulerLoadAndBendingStress) {
 // Its own weight q per length bends a cantilever by q L^2/2 at the gripper, and not at the end; a
 // force F at the end adds F L there.
 TEST(ElasticFibre, BendingStressOfItsWeightIsThatOfTheClosedForm) {
-  const double length = 30e-3, load = kDensity * pi * kRadius * kRadius * kStandardGravity;
+  const double length = 30e-3,
+               load = kDensity * pi * kFibreRadius * kFibreRadius * kStandardGravity;
   const Holder holder = silica(length);
-  const double per_moment = 4 / (pi * std::pow(kRadius, 3));
+  const double per_moment = 4 / (pi * std::pow(kFibreRadius, 3));
   const double moment = 0.5 * load * length * length;
   EXPECT_CLOSE(holder.bending_stress(holder.sag, Pose::Zero()), moment * per_moment, 1e-9);
   Wrench force = Wrench::Zero();
@@ -82,7 +86,7 @@ TEST(ElasticFibre, VibratesAtTheFrequencyOfACantilever) {
   const Holder holder = silica(length, GravityLaw{});
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> modes(
       Eigen::MatrixXd(holder.stiffness), Eigen::MatrixXd(holder.mass));
-  const double area = pi * kRadius * kRadius;
+  const double area = pi * kFibreRadius * kFibreRadius;
   EXPECT_CLOSE(std::sqrt(modes.eigenvalues()[0]),
                3.5160 * std::sqrt(kEI / (kDensity * area)) / (length * length), 5e-3);
 }
@@ -120,8 +124,9 @@ TEST(ElasticFibre, BendingFrequencyIsTheLowestOfStiffnessAndMass) {
   const Holder holder = silica(10e-3);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Matrix5> modes(holder.stiffness, holder.mass);
   EXPECT_CLOSE(holder.bending_frequency(), std::sqrt(modes.eigenvalues()[0]), 1e-9);
-  EXPECT_CLOSE(rigid_hand(0.5, 1e-3, {kRadius, kDensity, 50e-3}, kYoung, {}).bending_frequency(),
-               std::sqrt(0.5 / (kDensity * pi * kRadius * kRadius * 50e-3)), 1e-9);
+  EXPECT_CLOSE(
+      rigid_hand(0.5, 1e-3, {kFibreRadius, kDensity, 50e-3}, kYoung, {}).bending_frequency(),
+      std::sqrt(0.5 / (kDensity * pi * kFibreRadius * kFibreRadius * 50e-3)), 1e-9);
 }
 
 // The largest miss, in ten periods, of x'' + eta omega x' + omega^2 x = 0 from rest at 1.

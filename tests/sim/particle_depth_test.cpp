@@ -17,8 +17,9 @@ namespace ferrule {
 namespace {
 
 using std::numbers::pi;
+using testing::kFibreRadius;
 
-constexpr double kRadius = 62.5e-6, kClearance = 0.5e-6;
+constexpr double kClearance = 0.5e-6;
 
 std::string bump(double height_um, double at_um, double degrees) {
   return "laws.particle={\"form\":\"corrected\",\"height_um\":" + std::to_string(height_um) +
@@ -29,7 +30,7 @@ std::string bump(double height_um, double at_um, double degrees) {
 // How deep it is, by all places along the fibre, whose rim is a parabola as the header says.
 double deepest(const Particle& law, double edge, double cleave, const PoseVector& tip) {
   const double lean = law.outward.dot(tip.t), h = law.height;
-  const double begins = tip.x + edge - (kRadius - edge) * (lean + cleave);
+  const double begins = tip.x + edge - (kFibreRadius - edge) * (lean + cleave);
   double most = -INFINITY;
   for (int i = -40000; i <= 40000; ++i) {
     const double x = -law.depth + 2e-4 * i * (h + edge);
@@ -71,7 +72,7 @@ TEST(ParticleDepth, IsThatWhereTheFibreIsDeepest) {
       const ParticleDepth up = particle_depth(world, Pose(tip.full() + step));
       const ParticleDepth down = particle_depth(world, Pose(tip.full() - step));
       EXPECT_NEAR((up.value - down.value) / (2 * units[i]), there.slope.full()[i],
-                  1e-3 * (i < 3 ? 1 : kRadius));
+                  1e-3 * (i < 3 ? 1 : kFibreRadius));
       const Pose column = (up.slope.full() - down.slope.full()) / (2 * units[i]);
       EXPECT_LE((column - there.curve.full().col(i)).norm(),
                 1e-3 * there.curve.full().norm() + 1e-6)

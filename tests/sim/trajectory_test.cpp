@@ -11,7 +11,7 @@ namespace {
 using testing::pose;
 
 // The paper's scene with all laws corrected.
-Scene corrected(std::vector<std::string> settings = {}) {
+Scene corrected_scene(std::vector<std::string> settings = {}) {
   for (const char* law :
        {"van_der_waals", "electrostatic", "gravity", "capillary", "adhesion", "friction"})
     settings.insert(settings.begin(), std::string("laws.") + law + ".form=corrected");
@@ -41,8 +41,8 @@ double tip_error(const World& world, const State& start, const std::function<Pos
 
 // A fibre in a bore full of adhesive, pushed in and sideways until it lies against the wall.
 TEST(Trajectory, AgreesWithCvodeInAdhesiveToFirstOrder) {
-  const World world = corrected({"laws.capillary=null", "laws.friction=null",
-                                 "laws.drag={\"form\":\"corrected\",\"viscosity_Pa_s\":1}"})
+  const World world = corrected_scene({"laws.capillary=null", "laws.friction=null",
+                                       "laws.drag={\"form\":\"corrected\",\"viscosity_Pa_s\":1}"})
                           .world;
   State start;
   start.tip = pose(-60e-6, 0.1e-6, -0.05e-6, 1e-3, 0.5e-3);
@@ -109,7 +109,7 @@ TEST(Trajectory, AClosedHandMotionNeverGainsWork) {
       std::vector<std::string> settings;
       if (!friction) settings.push_back("laws.friction=null");
       if (!liquid) settings.push_back("laws.capillary=null");
-      const World world = corrected(settings).world;
+      const World world = corrected_scene(settings).world;
       // Far enough out for the holder to pull the fibre from the liquid.
       State state = at_rest(world, pose(200e-6, 0, 0));
       const Pose origin = state.command;

@@ -6,7 +6,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSpeed = 6e-3, kTilt = 1e-3, kTick = 1e-3;
+constexpr double kSpeed = 6e-3, kTilt = 1e-3, kPoll = 1e-3;
 
 HandPose at(double x, double y, double z) {
   HandPose pose;
@@ -17,10 +17,10 @@ HandPose at(double x, double y, double z) {
 // Runs the device until t [s] and returns its last sample.
 HandSample run(SpaceMouse& mouse, FakeFirmware& firmware, double from, double to) {
   HandSample sample;
-  const auto first = std::llround(from / kTick), last = std::llround(to / kTick);
+  const auto first = std::llround(from / kPoll), last = std::llround(to / kPoll);
   for (auto n = first; n <= last; ++n) {
-    firmware.advance(static_cast<double>(n) * kTick);
-    sample = mouse.read(static_cast<double>(n) * kTick);
+    firmware.advance(static_cast<double>(n) * kPoll);
+    sample = mouse.read(static_cast<double>(n) * kPoll);
   }
   return sample;
 }
@@ -83,13 +83,13 @@ TEST(SpaceMouse, EveryTickMovesByWhatItsCountsSay) {
   SpaceMouse mouse(firmware, kSpeed, kTilt, at(0, 0, 0));
   HandSample before;
   for (int n = 0; n < 2000; ++n) {
-    const double t = n * kTick;
+    const double t = n * kPoll;
     firmware.deflect({n % 700 - 350, 200 - n / 5, n % 97, -n % 350, n % 31, 340});
     firmware.advance(t);
     const HandSample now = mouse.read(t);
     if (n > 0) {
       const HandTwist rate = mouse.mapping()->gain * mouse.mapping()->deflection(before.counts);
-      EXPECT_LT((now.pose - before.pose - kTick * rate).norm(), 1e-15);
+      EXPECT_LT((now.pose - before.pose - kPoll * rate).norm(), 1e-15);
     }
     before = now;
   }

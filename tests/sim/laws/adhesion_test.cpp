@@ -7,7 +7,7 @@ namespace ferrule {
 namespace {
 
 const double kModulus = reduced_modulus(4.7e10, 0.35, 7.0e10, 0.35);
-const printed::Adhesion kTableI = prepare(printed::Adhesion{0.144, 4.0, 1.05, kModulus, 62.5e-6});
+const printed::Adhesion kPrinted = prepare(printed::Adhesion{0.144, 4.0, 1.05, kModulus, 62.5e-6});
 
 TEST(ReducedModulus, OfTableI) {
   EXPECT_CLOSE(kModulus, 4.2726925917809e10, 1e-13);
@@ -18,8 +18,8 @@ TEST(ReducedModulus, OfSilicaOnZirconiaAt30Digits) {
 }
 
 TEST(Adhesion, PrintedHasThePublishedValuesOfTableI) {
-  EXPECT_CLOSE(adhesion(kTableI, 0).force, -5.574418828e-6, 2e-10);
-  EXPECT_CLOSE(adhesion(kTableI, 10e-9).force, -7.830277437e-6, 2e-10);
+  EXPECT_CLOSE(adhesion(kPrinted, 0).force, -5.574418828e-6, 2e-10);
+  EXPECT_CLOSE(adhesion(kPrinted, 10e-9).force, -7.830277437e-6, 2e-10);
 }
 
 TEST(Adhesion, PrintedHas30DigitValuesOfOtherParameters) {
@@ -31,18 +31,18 @@ TEST(Adhesion, PrintedHas30DigitValuesOfOtherParameters) {
 }
 
 TEST(Adhesion, IsContinuousFromApproachToDepthAndHeldBeyondTenNanometres) {
-  EXPECT_EQ(adhesion(kTableI, -0.2e-9).force, 0);
+  EXPECT_EQ(adhesion(kPrinted, -0.2e-9).force, 0);
   for (const double end : {-0.1e-9, 0.0, 10e-9}) {
-    const ContactForce below = adhesion(kTableI, end - 1e-18);
-    const ContactForce above = adhesion(kTableI, end + 1e-18);
+    const ContactForce below = adhesion(kPrinted, end - 1e-18);
+    const ContactForce above = adhesion(kPrinted, end + 1e-18);
     EXPECT_LT(std::abs(above.force - below.force), 1e-13);
     EXPECT_LT(std::abs(above.potential - below.potential), 1e-22);
   }
-  EXPECT_EQ(adhesion(kTableI, 20e-9).force, adhesion(kTableI, 10e-9).force);
+  EXPECT_EQ(adhesion(kPrinted, 20e-9).force, adhesion(kPrinted, 10e-9).force);
 }
 
 TEST(Adhesion, ForceAndSlopeAreDerivatives) {
-  const auto at = [](double d) { return adhesion(kTableI, d); };
+  const auto at = [](double d) { return adhesion(kPrinted, d); };
   for (const double d : {-0.05e-9, 0.5e-9, 3e-9, 9e-9, 15e-9}) {
     EXPECT_CLOSE(at(d).force,
                  testing::derivative([&](double x) { return at(x).potential; }, d, 1e-11), 1e-8);

@@ -9,11 +9,11 @@
 #include "sim/surface_forces.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
+#include "tests/sim/laws/annulus.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr double kDegree = std::numbers::pi / 180;
 constexpr printed::Capillary kWater = {0.072, 60 * kDegree, 80e-9};
 
@@ -40,7 +40,7 @@ TEST(Capillary, ForceAndSlopeAreDerivativesOverDecades) {
 constexpr Capillary kBridge = {0.072, 60 * kDegree, 80e-9, 4e-12, 300e-9};
 
 TEST(Capillary, CorrectedHas30DigitValues) {
-  const auto at = [](double h) { return capillary(kBridge, kTableI, h, true).force; };
+  const auto at = [](double h) { return capillary(kBridge, kAnnulus, h, true).force; };
   EXPECT_CLOSE(at(0), -49.792711954231223, 1e-10);
   EXPECT_CLOSE(at(1e-12), -49.792711951361617, 1e-10);
   EXPECT_CLOSE(at(1e-9), -49.789813335289059, 1e-10);
@@ -50,7 +50,7 @@ TEST(Capillary, CorrectedHas30DigitValues) {
 
 // f = -dw/dh with w = -4 gamma cos(theta) x is an identity of the constant volume.
 TEST(Capillary, CorrectedForceIsTheDerivativeOfTheHalfWidth) {
-  const auto at = [](double h) { return capillary(kBridge, kTableI, h, true); };
+  const auto at = [](double h) { return capillary(kBridge, kAnnulus, h, true); };
   for (double h = 1e-11; h < 280e-9; h *= 1.9) {
     const double step = std::min(0.4 * h, 1e-3 * (h + 20e-9));
     EXPECT_CLOSE(at(h).force,
@@ -62,13 +62,13 @@ TEST(Capillary, CorrectedForceIsTheDerivativeOfTheHalfWidth) {
 }
 
 TEST(Capillary, CorrectedFormsAndRupturesAtTwoDistances) {
-  EXPECT_EQ(capillary(kBridge, kTableI, 200e-9, false).force, 0);
-  EXPECT_LT(capillary(kBridge, kTableI, 200e-9, true).force, 0);
-  EXPECT_LT(capillary(kBridge, kTableI, 150e-9, false).force, 0);
-  EXPECT_EQ(capillary(kBridge, kTableI, 301e-9, true).force, 0);
+  EXPECT_EQ(capillary(kBridge, kAnnulus, 200e-9, false).force, 0);
+  EXPECT_LT(capillary(kBridge, kAnnulus, 200e-9, true).force, 0);
+  EXPECT_LT(capillary(kBridge, kAnnulus, 150e-9, false).force, 0);
+  EXPECT_EQ(capillary(kBridge, kAnnulus, 301e-9, true).force, 0);
   // The potential has no step at either distance.
   for (const auto& [h, bridge] : {std::pair(160e-9, false), {300e-9, true}})
-    EXPECT_LT(std::abs(capillary(kBridge, kTableI, h - 1e-15, bridge).potential), 1e-13);
+    EXPECT_LT(std::abs(capillary(kBridge, kAnnulus, h - 1e-15, bridge).potential), 1e-13);
 }
 
 // Asperities hold the surfaces apart, which the liquid fills as it does between smooth ones there.
@@ -76,7 +76,7 @@ TEST(Capillary, BetweenRoughSurfacesIsThatBetweenSmoothOnesAtTheirDistance) {
   const Annulus rough = {62.5e-6, 63e-6, 30e-9};
   for (const double h : {0.0, 1e-9, 40e-9, 200e-9}) {
     const LineForce law = capillary(kBridge, rough, h, true);
-    const LineForce smooth = capillary(kBridge, kTableI, h + 30e-9, true);
+    const LineForce smooth = capillary(kBridge, kAnnulus, h + 30e-9, true);
     EXPECT_CLOSE(law.force, smooth.force, 1e-12);
     EXPECT_CLOSE(law.slope, smooth.slope, 1e-12);
   }

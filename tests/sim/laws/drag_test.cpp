@@ -5,22 +5,21 @@
 #include "sim/step.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
+#include "tests/sim/laws/annulus.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6};
-
 TEST(Drag, OfAThickAdhesiveInALongBore) {
   // 10 mm of a 126 um bore at 4 Pa s and 0.1 mm/s: 3.1 mN.
   const Drag law = {4};
-  EXPECT_CLOSE(0.1e-3 * drag(law, kTableI, 0, 10e-3).axial, 3.1e-3, 2e-2);
+  EXPECT_CLOSE(0.1e-3 * drag(law, kAnnulus, 0, 10e-3).axial, 3.1e-3, 2e-2);
 }
 
 // The coefficients are integrals of the film's pressure around the circumference.
 TEST(Drag, SqueezeFilmIsTheIntegralOfThePressure) {
   const Drag law = {0.7};
-  const double e = 0.3e-6, length = 40e-6, c = kTableI.clearance();
+  const double e = 0.3e-6, length = 40e-6, c = kAnnulus.clearance();
   double radial = 0, tangential = 0, couette = 0;
   const int n = 20000;
   for (int i = 0; i < n; ++i) {
@@ -30,7 +29,7 @@ TEST(Drag, SqueezeFilmIsTheIntegralOfThePressure) {
     tangential += share * std::pow(length, 3) * std::pow(std::sin(angle), 2) / std::pow(h, 3);
     couette += share * length / h;
   }
-  const DragCoefficients k = drag(law, kTableI, e, length);
+  const DragCoefficients k = drag(law, kAnnulus, e, length);
   EXPECT_CLOSE(k.radial, radial, 1e-9);
   EXPECT_CLOSE(k.tangential, tangential, 1e-9);
   EXPECT_CLOSE(k.axial, couette, 1e-9);
@@ -38,7 +37,7 @@ TEST(Drag, SqueezeFilmIsTheIntegralOfThePressure) {
 
 TEST(Drag, StaysFiniteInContact) {
   const Drag law = {1};
-  EXPECT_TRUE(std::isfinite(drag(law, kTableI, 0.6e-6, 1e-4).radial));
+  EXPECT_TRUE(std::isfinite(drag(law, kAnnulus, 0.6e-6, 1e-4).radial));
 }
 
 // A fibre pulled through a filled bore lags behind the hand by drag over stiffness.
@@ -53,7 +52,7 @@ TEST(Drag, HoldsBackAFibreThatMoves) {
     r = step(scene.world, state, hand, 1e-3);
     state = r.state;
   }
-  const double expected = 5e-6 * drag(*scene.world.laws.drag, kTableI, 0, -state.tip[0]).axial;
+  const double expected = 5e-6 * drag(*scene.world.laws.drag, kAnnulus, 0, -state.tip[0]).axial;
   EXPECT_CLOSE(r.forces[Term::drag][0].force.x() + r.forces[Term::drag][1].force.x(), expected,
                1e-2);
   EXPECT_CLOSE(r.forces.holder[0], expected, 1e-2);

@@ -2,16 +2,16 @@
 
 #include "sim/laws/printed/electrostatic.hpp"
 #include "tests/compare.hpp"
+#include "tests/sim/laws/annulus.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr printed::Electrostatic kTenthVolt = {0.1};
 
 TEST(Electrostatic, PrintedHasThePublishedValuesOfTableI) {
-  EXPECT_CLOSE(100e-6 * electrostatic(kTenthVolt, kTableI, 10e-9).force, -4.3442336e-6, 2e-8);
-  EXPECT_CLOSE(100e-6 * electrostatic(kTenthVolt, kTableI, 100e-9).force, -0.043442336e-6, 2e-8);
+  EXPECT_CLOSE(100e-6 * electrostatic(kTenthVolt, kAnnulus, 10e-9).force, -4.3442336e-6, 2e-8);
+  EXPECT_CLOSE(100e-6 * electrostatic(kTenthVolt, kAnnulus, 100e-9).force, -0.043442336e-6, 2e-8);
 }
 
 TEST(Electrostatic, PrintedHas30DigitValuesOfOtherParameters) {
@@ -23,7 +23,7 @@ TEST(Electrostatic, PrintedHas30DigitValuesOfOtherParameters) {
 }
 
 TEST(Electrostatic, ForceAndSlopeAreDerivativesOverDecades) {
-  const auto at = [](double h) { return electrostatic(kTenthVolt, kTableI, h); };
+  const auto at = [](double h) { return electrostatic(kTenthVolt, kAnnulus, h); };
   for (double h = 0.12e-9; h < 500e-9; h *= 1.7) {
     const double step = 1e-3 * h;
     testing::expect_derivatives(at, h, step, 1e-7);
@@ -31,16 +31,16 @@ TEST(Electrostatic, ForceAndSlopeAreDerivativesOverDecades) {
 }
 
 TEST(Electrostatic, GrowsWithTheSquareOfTheVoltage) {
-  EXPECT_CLOSE(printed::electrostatic({0.3}, kTableI, 20e-9).force,
-               9 * electrostatic(kTenthVolt, kTableI, 20e-9).force, 1e-14);
-  EXPECT_EQ(printed::electrostatic({0}, kTableI, 20e-9).force, 0);
+  EXPECT_CLOSE(printed::electrostatic({0.3}, kAnnulus, 20e-9).force,
+               9 * electrostatic(kTenthVolt, kAnnulus, 20e-9).force, 1e-14);
+  EXPECT_EQ(printed::electrostatic({0}, kAnnulus, 20e-9).force, 0);
 }
 
-constexpr Electrostatic kCorrected = {0.1};
+constexpr Electrostatic kCharged = {0.1};
 
 TEST(Electrostatic, CorrectedHasThePublishedValues) {
   const auto uN = [](double h) {
-    return 1e6 * 100e-6 * electrostatic(kCorrected, kTableI, h).force;
+    return 1e6 * 100e-6 * electrostatic(kCharged, kAnnulus, h).force;
   };
   EXPECT_CLOSE(uN(1e-9), -27.58425092, 1e-9);
   EXPECT_CLOSE(uN(10e-9), -0.8682646677, 1e-9);
@@ -50,7 +50,7 @@ TEST(Electrostatic, CorrectedHasThePublishedValues) {
 
 TEST(Electrostatic, CorrectedHas30DigitValuesNearContactAndNearTheAxis) {
   const auto at = [](double h, double roughness) {
-    return electrostatic(kCorrected, {62.5e-6, 63e-6, roughness}, h).force;
+    return electrostatic(kCharged, {62.5e-6, 63e-6, roughness}, h).force;
   };
   EXPECT_CLOSE(at(1e-9, 5e-9), -0.018629413924989262, 1e-10);
   EXPECT_CLOSE(at(0.5e-15, 1e-9), -0.27556933641191384, 1e-10);
@@ -59,7 +59,7 @@ TEST(Electrostatic, CorrectedHas30DigitValuesNearContactAndNearTheAxis) {
 
 TEST(Electrostatic, CorrectedForceAndSlopeAreDerivativesOverDecades) {
   const Annulus rough = {62.5e-6, 63e-6, 2e-9};
-  const auto at = [&](double h) { return electrostatic(kCorrected, rough, h); };
+  const auto at = [&](double h) { return electrostatic(kCharged, rough, h); };
   for (double h = 1e-10; h < 480e-9; h *= 1.9) {
     const double step = 1e-3 * (h + 2e-9) * (h > 1e-9 ? 1 : 1e-2);
     testing::expect_derivatives(at, h, step, 1e-6);

@@ -8,18 +8,18 @@
 #include "sim/step.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
+#include "tests/sim/laws/annulus.hpp"
 
 namespace ferrule {
 namespace {
 
 using std::numbers::pi;
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr double kBore = 10.5e-3;
 
 double steady(const Flow& law, double length, double speed) {
-  const double area = flow_area(kTableI);
-  return area * area * speed * flow_resistance(law, kTableI, kBore, length, 0);
+  const double area = flow_area(kAnnulus);
+  return area * area * speed * flow_resistance(law, kAnnulus, kBore, length, 0);
 }
 
 // Without the share that the side drags along: 0.900 MPa and 11.0 mN, 0.76 uN, 162 Pa and 2.0 uN.
@@ -29,7 +29,7 @@ TEST(Flow, IsAsStrongAsPublishedFormulasSay) {
   const Flow epoxy = {0.1, true, false, 0}, open = {0.1, false, false, 0};
   const Flow air = {1.8e-5, true, true, 0};
   EXPECT_CLOSE(steady(epoxy, length, speed), 11.044e-3 * share * share, 1e-3);
-  EXPECT_CLOSE(steady(epoxy, length, speed) / flow_area(kTableI), 0.900e6 * share, 1e-3);
+  EXPECT_CLOSE(steady(epoxy, length, speed) / flow_area(kAnnulus), 0.900e6 * share, 1e-3);
   EXPECT_CLOSE(steady(open, length, speed), 0.76e-6 * share * share, 1e-2);
   EXPECT_CLOSE(steady(air, length, speed), 1.99e-6 * share * share, 1e-3);
 }
@@ -37,8 +37,8 @@ TEST(Flow, IsAsStrongAsPublishedFormulasSay) {
 // Stokes flow in the unrolled annulus, by finite differences across the gap at every angle: the
 // wall moves, the pressure is what makes the net flow that of what the end displaces.
 TEST(Flow, IsStokesFlowInTheEccentricAnnulus) {
-  const double mu = 0.3, length = 80e-6, speed = 20e-6, r = kTableI.fibre_radius;
-  const double c = kTableI.clearance();
+  const double mu = 0.3, length = 80e-6, speed = 20e-6, r = kAnnulus.fibre_radius;
+  const double c = kAnnulus.clearance();
   for (const double eps : {0.0, 0.4, 0.9}) {
     double flow[2] = {0, 0}, shear[2] = {0, 0};  // by 1 Pa between the ends; by the moving wall
     constexpr int kAngles = 400, kLayers = 400;
@@ -67,8 +67,8 @@ TEST(Flow, IsStokesFlowInTheEccentricAnnulus) {
     const double pressure = (pi * r * r * speed + flow[1]) / -flow[0];
     const double out = pressure * pi * r * r + pressure * -shear[0];
     const Flow law = {mu, true, false, 0};
-    const double area = flow_area(kTableI);
-    const double resistance = flow_resistance(law, kTableI, kBore, length, eps * eps);
+    const double area = flow_area(kAnnulus);
+    const double resistance = flow_resistance(law, kAnnulus, kBore, length, eps * eps);
     EXPECT_CLOSE(pressure, area * speed * resistance, 1e-4) << eps;
     EXPECT_CLOSE(out, area * area * speed * resistance, 1e-4) << eps;
   }
@@ -76,11 +76,11 @@ TEST(Flow, IsStokesFlowInTheEccentricAnnulus) {
 
 TEST(Flow, AnOpenBoreTakesWhatTheAnnulusDoesNot) {
   const Flow blind = {1, true, false, 0}, open = {1, false, false, 0};
-  const double R = kTableI.bore_radius;
+  const double R = kAnnulus.bore_radius;
   // Slow through the annulus: the tube alone. At the far end: nothing ahead.
-  EXPECT_CLOSE(flow_resistance(open, kTableI, kBore, 1e-3, 0), 8 * 9.5e-3 / (pi * R * R * R * R),
+  EXPECT_CLOSE(flow_resistance(open, kAnnulus, kBore, 1e-3, 0), 8 * 9.5e-3 / (pi * R * R * R * R),
                1e-4);
-  EXPECT_EQ(flow_resistance(open, kTableI, kBore, kBore, 0), 0);
+  EXPECT_EQ(flow_resistance(open, kAnnulus, kBore, kBore, 0), 0);
   const Annulus wide = {10e-6, 63e-6};
   EXPECT_CLOSE(flow_resistance(open, wide, kBore, 1e-6, 0),
                flow_resistance(blind, wide, kBore, 1e-6, 0), 1e-3);
@@ -93,7 +93,7 @@ TEST(Flow, ForceAndStiffnessAreDerivativesOfTheEnergy) {
   for (const Flow& law : laws)
     for (const double dt : {1e-5, 1e-3, 0.1})
       for (const double before : {0.0, 30e-6, 2e-3}) {
-        const FlowStep step(law, kTableI, kBore, before, 0.1, 2e-9, dt);
+        const FlowStep step(law, kAnnulus, kBore, before, 0.1, 2e-9, dt);
         ASSERT_TRUE(step.acts());
         EXPECT_EQ(step.at(before).energy, 0);
         for (const double now : {before + 3e-6, before + 4e-8, before * 0.999, before * 0.5}) {
@@ -115,22 +115,22 @@ TEST(Flow, ForceAndStiffnessAreDerivativesOfTheEnergy) {
 TEST(Flow, ALiquidPullsNoHarderThanItCavitates) {
   const double vapour = 2.3e3;
   const Flow law = {1, true, false, vapour};
-  const FlowStep step(law, kTableI, kBore, 100e-6, 0, 0, 1e-3);
-  EXPECT_CLOSE(step.at(50e-6).force, -flow_area(kTableI) * (101325 - vapour), 1e-12);
+  const FlowStep step(law, kAnnulus, kBore, 100e-6, 0, 0, 1e-3);
+  EXPECT_CLOSE(step.at(50e-6).force, -flow_area(kAnnulus) * (101325 - vapour), 1e-12);
   EXPECT_EQ(step.at(50e-6).stiffness, 0);
   EXPECT_GT(step.at(100.1e-6).force, 1e-3);
 }
 
 TEST(Flow, AGasThatCannotLeakObeysBoyle) {
   const Flow law = {1e6, true, true, 0};
-  const FlowStep step(law, kTableI, 1e-3, 100e-6, 0, 0, 1e-3);
+  const FlowStep step(law, kAnnulus, 1e-3, 100e-6, 0, 0, 1e-3);
   const double pressure = kAtmosphere * 0.9e-3 / 0.4e-3;
-  EXPECT_CLOSE(step.at(600e-6).force, flow_area(kTableI) * (pressure - kAtmosphere), 1e-9);
-  EXPECT_CLOSE(step.air_at(600e-6), (pressure - kAtmosphere) * flow_area(kTableI) * 0.4e-3, 1e-9);
+  EXPECT_CLOSE(step.at(600e-6).force, flow_area(kAnnulus) * (pressure - kAtmosphere), 1e-9);
+  EXPECT_CLOSE(step.air_at(600e-6), (pressure - kAtmosphere) * flow_area(kAnnulus) * 0.4e-3, 1e-9);
   // Isothermal work.
-  const double volume = flow_area(kTableI) * 0.9e-3;
+  const double volume = flow_area(kAnnulus) * 0.9e-3;
   EXPECT_CLOSE(step.at(600e-6).energy,
-               kAtmosphere * (volume * std::log(0.9 / 0.4) - flow_area(kTableI) * 0.5e-3), 1e-9);
+               kAtmosphere * (volume * std::log(0.9 / 0.4) - flow_area(kAnnulus) * 0.5e-3), 1e-9);
 }
 
 std::string flow_setting(const char* bore, const char* fluid, double viscosity) {

@@ -7,20 +7,20 @@
 #include "sim/laws/van_der_waals.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
+#include "tests/sim/laws/annulus.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr double kHamaker = 3.67e-19, kLength = 100e-6, kGap = 10e-9;
 
 double printed_van_der_waals() {
-  return -kLength * printed::van_der_waals({kHamaker}, kTableI, kGap).force;
+  return -kLength * printed::van_der_waals({kHamaker}, kAnnulus, kGap).force;
 }
 
 TEST(Slip, E1HalfSpacesAttractFourTimesAsMuchAsPrinted) {
   const double per_area = kHamaker / (6 * std::numbers::pi * kGap * kGap * kGap);
-  const double patch = per_area * kTableI.fibre_radius * std::numbers::pi / 2 * kLength;
+  const double patch = per_area * kAnnulus.fibre_radius * std::numbers::pi / 2 * kLength;
   EXPECT_CLOSE(patch, 4 * printed_van_der_waals(), 1e-14);
 }
 
@@ -67,9 +67,9 @@ TEST(Slip, E7ThePrintedAdhesionAttractsEverMoreWithDepth) {
 }
 
 TEST(Slip, E8ThePatchAttractsSevenTimesAsMuchAsTheAnnulus) {
-  const double e = kTableI.clearance() - kGap, c = kTableI.clearance();
+  const double e = kAnnulus.clearance() - kGap, c = kAnnulus.clearance();
   const double annulus =
-      kHamaker * kTableI.fibre_radius * c * e / (2 * std::pow((c - e) * (c + e), 2.5)) * kLength;
+      kHamaker * kAnnulus.fibre_radius * c * e / (2 * std::pow((c - e) * (c + e), 2.5)) * kLength;
   EXPECT_CLOSE(annulus, 28.81337847e-6, 1e-9);
   EXPECT_CLOSE(4 * printed_van_der_waals(), 191e-6, 1e-3);
   EXPECT_CLOSE(4 * printed_van_der_waals() / annulus, 6.63, 1e-3);
@@ -88,7 +88,7 @@ double crossing(const std::function<double(double)>& other) {
   double low = 1e-9, high = 90e-9;
   for (int i = 0; i < 100; ++i) {
     const double h = 0.5 * (low + high);
-    const double force = -kLength * printed::van_der_waals({kHamaker}, kTableI, h).force;
+    const double force = -kLength * printed::van_der_waals({kHamaker}, kAnnulus, h).force;
     (force > other(h) ? low : high) = h;
   }
   return low;
@@ -100,7 +100,7 @@ TEST(Slip, E10VanDerWaalsIsNotNegligibleByThePapersOwnFormulas) {
   const printed::Capillary liquid = {0.072, std::numbers::pi / 3, 80e-9};
   const double above_capillary =
       crossing([&](double h) { return -kLength * capillary(liquid, h).force; });
-  const double per_length = kHamaker * kTableI.fibre_radius / 48;  // over h^3 [J]
+  const double per_length = kHamaker * kAnnulus.fibre_radius / 48;  // over h^3 [J]
   EXPECT_CLOSE(above_capillary, 8.9e-9, 5e-3);
   EXPECT_CLOSE(per_length / std::pow(above_capillary, 3),
                2 * 0.072 * 0.5 * (1 - 0.5 * (1 - 160e-9 / above_capillary)), 1e-9);

@@ -6,7 +6,7 @@
 namespace ferrule {
 namespace {
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6, 2e-9};
+constexpr Annulus kRough = {62.5e-6, 63e-6, 2e-9};
 constexpr VanDerWaals kAttraction = {3.67e-19};
 constexpr Electrostatic kCharge = {0.1};
 
@@ -17,7 +17,7 @@ double by_pieces(const Law& law, const Vector2d& a, const Vector2d& b) {
   double sum = 0;
   for (int i = 0; i < n; ++i) {
     const double s = (i + 0.5) / n;
-    sum += law(kTableI.clearance() - ((1 - s) * a + s * b).norm()).potential;
+    sum += law(kRough.clearance() - ((1 - s) * a + s * b).norm()).potential;
   }
   return sum / n;
 }
@@ -28,7 +28,7 @@ struct Line {
 
 // Skew, in the plane, across the axis, parallel, and close to the wall at one end or both.
 std::vector<Line> lines() {
-  const double c = kTableI.clearance();
+  const double c = kRough.clearance();
   return {{{0.2 * c, 0.3 * c}, {-0.4 * c, 0.5 * c}},
           {{0.9 * c, 0}, {0.3 * c, 0}},
           {{0.99 * c, 0}, {-0.99 * c, 0}},
@@ -38,20 +38,20 @@ std::vector<Line> lines() {
 }
 
 TEST(TiltedAnnulus, OfVanDerWaalsIsTheIntegralOfTheLaw) {
-  const TiltedAnnulus law = TiltedAnnulus::of(&kAttraction, nullptr, kTableI);
+  const TiltedAnnulus law = TiltedAnnulus::of(&kAttraction, nullptr, kRough);
   for (const Line& l : lines())
     EXPECT_CLOSE(
         line_mean(law, l.a, l.b).value[0],
-        by_pieces([](double h) { return van_der_waals(kAttraction, kTableI, h); }, l.a, l.b), 1e-7);
+        by_pieces([](double h) { return van_der_waals(kAttraction, kRough, h); }, l.a, l.b), 1e-7);
 }
 
 TEST(TiltedAnnulus, OfElectrostaticsIsTheIntegralToTheErrorItStates) {
-  const TiltedAnnulus law = TiltedAnnulus::of(nullptr, &kCharge, kTableI);
+  const TiltedAnnulus law = TiltedAnnulus::of(nullptr, &kCharge, kRough);
   for (const Line& l : lines())
     EXPECT_CLOSE(line_mean(law, l.a, l.b).value[1],
-                 by_pieces([](double h) { return electrostatic(kCharge, kTableI, h); }, l.a, l.b),
-                 closed_form_error(kTableI) + 1e-8);
-  EXPECT_LT(closed_form_error(kTableI), 3e-6);
+                 by_pieces([](double h) { return electrostatic(kCharge, kRough, h); }, l.a, l.b),
+                 closed_form_error(kRough) + 1e-8);
+  EXPECT_LT(closed_form_error(kRough), 3e-6);
 }
 
 // To an error of the order of (C^2/(r R))^2 the exact cylinders are the closed form times 1 + t/12.
@@ -64,28 +64,28 @@ TEST(TiltedAnnulus, StatesTheErrorOfTheElectrostaticClosedForm) {
 }
 
 TEST(TiltedAnnulus, LosesNoDigitsHoweverSmallTheTilt) {
-  const TiltedAnnulus law = TiltedAnnulus::of(&kAttraction, &kCharge, kTableI);
-  const Vector2d e(0.6 * kTableI.clearance(), 0.1 * kTableI.clearance());
+  const TiltedAnnulus law = TiltedAnnulus::of(&kAttraction, &kCharge, kRough);
+  const Vector2d e(0.6 * kRough.clearance(), 0.1 * kRough.clearance());
   const LineMean parallel = line_mean(law, e, e);
   for (double tilt = 1e-9; tilt > 1e-24; tilt *= 1e-2) {
     const Vector2d half(0, 0.5 * tilt);
     const LineMean tilted = line_mean(law, e - half, e + half);
     for (std::size_t i = 0; i < 2; ++i) {
       // The mean changes with the square of the tilt.
-      const double relative = 10 * std::pow(tilt / kTableI.clearance(), 2) + 1e-14;
+      const double relative = 10 * std::pow(tilt / kRough.clearance(), 2) + 1e-14;
       EXPECT_CLOSE(tilted.value[i], parallel.value[i], relative) << tilt;
     }
   }
 }
 
 TEST(TiltedAnnulus, GradientAndHessianAreDerivatives) {
-  const TiltedAnnulus both = TiltedAnnulus::of(&kAttraction, &kCharge, kTableI);
-  const TiltedAnnulus charge = TiltedAnnulus::of(nullptr, &kCharge, kTableI);
+  const TiltedAnnulus both = TiltedAnnulus::of(&kAttraction, &kCharge, kRough);
+  const TiltedAnnulus charge = TiltedAnnulus::of(nullptr, &kCharge, kRough);
   for (const TiltedAnnulus& law : {both, charge})
     for (const Line& l : lines()) {
       const LineMean here = line_mean(law, l.a, l.b);
-      const double near = kTableI.clearance() - std::max(l.a.norm(), l.b.norm());
-      const double h = 1e-4 * (near + kTableI.roughness);
+      const double near = kRough.clearance() - std::max(l.a.norm(), l.b.norm());
+      const double h = 1e-4 * (near + kRough.roughness);
       const auto moved = [&](int coordinate, double d) {
         Line m = l;
         (coordinate < 2 ? m.a : m.b)[coordinate % 2] += d;

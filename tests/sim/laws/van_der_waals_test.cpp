@@ -2,16 +2,16 @@
 
 #include "sim/laws/printed/van_der_waals.hpp"
 #include "tests/compare.hpp"
+#include "tests/sim/laws/annulus.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr Annulus kTableI = {62.5e-6, 63e-6};
 constexpr printed::VanDerWaals kAluminium = {3.67e-19};
 
 TEST(VanDerWaals, PrintedHasThePublishedValuesOfTableI) {
-  EXPECT_CLOSE(100e-6 * van_der_waals(kAluminium, kTableI, 10e-9).force, -47.786458e-6, 2e-8);
-  EXPECT_CLOSE(100e-6 * van_der_waals(kAluminium, kTableI, 100e-9).force, -0.047786458e-6, 2e-8);
+  EXPECT_CLOSE(100e-6 * van_der_waals(kAluminium, kAnnulus, 10e-9).force, -47.786458e-6, 2e-8);
+  EXPECT_CLOSE(100e-6 * van_der_waals(kAluminium, kAnnulus, 100e-9).force, -0.047786458e-6, 2e-8);
 }
 
 TEST(VanDerWaals, PrintedHas30DigitValuesOfOtherParameters) {
@@ -24,7 +24,7 @@ TEST(VanDerWaals, PrintedHas30DigitValuesOfOtherParameters) {
 }
 
 TEST(VanDerWaals, ForceAndSlopeAreDerivativesOverDecades) {
-  const auto at = [](double h) { return van_der_waals(kAluminium, kTableI, h); };
+  const auto at = [](double h) { return van_der_waals(kAluminium, kAnnulus, h); };
   for (double h = 0.12e-9; h < 99e-9; h *= 1.7) testing::expect_derivatives(at, h, 1e-3 * h, 1e-7);
   // In the taper and in the last a_0.
   for (const double h : {100.2e-9, 100.7e-9}) testing::expect_derivatives(at, h, 1e-12, 1e-6);
@@ -33,21 +33,21 @@ TEST(VanDerWaals, ForceAndSlopeAreDerivativesOverDecades) {
 
 TEST(VanDerWaals, PrintedIsContinuousAtTheEndsOfItsRangeAndZeroBeyond) {
   for (const double end : {0.0, 0.1e-9, 100e-9, 101e-9}) {
-    const LineForce below = van_der_waals(kAluminium, kTableI, end - 1e-18);
-    const LineForce above = van_der_waals(kAluminium, kTableI, end + 1e-18);
-    const double at_a0 = std::abs(van_der_waals(kAluminium, kTableI, 0.1e-9).force);
+    const LineForce below = van_der_waals(kAluminium, kAnnulus, end - 1e-18);
+    const LineForce above = van_der_waals(kAluminium, kAnnulus, end + 1e-18);
+    const double at_a0 = std::abs(van_der_waals(kAluminium, kAnnulus, 0.1e-9).force);
     EXPECT_LT(std::abs(below.force - above.force), 1e-6 * at_a0);
     EXPECT_LE(std::abs(below.potential - above.potential), 1e-7 * std::abs(below.potential));
   }
-  EXPECT_EQ(van_der_waals(kAluminium, kTableI, 150e-9).force, 0);
-  EXPECT_EQ(van_der_waals(kAluminium, kTableI, -5e-9).force, 0);
+  EXPECT_EQ(van_der_waals(kAluminium, kAnnulus, 150e-9).force, 0);
+  EXPECT_EQ(van_der_waals(kAluminium, kAnnulus, -5e-9).force, 0);
 }
 
 constexpr VanDerWaals kCorrected = {3.67e-19};
 
 TEST(VanDerWaals, CorrectedHasThePublishedValues) {
   const auto uN = [](double h) {
-    return 1e6 * 100e-6 * van_der_waals(kCorrected, kTableI, h).force;
+    return 1e6 * 100e-6 * van_der_waals(kCorrected, kAnnulus, h).force;
   };
   EXPECT_CLOSE(uN(1e-9), -9071.370714, 1e-9);
   EXPECT_CLOSE(uN(10e-9), -28.81337847, 1e-9);
@@ -84,7 +84,7 @@ TEST(VanDerWaals, CorrectedTendsToTheHalfSpacesOfDerjaguinNearContact) {
   // Force between a cylinder in a cylinder near contact, R_e = r R/c: integral over the parabola.
   const double h = 1e-9, radius = 62.5e-6 * 63e-6 / 0.5e-6;
   const double expected = -3.67e-19 * std::sqrt(2 * radius) / (16 * std::pow(h, 2.5));
-  EXPECT_CLOSE(van_der_waals(kCorrected, kTableI, h).force, expected, 2e-2);
+  EXPECT_CLOSE(van_der_waals(kCorrected, kAnnulus, h).force, expected, 2e-2);
 }
 
 }  // namespace
