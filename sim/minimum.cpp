@@ -94,8 +94,7 @@ class StiffModel {
     double low = 0, high = barrier(most);
     if (high == most && !rises(at(most, laws(most)))) return most;
     for (int n = 0; n < kMostBisections && high - low > kShortest * most; ++n) {
-      const double middle =
-          low < 1e-3 * high ? std::max(0.03 * high, std::sqrt(low * high)) : 0.5 * (low + high);
+      const double middle = between(low, high);
       const AlongStep there = at(middle, laws(middle));
       if (rises(there))
         high = middle;
@@ -107,7 +106,35 @@ class StiffModel {
     return high;
   }
 
+  // The part, up to `most`, at which a contact that the move opens, and that adhesion holds, pulls
+  // most: what is beyond may be lower and yet not reached, as it holds while another one opens.
+  // Not looked for among printed laws, which take much longer to evaluate.
+  double strongest_pull(double most) const noexcept {
+    if (!std::holds_alternative<Adhesion>(world_.laws.adhesion) || has_printed_wells(world_.laws))
+      return most;
+    for (std::size_t place = 0; place < kContactPlaces; ++place) {
+      const StiffLaw& here = here_[place];
+      if (!here.acts || !(here.stiffness > 0) || !(here.slope.dot(newton_.move) < 0)) continue;
+      const auto holds = [&](double part) {
+        const StiffLaw there = laws(part)[place];
+        return there.acts && there.stiffness > 0;
+      };
+      if (holds(most)) continue;
+      double low = 0, high = most;
+      for (int n = 0; n < kMostBisections && high - low > kShortest * most; ++n) {
+        const double middle = between(low, high);
+        (holds(middle) ? low : high) = middle;
+      }
+      if (low > 0 && laws(low)[place].force < 0) most = high;
+    }
+    return most;
+  }
+
  private:
+  // Where to bisect: a part may be small.
+  static double between(double low, double high) noexcept {
+    return low < 1e-3 * high ? std::max(0.03 * high, std::sqrt(low * high)) : 0.5 * (low + high);
+  }
   // The part, up to `most`, at which the energy first rises: what lies behind a barrier of adhesion
   // may be lower. Not looked for among printed laws, which take much longer to evaluate.
   double barrier(double most) const noexcept {
@@ -369,7 +396,9 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int most_eva
     const double reach = std::max(newton.move.e.norm(), turn);
     double part = reach > farthest ? farthest / reach : 1;
     const bool bounded = part < 1;
-    if (!meets || bounded) part = StiffModel(world, frozen, found.tip, laws, newton).least(part);
+    const StiffModel along(world, frozen, found.tip, laws, newton);
+    if (!meets || bounded) part = along.least(part);
+    part = along.strongest_pull(part);
     const Descent went = descend(world, frozen, newton, part, most_evaluations, past_edges, found);
     if (went == Descent::ended) return;
     if (went == Descent::nowhere) {  // rounding leaves nothing lower
