@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/stiff_model.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -20,19 +22,12 @@ constexpr double kNearWall = 10e-9;  // moves that begin so near to a wall go al
 constexpr double kShortestLever =
     1e-6;                              // inserted length at which tilts are those of two places [m]
 constexpr double kFarthestTurn = 1.0;  // [rad]
-constexpr double kOvershoot = 0.3;     // of the slope at the begin: a move may end rising by that
 constexpr double kLeastSlope = 0.1;    // of a move's fall, or friction changes along it
 constexpr double kMostRise = 10;  // of what a Newton step should gain, where the residual falls
-constexpr double kLevel = 1e-9;   // of the sum of all energies
 constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the end of a step
 constexpr int kMostRounds = 3, kMostRoundsInWell = 6;
 constexpr double kFurther = 3;  // a step that got ever steeper
 constexpr int kMostExpansions = 4;
-constexpr int kMostBisections = 8;
-constexpr double kNarrow = 50e-12;        // narrower than a barrier of adhesion [m]
-constexpr int kMostNarrow = 20;           // as wide as one
-constexpr double kBarrier = 0.05;         // of the slope at the begin: a barrier rises more
-constexpr double kShortest = 1e-12;       // part of a Newton step
 constexpr double kShortestTrial = 1e-19;  // the printed well is 1e12 N/m stiff [m]
 
 // An eccentricity that moves on along the wall: sideways it turns about the bore's axis.
@@ -45,116 +40,6 @@ Vector2d turned(const Vector2d& e, const Vector2d& move, double near) noexcept {
   const double over = 1 / (1 + half * half), outwards = std::max(radius + out.dot(move), 0.0);
   return outwards * over * ((1 - half * half) * out + 2 * half * along);
 }
-
-using StiffLaws = std::array<StiffLaw, kStiffLaws>;
-
-// The energy of a Newton step's model, with the stiff laws as they are, after a part of the step:
-// its change [J], and its slope by the part.
-struct AlongStep {
-  double energy, slope, rounding;
-};
-
-class StiffModel {
- public:
-  StiffModel(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
-             const StiffLaws& here, const NewtonStep& newton) noexcept
-      : world_(world), frozen_(frozen), tip_(tip), here_(here), newton_(newton) {
-    for (const StiffLaw& law : here)
-      if (law.acts) {
-        const double rate = law.slope.dot(newton.move);
-        deeper_ = std::max(deeper_, std::abs(rate));
-        slope_ += law.force * rate;
-        curve_ += law.stiffness * rate * rate;
-      }
-  }
-
-  StiffLaws laws(double part) const noexcept {
-    return stiff_laws(world_, frozen_, moved_along(world_, frozen_, tip_, part * newton_.move),
-                      here_[kSide].share);
-  }
-  AlongStep at(double part, const StiffLaws& there) const noexcept {
-    AlongStep sum{-newton_.fall * part * (1 - 0.5 * part) - part * (slope_ + 0.5 * part * curve_),
-                  -newton_.fall * (1 - part) - slope_ - part * curve_, 0};
-    for (std::size_t i = 0; i < kStiffLaws; ++i) {
-      if (!here_[i].acts || !there[i].acts) continue;
-      sum.energy += there[i].energy - here_[i].energy;
-      sum.rounding += kLevel * (std::abs(there[i].energy) + std::abs(here_[i].energy));
-      sum.slope += there[i].force * there[i].slope.dot(newton_.move);
-    }
-    return sum;
-  }
-
-  // Is it higher there than where the step begins?
-  bool higher(const AlongStep& there) const noexcept { return there.energy > there.rounding; }
-
-  // The part, up to `most`, at which the energy is least before it rises.
-  double least(double most) const noexcept {
-    const double limit = kOvershoot * newton_.fall;
-    const auto rises = [&](const AlongStep& there) { return there.slope > limit || higher(there); };
-    double low = 0, high = barrier(most);
-    if (high == most && !rises(at(most, laws(most)))) return most;
-    for (int n = 0; n < kMostBisections && high - low > kShortest * most; ++n) {
-      const double middle = between(low, high);
-      const AlongStep there = at(middle, laws(middle));
-      if (rises(there))
-        high = middle;
-      else if (there.slope < -limit)
-        low = middle;
-      else
-        return middle;
-    }
-    return high;
-  }
-
-  // The part, up to `most`, at which a contact that the move opens, and that adhesion holds, pulls
-  // most: what is beyond may be lower and yet not reached, as it holds while another one opens.
-  // Not looked for among printed laws, which take much longer to evaluate.
-  double strongest_pull(double most) const noexcept {
-    if (!std::holds_alternative<Adhesion>(world_.laws.adhesion) || has_printed_wells(world_.laws))
-      return most;
-    for (std::size_t place = 0; place < kContactPlaces; ++place) {
-      const StiffLaw& here = here_[place];
-      if (!here.acts || !(here.stiffness > 0) || !(here.slope.dot(newton_.move) < 0)) continue;
-      const auto holds = [&](double part) {
-        const StiffLaw there = laws(part)[place];
-        return there.acts && there.stiffness > 0;
-      };
-      if (holds(most)) continue;
-      double low = 0, high = most;
-      for (int n = 0; n < kMostBisections && high - low > kShortest * most; ++n) {
-        const double middle = between(low, high);
-        (holds(middle) ? low : high) = middle;
-      }
-      if (low > 0 && laws(low)[place].force < 0) most = high;
-    }
-    return most;
-  }
-
- private:
-  // Where to bisect: a part may be small.
-  static double between(double low, double high) noexcept {
-    return low < 1e-3 * high ? std::max(0.03 * high, std::sqrt(low * high)) : 0.5 * (low + high);
-  }
-  // The part, up to `most`, at which the energy first rises: what lies behind a barrier of adhesion
-  // may be lower. Not looked for among printed laws, which take much longer to evaluate.
-  double barrier(double most) const noexcept {
-    if (has_printed_wells(world_.laws)) return most;
-    for (int n = 1; n <= kMostNarrow; ++n) {
-      const double part = n * kNarrow / deeper_;
-      if (!(part < most)) break;
-      if (at(part, laws(part)).slope > kBarrier * newton_.fall) return part;
-    }
-    return most;
-  }
-
-  const World& world_;
-  const FrozenCoefficients& frozen_;
-  const PoseVector& tip_;
-  const StiffLaws& here_;
-  const NewtonStep& newton_;
-  double slope_ = 0, curve_ = 0;
-  double deeper_ = 0;  // the stiff laws are, or less deep, after the whole move [m]
-};
 
 // What the printed well's pull bends by where it is so much more: along the wall.
 void bend_well(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,

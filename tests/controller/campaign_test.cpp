@@ -1,18 +1,16 @@
 #include "controller/campaign.hpp"
 
 #include "capture/episode.hpp"
-#include "controller/insertion_law.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
+#include "tests/controller/law.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace ferrule {
 namespace {
-
-const InsertionLaw kLaw({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
 
 Scene quick() {
   return testing::paper({"start.lateral_sd_um=6", "start.distance_um=20", "success.depth_um=10",

@@ -2,14 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/insertion_law.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "tests/controller/law.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {
 namespace {
-
-const InsertionLaw kStepped({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
 
 std::shared_ptr<const Scene> noisy(const std::vector<std::string>& more = {}) {
   std::vector<std::string> settings{"start.lateral_sd_um=6", "start.distance_um=20",
@@ -22,7 +20,7 @@ std::shared_ptr<const Scene> noisy(const std::vector<std::string>& more = {}) {
 
 void expect_same_trials(const std::shared_ptr<const Scene>& scene) {
   for (std::uint64_t trial = 0; trial < 6; ++trial) {
-    InsertionLaw inside = kStepped, outside = kStepped;
+    InsertionLaw inside = kLaw, outside = kLaw;
     const TrialResult run = run_trial(*scene, scene_scaling(*scene), inside, 5, trial);
     SteppedTrial stepped(scene, 5, trial);
     while (!stepped.ended()) stepped.step(outside.command(stepped.observation()));

@@ -65,8 +65,8 @@ TEST(Events, AgreeAtAnEighthOfTheStep) {
   EXPECT_LE(seen.open_rubs, seen.steps / 100000);
 }
 
-// In the bore one of two contacts lets go (2), or the end slides out over the edge of the mouth (5):
-// the pose at which adhesion holds what is left is a tenth of a nanometre wide.
+// In the bore one of two contacts lets go (2), or the end slides out over the edge of the mouth
+// (5): the pose at which adhesion holds what is left is a tenth of a nanometre wide.
 TEST(Events, WhatAdhesionStillHoldsStays) {
   Seen seen;
   for (const char* name : {"laser", "adhesive"})
