@@ -236,7 +236,7 @@ void follow_command(const World& world, const State& state, const Pose& command,
   result.status = StepStatus::ok;
   result.evaluations = result.iterations = result.substeps = result.halvings = 0;
   result.state.time = state.time + dt;
-  if (state.tangent) leave_tangent(result.state);
+  leave_tangent(world, result.state);
   const int parts = parts_of(world, dt);
   for (int k = 1; k <= parts; ++k)
     follow_part(world,

@@ -80,7 +80,7 @@ Tangent::Place place_of(const World& world, const FrozenCoefficients& frozen, co
   const Vector3d stretched = stretch(world, frozen, at, found.tip);
   place.slips = friction.slips(stretched);
   place.longest = friction.limit / friction.stiffness;
-  place.stretch = stretched;
+  place.stretch = material_point(world, frozen.contact, at, found.tip) - contact.stuck;
   place.slid = stretched.norm() - place.longest;
   return place;
 }
@@ -162,7 +162,15 @@ void follow_tangent(const World& world, const Pose& command, double dt, const Ta
   now.substeps = 1;
 }
 
-void leave_tangent(State& state) noexcept {
+void leave_tangent(const World& world, State& state) noexcept {
+  if (!state.tangent) return;
+  const ContactSide side = contact_side(world, state);
+  const PoseVector tip(state.tip);
+  for (int at = 0; at < kContactPlaces; ++at) {
+    const Tangent::Place& place = state.tangent->place[at];
+    if (place.rubs)
+      state.contact[at].stuck = material_point(world, side, at, tip) - place.stretch;
+  }
   state.tangent.reset();
   if (!state.linearization || state.linearization->at == state.tip) return;
   Linearization& bore = *state.linearization;

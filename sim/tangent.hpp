@@ -40,9 +40,10 @@ std::optional<TangentStep> along_tangent(const World& world, const State& state,
 void follow_tangent(const World& world, const Pose& command, double dt, const TangentStep& next,
                     StepResult& now) noexcept;
 
-// Before a step that is solved: the state without its tangent, the forces' linearization moved on
-// to where the end is now.
-void leave_tangent(State& state) noexcept;
+// Before a step that is solved: a state on a tangent without it, the forces' linearization moved on
+// to where the end is now, and what rubs as stretched as it was: where a contact moves on over the
+// fibre that is more than a slide, to first order, tells.
+void leave_tangent(const World& world, State& state) noexcept;
 
 // For a step that has been solved, from `before`: the tangent there, with its reach.
 void set_tangent(const World& world, const FrozenCoefficients& frozen, const Minimum& found,

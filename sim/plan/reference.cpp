@@ -76,7 +76,7 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
     for (std::size_t n = 0; n < runs[k].tip.size(); ++n) {
       const double dt = n == 0 ? 0 : kSamplePeriod;
       State before = state;
-      leave_tangent(before);
+      leave_tangent(reduced, before);
       const StepResult reached = step(reduced, state, hand[n], dt);
       state = reached.state;
       if (n % kEveryForSteps != 0) continue;

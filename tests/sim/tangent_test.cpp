@@ -6,22 +6,29 @@
 namespace ferrule {
 namespace {
 
-// Into the bore of `bench`, to one wall, along it and half way back while pressed.
-std::vector<Pose> hand(const World& world) {
+// From in front of the bore along these tips, as they would be without contact, in such steps [m].
+std::vector<Pose> hand(const World& world, const std::vector<Pose>& tips, double length) {
   const double c = world.annulus.clearance();
   std::vector<Pose> commands = {testing::pose(5e-6, 0.1 * c, 0) - world.holder.sag};
-  for (const Pose& tip :
-       {testing::pose(-20e-6, 0.1 * c, 0.2 * c), testing::pose(-20e-6, 6 * c, 2 * c),
-        testing::pose(-30e-6, 6 * c, 2 * c), testing::pose(-25e-6, 6 * c, 2 * c)}) {
+  for (const Pose& tip : tips) {
     const Pose from = commands.back(), move = tip - world.holder.sag - from;
-    const double steps = std::ceil(move.head<3>().norm() / 20e-9);
+    const double steps = std::ceil(move.head<3>().norm() / length);
     for (double n = 1; n <= steps; ++n) commands.push_back(from + n / steps * move);
   }
   return commands;
 }
 
-World with_tangent(double clearances) {
-  WorldParameters p = load_scene("bench").parameters;
+// Into the bore, to one wall, along it and half way back while pressed.
+std::vector<Pose> hand(const World& world) {
+  const double c = world.annulus.clearance();
+  return hand(world,
+              {testing::pose(-20e-6, 0.1 * c, 0.2 * c), testing::pose(-20e-6, 6 * c, 2 * c),
+               testing::pose(-30e-6, 6 * c, 2 * c), testing::pose(-25e-6, 6 * c, 2 * c)},
+              20e-9);
+}
+
+World with_tangent(double clearances, const char* scene = "bench") {
+  WorldParameters p = load_scene(scene).parameters;
   const World world = make_world(p);
   p.numerics.tangent_tip = clearances * world.annulus.clearance();
   p.numerics.tangent_force = clearances * 60e-6;
@@ -35,7 +42,7 @@ TEST(Tangent, LeavesMostStepsUnsolvedAndIsWhereTheWholeModelIsAfterThem) {
   int solved = 0, off = 0;
   for (const Pose& command : commands) {
     State here = state;
-    leave_tangent(here);
+    leave_tangent(world, here);
     const StepResult exact = step(full, here, command, 1e-3);
     const StepResult followed = step(world, state, command, 1e-3);
     state = followed.state;
@@ -47,6 +54,32 @@ TEST(Tangent, LeavesMostStepsUnsolvedAndIsWhereTheWholeModelIsAfterThem) {
   }
   EXPECT_LT(solved, static_cast<int>(commands.size() / 3));
   EXPECT_LE(off, static_cast<int>(commands.size() / 20));
+}
+
+// Lying in the bore and on its mouth, another point of the fibre rubs there in every step.
+TEST(Tangent, WhatSlidesOnAfterAStretchTakesFewEvaluations) {
+  for (const char* scene : {"bench", "adhesive"}) {
+    const World world = with_tangent(1e-3, scene);
+    const double c = world.annulus.clearance();
+    const std::vector<Pose> commands = hand(world,
+                                            {testing::pose(-20e-6, 0.1 * c, 0.2 * c),
+                                             testing::pose(-20e-6, 3 * c, -2 * c, -5e-4, -5e-4),
+                                             testing::pose(-60e-6, 3 * c, -2 * c, -5e-4, -5e-4)},
+                                            4e-9);
+    State state = at_rest(world, commands.front() + world.holder.sag);
+    int both = 0, many = 0;
+    for (const Pose& command : commands) {
+      State here = state;
+      leave_tangent(world, here);
+      if (state.tangent && state.tangent->place[kEnd].slips && state.tangent->place[kSide].slips) {
+        ++both;
+        many += step(world, here, command, 1e-3).evaluations > 3;
+      }
+      state = step(world, state, command, 1e-3).state;
+    }
+    EXPECT_GT(both, 5000) << scene;
+    EXPECT_EQ(many, 0) << scene;
+  }
 }
 
 // Free in front of the bore, along stretches and at events, refused commands between them.
