@@ -14,27 +14,35 @@ const Quadrature kMiddle;  // the one gap that printed forces know
 
 // The closed form replaces the exact cylinders where it is as good as these.
 constexpr double kClosedFormError = 1e-3;
-constexpr double kOnset = 10e-9;  // inserted length in which the laws begin [m]
+constexpr double kOnset = 10e-9;  // inserted length in which the laws begin, and end [m]
 
 // The inserted length of the pose itself that the laws act along, with its derivatives by x. At the
 // begin it grows from 0 within kOnset, with two continuous derivatives, as a wall that pushes would
-// make an edge of the energy there: l p^2 (6 - 8 p + 3 p^2), p = l/kOnset.
+// make an edge of the energy there, and so it stops growing at the other end of the bore, where one
+// that pulls would: l p^2 (6 - 8 p + 3 p^2), p = l/kOnset, of what is inserted, or is left.
 struct Overlap {
   double length = 0, slope = 0, curve = 0;  // [m], [-], [1/m]
 
   Overlap(const World& world, const PoseVector& tip) noexcept {
-    const double inserted = -tip.x, p = inserted / kOnset;
+    const double inserted = -tip.x, left = world.profile.length - inserted;
     if (!(inserted > 0)) return;
-    if (inserted >= world.profile.length) {
-      length = world.profile.length;
-    } else if (p >= 1) {
-      length = inserted;
-      slope = -1;
-    } else {
-      length = inserted * p * p * (6 - p * (8 - 3 * p));
-      slope = -p * p * (18 - p * (32 - 15 * p));
-      curve = p * (36 - p * (96 - 60 * p)) / kOnset;
+    length = inserted;
+    slope = -1;
+    if (inserted < kOnset) {
+      grow(inserted);
+    } else if (left < kOnset) {
+      grow(std::max(left, 0.0));
+      length = world.profile.length - length;
+      curve = -curve;
     }
+  }
+
+ private:
+  void grow(double l) noexcept {
+    const double p = l / kOnset;
+    length = l * p * p * (6 - p * (8 - 3 * p));
+    slope = -p * p * (18 - p * (32 - 15 * p));
+    curve = p * (36 - p * (96 - 60 * p)) / kOnset;
   }
 };
 

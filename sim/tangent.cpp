@@ -65,7 +65,7 @@ Matrix5 stiffness(const World& world, const FrozenCoefficients& frozen,
 }
 
 Tangent::Place place_of(const World& world, const FrozenCoefficients& frozen, const Minimum& found,
-                        int at, const ContactState& contact) noexcept {
+                        const ContactSide& side, int at, const ContactState& contact) noexcept {
   Tangent::Place place;
   const ContactDepth& depth = found.there.depth[static_cast<std::size_t>(at)];
   if (depth.value == -INFINITY) return place;
@@ -80,7 +80,7 @@ Tangent::Place place_of(const World& world, const FrozenCoefficients& frozen, co
   const Vector3d stretched = stretch(world, frozen, at, found.tip);
   place.slips = friction.slips(stretched);
   place.longest = friction.limit / friction.stiffness;
-  place.stretch = material_point(world, frozen.contact, at, found.tip) - contact.stuck;
+  place.stretch = material_point(world, side, at, found.tip) - contact.stuck;
   place.slid = stretched.norm() - place.longest;
   return place;
 }
@@ -168,8 +168,7 @@ void leave_tangent(const World& world, State& state) noexcept {
   const PoseVector tip(state.tip);
   for (int at = 0; at < kContactPlaces; ++at) {
     const Tangent::Place& place = state.tangent->place[at];
-    if (place.rubs)
-      state.contact[at].stuck = material_point(world, side, at, tip) - place.stretch;
+    if (place.rubs) state.contact[at].stuck = material_point(world, side, at, tip) - place.stretch;
   }
   state.tangent.reset();
   if (!state.linearization || state.linearization->at == state.tip) return;
@@ -188,8 +187,9 @@ void set_tangent(const World& world, const FrozenCoefficients& frozen, const Min
   if (!is_clear(world, found.tip)) return;
   tangent.tip_by_command =
       stiffness(world, frozen, found).partialPivLu().solve(world.holder.stiffness);
+  const ContactSide side = contact_side(world, state);
   for (int at = 0; at < kContactPlaces; ++at)
-    tangent.place[at] = place_of(world, frozen, found, at, state.contact[at]);
+    tangent.place[at] = place_of(world, frozen, found, side, at, state.contact[at]);
   tangent.forces = forces;
   state.tangent = tangent;
 }

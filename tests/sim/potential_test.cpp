@@ -198,6 +198,29 @@ TEST(Potential, OfSurfaceForcesBeginsSmoothlyAtTheMouth) {
   }
 }
 
+TEST(Potential, OfSurfaceForcesEndsSmoothlyAtTheEndOfTheBore) {
+  const World world =
+      testing::bare({"laws.van_der_waals={\"form\":\"corrected\",\"hamaker_J\":6e-19}",
+                     "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":20}",
+                     "ferrule.length_mm=0.3"})
+          .world;
+  const double length = world.profile.length, out = 0.999 * world.annulus.clearance();
+  const auto inwards = [&](double left) {
+    const Pose tip = testing::pose(left - length, out, 0);
+    return Potential(world, freeze(world, at_rest(world, tip), tip, 0), tip).bore.gradient.x;
+  };
+  EXPECT_GT(inwards(11e-9), 0);  // its energy falls as it goes in
+  EXPECT_NEAR(inwards(10.001e-9), inwards(11e-9), 1e-3 * inwards(11e-9));
+  EXPECT_LT(std::abs(inwards(0.1e-9)), 1e-2 * inwards(11e-9));
+  EXPECT_EQ(inwards(-1e-9), 0);
+  for (double left = -0.7e-9; left < 12e-9; left += 0.47e-9) {
+    const Pose tip = testing::pose(left - length, out, 0, 1e-5, 2e-6);
+    const FrozenCoefficients frozen = freeze(world, at_rest(world, tip), tip, 1e-3);
+    SCOPED_TRACE(left);
+    testing::expect_energy_derivatives(world, frozen, tip, 1e-6, {2e-12, 1e-12, 1e-12, 1e-9, 1e-9});
+  }
+}
+
 // Along a fibre that lies on the wall and is tilted ever more: the energy is that of its gradient.
 TEST(Potential, OfAFibreAlongTheWallIsContinuous) {
   const World world =
