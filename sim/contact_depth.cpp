@@ -135,7 +135,7 @@ class Rim {
   }
 
  private:
-  static constexpr double kLeastCosine = 1e-4;  // of 90 degrees
+  static constexpr double kLeastCosine = 1e-6;  // of 90 degrees
   static constexpr int kTurns = 20;             // of the angle, until it does not change
 
   static double cross(const Vector2d& a, const Vector2d& b) noexcept {
@@ -231,8 +231,13 @@ class Rim {
   double bend_ = 0;  // second derivative by alpha where it is free
 };
 
-// The rim of the fibre's end in the throat.
-ContactDepth throat_depth(const World& world, const PoseVector& tip) noexcept {
+// A rounded rim goes round the edge between throat and face as it does round those in the throat:
+// it lies beyond what of the end is flat, on the face too.
+bool touches_with_rim(const World& world, EdgeSide side) noexcept {
+  return side == EdgeSide::throat || world.end.edge > 0;
+}
+
+ContactDepth rim_depth(const World& world, const PoseVector& tip) noexcept {
   ContactDepth depth;
   Rim(world, tip).set(tip, depth);
   return depth;
@@ -273,7 +278,7 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
   ContactSide at;
   const PoseVector tip(state.tip);
   at.side = side_of(world, tip, state.side);
-  const Vector2d out = at.side == EdgeSide::throat ? Rim(world, tip).outward() : tip.e;
+  const Vector2d out = touches_with_rim(world, at.side) ? Rim(world, tip).outward() : tip.e;
   if (out.norm() > 0) at.outward = out.normalized();
   const Vector2d at_mouth = eccentricity(tip, -tip.x);
   if (at_mouth.norm() > 0) at.mouth_outward = at_mouth.normalized();
@@ -284,7 +289,7 @@ ContactSide contact_side(const World& world, const State& state) noexcept {
 
 std::array<ContactDepth, kContactPlaces> contact_depths(const World& world, const ContactSide& side,
                                                         const PoseVector& tip) noexcept {
-  return {side.side == EdgeSide::face ? face_depth(world, tip) : throat_depth(world, tip),
+  return {touches_with_rim(world, side.side) ? rim_depth(world, tip) : face_depth(world, tip),
           side_depth(world, side, tip)};
 }
 

@@ -3,12 +3,13 @@
 // The end's rim meets the bore wall, the lead-in cone or the front face (sim/ferrule_profile.hpp);
 // its side meets the rim of the bore's mouth. First order in the tilts: the rim of the end lies r
 // outward.(tilt + cleave) ahead of the end's centre. In the throat it touches where it is deepest,
-// on the face where it is farthest from the bore, or, in a world where it rests lowest, where it is
-// lowest (sim/face_support.hpp).
+// and so does a rounded rim on the face; a sharp one touches the face where it is farthest from the
+// bore, or, in a world where it rests lowest, where it is lowest (sim/face_support.hpp).
 //
-// In the throat it is as deep as the circle that it is rounded to, in the half plane, of radius rho
-// and with its centre at (x + s, r - rho), is in the solid: touching it at the angle alpha, 0 on the
-// bore and 90 degrees on the face, with the edge at (x_v, R_v) that has such a tangent,
+// Where it is deepest it is as deep as the circle that it is rounded to, in the half plane, of
+// radius rho and with its centre at (x + s, r - rho), is in the solid: touching it at the angle
+// alpha, 0 on the bore and 90 degrees on the face, with the edge at (x_v, R_v) that has such a
+// tangent,
 //   d = min over alpha of rho - (x + s - x_v) sin(alpha) - (R_v - r + rho) cos(alpha)
 //                         + |(e + s tilt) cos(alpha) + (r - rho)(tilt + cleave) sin(alpha)|,
 // the last term being what the direction adds in which the rim is deepest. So the end goes round
