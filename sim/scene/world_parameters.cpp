@@ -79,6 +79,18 @@ std::string shown(double x) {
   return nlohmann::json(x).dump();
 }
 
+// A voltage that no surfaces bear where they come closest (kGreatestField).
+std::optional<Inconsistency> unbearable_field(const WorldParameters& p) {
+  const auto* law = std::get_if<Electrostatic>(&p.laws.electrostatic);
+  const double closest = std::max(nano * p.roughness_nm, kInteratomicDistance);
+  if (!law || law->voltage <= kGreatestField * closest * (1 + 1e-9)) return std::nullopt;
+  return {{"laws.electrostatic.voltage_V", "must be at most " + shown(kGreatestField * closest) +
+                                               " where roughness_nm is " + shown(p.roughness_nm) +
+                                               ", or roughness_nm at least " +
+                                               shown(law->voltage / kGreatestField / nano) +
+                                               ": no surface bears a field above 6e10 V/m"}};
+}
+
 }  // namespace
 
 double free_length(const WorldParameters& p) noexcept {
@@ -105,6 +117,7 @@ std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
   const auto* liquid = std::get_if<Capillary>(&p.laws.capillary);
   if (liquid && !(liquid->rupture > 2 * liquid->film))
     return {{"laws.capillary.rupture_nm", "must be more than twice film_nm, where a bridge forms"}};
+  if (auto found = unbearable_field(p)) return found;
   if (p.ferrule.ovality_um &&
       !(*p.ferrule.ovality_um <= kMostOval * (p.ferrule.bore_diameter_um - p.fibre.diameter_um)))
     return {

@@ -89,6 +89,27 @@ TEST(Scene, RefusesAFibreThatHangsSteeply) {
   }
 }
 
+TEST(Scene, RefusesAVoltageThatNoSurfaceBearsAndNamesTheRoughnessThatDoes) {
+  for (const char* roughness : {"roughness_nm=0", "roughness_nm=2.3"}) {
+    std::string said;
+    try {
+      load_scene("bench", {"laws.electrostatic.voltage_V=213.7", roughness});
+    } catch (const BadInput& error) {
+      said = error.what();
+    }
+    const std::string before = "or roughness_nm at least ";
+    const auto named = said.find(before);
+    ASSERT_NE(named, std::string::npos) << said;
+    const std::string least =
+        said.substr(named + before.size(), said.rfind(':') - named - before.size());
+    EXPECT_NEAR(std::stod(least), 213.7 / 60, 1e-9);
+    EXPECT_NO_THROW(
+        load_scene("bench", {"laws.electrostatic.voltage_V=213.7", "roughness_nm=" + least}));
+  }
+  EXPECT_NO_THROW(load_scene("bench", {"laws.electrostatic.voltage_V=6", "roughness_nm=0"}));
+  EXPECT_NO_THROW(load_scene("paper", {"laws.electrostatic.voltage_V=213.7"}));
+}
+
 TEST(Scene, RefusesAKeyThatDoesNothingWithoutAnother) {
   const std::string drift = "sensor.temperature_drift_uN_K=1",
                     rate = "sensor.temperature_rate_K_s=1";
