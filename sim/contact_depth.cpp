@@ -260,9 +260,19 @@ ContactDepth side_depth(const World& world, const ContactSide& side,
   return depth;
 }
 
+// Is all of the end at `tip` so far in that what is in the throat stays there? What costs little to
+// know, where it is as a rule.
+bool far_in(const World& world, const PoseVector& tip) noexcept {
+  const double ahead =
+      world.annulus.fibre_radius * face_slope(world, tip).lpNorm<1>();  // at most, of any point
+  const double across = tip.e.lpNorm<1>() + world.oval.amplitude - world.annulus.clearance();
+  return world.profile.lead_in_length - tip.x - ahead > std::max(across, world.end.rounding());
+}
+
 }  // namespace
 
 EdgeSide side_of(const World& world, const PoseVector& tip, EdgeSide before) noexcept {
+  if (before == EdgeSide::throat && far_in(world, tip)) return EdgeSide::throat;
   if (!world.end.rests_lowest) return edge_side(outermost(world, tip), before);
   const double rho = world.end.edge, lever = world.annulus.fibre_radius - rho;
   const FaceSupport support(lever, world.profile.mouth_radius(), tip.e);

@@ -60,7 +60,8 @@ NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, con
     model.hessian = smooth.hessian;
     for (int place = 0; rubs && place < kContactPlaces; ++place) {
       const auto at = static_cast<std::size_t>(place);
-      if (frozen.friction[at].acts) add_friction_about(model, world, frozen, place, tip, about[at]);
+      if (frozen.friction[at].acts)
+        add_friction_about(model, world, frozen, place, now[at], about[at]);
     }
     falling = hessian.of(model.hessian);
     convex = falling == 0;
@@ -68,6 +69,7 @@ NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, con
       hessian.of_magnitudes(model.hessian, frozen.stiffness);
     move = hessian.solve(model.gradient);
     fall = -move.dot(model.gradient);
+    if (round + 1 == rounds) return;
     bool agrees = true;
     for (int place = 0; rubs && place < kContactPlaces; ++place) {
       const auto at = static_cast<std::size_t>(place);

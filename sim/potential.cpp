@@ -454,7 +454,7 @@ PoseVector pull_of_friction(const World& world, const FrozenCoefficients& frozen
 }
 
 void add_friction_about(Energy& total, const World& world, const FrozenCoefficients& frozen,
-                        int place, const PoseVector& tip, const Vector3d& about) noexcept {
+                        int place, const Vector3d& now, const Vector3d& about) noexcept {
   const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
   Vector3d slope = friction.stiffness * about;
   Matrix3d curve = friction.stiffness * friction.tangential;
@@ -464,7 +464,7 @@ void add_friction_about(Energy& total, const World& world, const FrozenCoefficie
     slope = friction.limit * direction;
     curve = friction.limit * over * (friction.tangential - direction * direction.transpose());
   }
-  slope += curve * (stretch(world, frozen, place, tip) - about);
+  slope += curve * (now - about);
   total.add_point(friction.arm, lean(world, frozen, place), slope, curve);
 }
 

@@ -163,10 +163,10 @@ Vector3d stretch_by(const World& world, const FrozenCoefficients& frozen, int pl
 PoseVector pull_of_friction(const World& world, const FrozenCoefficients& frozen, int place,
                             const Vector3d& stretched) noexcept;
 
-// Adds gradient and Hessian of the friction of a place at `tip`, as its potential is to second
-// order where the spring is stretched by `about`.
+// Adds gradient and Hessian of the friction of a place that is stretched by `now`, as its potential
+// is to second order where the spring is stretched by `about`.
 void add_friction_about(Energy& total, const World& world, const FrozenCoefficients& frozen,
-                        int place, const PoseVector& tip, const Vector3d& about) noexcept;
+                        int place, const Vector3d& now, const Vector3d& about) noexcept;
 
 // The same forces term by term, into a breakdown of nothing; `there` is the potential at `tip`.
 void forces(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,

@@ -29,23 +29,21 @@ bool rubs_on(const World& world, const std::array<FrozenFriction, kContactPlaces
   return true;
 }
 
-// A Newton step and what the friction limits change along it. Limit and depth may hold each other
-// in check within far less than either alone would change: to first order they change together from
-// where the step begins.
-bool predict_rubbing(const World& world, const Energy& here, FrozenCoefficients& frozen,
-                     Prediction& end, NewtonStep& newton) noexcept {
+// A Newton step and what the friction limits change along it; the whole move, if there is one.
+// Limit and depth may hold each other in check within far less than either alone would change: to
+// first order they change together from where the step begins.
+std::optional<PoseVector> predict_rubbing(const World& world, const Energy& here,
+                                          const PoseVector& tip, FrozenCoefficients& frozen,
+                                          std::optional<NewtonStep>& newton) noexcept {
   const auto first = frozen.friction;
-  newton = NewtonStep(world, frozen, here, end.tip, 1, Pivots::as_they_are, true);
-  auto move = FrictionLimits(world, frozen, end.tip, kSlipsOn).settle(newton, frozen);
-  if (!move || !rubs_on(world, first, frozen, end.tip, *move)) {
-    frozen.friction = first;
-    newton = NewtonStep(world, frozen, here, end.tip);
-    if (!newton.convex) return false;
-    move = FrictionLimits(world, frozen, moved_along(world, frozen, end.tip, newton.move), 1)
-               .settle(newton, frozen);
-  }
-  if (move) end.move = *move;
-  return move.has_value();
+  newton.emplace(world, frozen, here, tip, 1, Pivots::as_they_are, true);
+  const auto move = FrictionLimits(world, frozen, tip, kSlipsOn).settle(*newton, frozen);
+  if (move && rubs_on(world, first, frozen, tip, *move)) return move;
+  frozen.friction = first;
+  newton.emplace(world, frozen, here, tip);
+  if (!newton->convex) return std::nullopt;
+  return FrictionLimits(world, frozen, moved_along(world, frozen, tip, newton->move), 1)
+      .settle(*newton, frozen);
 }
 
 }  // namespace
@@ -57,18 +55,20 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   const Linearization& bore = *state.linearization;
   Energy here = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
   here.gradient += bore.curvature;
-  const bool rubbing = frozen.rubs();
-  NewtonStep newton(world, frozen, here, end.tip, rubbing ? 0 : 1);
-  if (rubbing) {
-    if (!predict_rubbing(world, here, frozen, end, newton)) return end;
+  std::optional<NewtonStep> newton;
+  if (frozen.rubs()) {
+    const auto move = predict_rubbing(world, here, end.tip, frozen, newton);
+    if (!move) return end;
+    end.move = *move;
   } else {
-    if (!newton.convex) return end;
-    end.move = newton.move;
+    newton.emplace(world, frozen, here, end.tip, 1);
+    if (!newton->convex) return end;
+    end.move = newton->move;
   }
   const double way = travel_of(world, frozen, end.move);
   if (!(way >= kResolution && way <= kShortMove * world.annulus.clearance())) return end;
-  end.hessian = newton.hessian;
-  end.slope = std::abs(end.move.dot(newton.model.gradient));
+  end.hessian = newton->hessian;
+  end.slope = std::abs(end.move.dot(newton->model.gradient));
   end.tip = moved_along(world, frozen, state.tip, end.move);
   end.valid = true;
   return end;

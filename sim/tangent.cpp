@@ -51,7 +51,7 @@ Matrix5 stiffness(const World& world, const FrozenCoefficients& frozen,
     if (!frozen.friction[at].acts) continue;
     const int place = static_cast<int>(at);
     stretched[at] = stretch(world, frozen, place, found.tip);
-    add_friction_about(all, world, frozen, place, found.tip, stretched[at]);
+    add_friction_about(all, world, frozen, place, stretched[at], stretched[at]);
   }
   Matrix5 sum = all.hessian.full();
   for (std::size_t at = 0; at < kContactPlaces; ++at) {
