@@ -35,7 +35,7 @@ class Chance {
 };
 
 Json solid(Chance& chance) {
-  return {{"young_GPa", chance.number(5, 400, 1e-6, 1e4)},
+  return {{"young_GPa", chance.number(5, 400, 1e-3, 1e4)},
           {"poisson", chance.between(0, 0.45)},
           {"shear_GPa", chance.number(0.5, 150, 1e-6, 1e4)}};
 }
@@ -44,7 +44,7 @@ Json draw_laws(Chance& chance) {
   Json laws = Json::object();
   if (chance.with(0.6))
     laws["van_der_waals"] = {{"form", chance.form()},
-                             {"hamaker_J", chance.number(1e-21, 1e-18, 1e-40, 1e-15)}};
+                             {"hamaker_J", chance.number(1e-21, 1e-18, 1e-40, 1e-17)}};
   if (chance.with(0.6))
     laws["electrostatic"] = {{"form", chance.form()},
                              {"voltage_V", chance.number(1e-3, 30, 1e-12, 1e5)}};
@@ -52,7 +52,7 @@ Json draw_laws(Chance& chance) {
   if (chance.with(0.25)) {
     const double film = chance.number(5, 300, 1e-3, 1e6);
     laws["capillary"] = {{"form", chance.form()},
-                         {"surface_tension_N_m", chance.number(0.01, 0.08, 1e-30, 100)},
+                         {"surface_tension_N_m", chance.number(0.01, 0.08, 1e-30, 3)},
                          {"contact_angle_deg", chance.between(0, 85)},
                          {"film_nm", film},
                          {"volume_per_length_m2", chance.number(1e-15, 1e-11, 1e-20, 1e-6)},
@@ -72,7 +72,7 @@ Json draw_laws(Chance& chance) {
     laws["drag"] = {{"form", "corrected"}, {"viscosity_Pa_s", chance.number(1e-3, 10, 1e-30, 1e6)}};
   if (chance.with(0.3))
     laws["meniscus"] = {{"form", "corrected"},
-                        {"surface_tension_N_m", chance.number(0.01, 0.08, 1e-30, 100)},
+                        {"surface_tension_N_m", chance.number(0.01, 0.08, 1e-30, 3)},
                         {"contact_angle_deg", chance.between(0, 85)}};
   return laws;
 }

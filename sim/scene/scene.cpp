@@ -23,7 +23,7 @@ using rule::positive;
 void read_fibre(JsonFields f, FibreParameters& fibre) {
   f.number("diameter_um", positive(1, 1e5), fibre.diameter_um);
   f.number("density_kg_m3", positive(1, 1e5), fibre.density_kg_m3);
-  f.number("young_GPa", positive(1e-6, 1e4), fibre.young_GPa);
+  f.number("young_GPa", positive(1e-3, 1e4), fibre.young_GPa);
   f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), fibre.poisson);
   f.number("shear_GPa", positive(1e-6, 1e4), fibre.shear_GPa);
   f.number("manipulated_length_mm", positive(1e-3, 1e4), fibre.manipulated_length_mm);
@@ -54,7 +54,7 @@ void read_ferrule(JsonFields f, FerruleParameters& ferrule) {
     f.number("ovality_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
              ferrule.ovality_direction_deg.emplace());
   f.depends("ovality_direction_deg", {"ovality_um"});
-  f.number("young_GPa", positive(1e-6, 1e4), ferrule.young_GPa);
+  f.number("young_GPa", positive(1e-3, 1e4), ferrule.young_GPa);
   f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), ferrule.poisson);
   f.number("shear_GPa", positive(1e-6, 1e4), ferrule.shear_GPa);
   f.raw("lead_in");

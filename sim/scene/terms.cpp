@@ -22,7 +22,7 @@ void read_contact_angle(JsonFields& law, double& angle) {
 void read_van_der_waals(JsonFields f, Laws& laws) {
   double& hamaker = read_printed(f) ? laws.van_der_waals.emplace<printed::VanDerWaals>().hamaker
                                     : laws.van_der_waals.emplace<VanDerWaals>().hamaker;
-  f.number("hamaker_J", rule::positive(1e-40, 1e-15), hamaker);
+  f.number("hamaker_J", rule::positive(1e-40, 1e-17), hamaker);
   f.finish();
 }
 
@@ -43,7 +43,7 @@ void read_gravity(JsonFields f, Laws& laws) {
 
 template <class Law>
 void read_liquid(JsonFields& f, Law& law) {
-  f.number("surface_tension_N_m", rule::positive(1e-30, 100), law.surface_tension);
+  f.number("surface_tension_N_m", rule::positive(1e-30, 3), law.surface_tension);
   read_contact_angle(f, law.contact_angle);
   f.number("film_nm", rule::positive(1e-3, 1e6), law.film, nano);
 }
@@ -102,7 +102,7 @@ void read_drag(JsonFields f, Laws& laws) {
 void read_meniscus(JsonFields f, Laws& laws) {
   f.choice("form", {"corrected"});
   Meniscus& law = laws.meniscus.emplace();
-  f.number("surface_tension_N_m", rule::positive(1e-30, 100), law.surface_tension);
+  f.number("surface_tension_N_m", rule::positive(1e-30, 3), law.surface_tension);
   read_contact_angle(f, law.contact_angle);
   f.finish();
 }

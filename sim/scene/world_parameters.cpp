@@ -88,7 +88,7 @@ std::optional<Inconsistency> unbearable_field(const WorldParameters& p) {
                                                " where roughness_nm is " + shown(p.roughness_nm) +
                                                ", or roughness_nm at least " +
                                                shown(law->voltage / kGreatestField / nano) +
-                                               ": no surface bears a field above 6e10 V/m"}};
+                                               ": no surface keeps a field above 1e10 V/m"}};
 }
 
 }  // namespace

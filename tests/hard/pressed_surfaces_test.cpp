@@ -29,7 +29,7 @@ TEST(PressedSurfaces, PullTheFibreInByTheEnergyOfTheOverlapAtMost) {
   } cases[] = {
       {R"({"van_der_waals":{"form":"corrected","hamaker_J":3.67e-19}})", 0},
       {R"({"van_der_waals":{"form":"corrected","hamaker_J":3.67e-19}})", 0.5},
-      {R"({"electrostatic":{"form":"corrected","voltage_V":5}})", 0},
+      {R"({"electrostatic":{"form":"corrected","voltage_V":1}})", 0},
       {R"({"electrostatic":{"form":"corrected","voltage_V":30}})", 5},
       {R"({"van_der_waals":{"form":"corrected","hamaker_J":1e-18},
            "electrostatic":{"form":"corrected","voltage_V":2}})",

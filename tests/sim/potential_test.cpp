@@ -179,7 +179,7 @@ TEST(Potential, OfSurfaceForcesBeginsSmoothlyAtTheMouth) {
   for (const char* sums : {"tilted_axes=\"closed_form\"", "tilted_axes=\"quadrature\""}) {
     const World world =
         testing::bare({"laws.van_der_waals={\"form\":\"corrected\",\"hamaker_J\":6e-19}",
-                       "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":5}", sums})
+                       "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":1}", sums})
             .world;
     for (const double out : {0.5, 0.999}) {
       const auto inwards = [&](double x) {
@@ -201,7 +201,7 @@ TEST(Potential, OfSurfaceForcesBeginsSmoothlyAtTheMouth) {
 TEST(Potential, OfSurfaceForcesEndsSmoothlyAtTheEndOfTheBore) {
   const World world =
       testing::bare({"laws.van_der_waals={\"form\":\"corrected\",\"hamaker_J\":6e-19}",
-                     "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":5}",
+                     "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":1}",
                      "ferrule.length_mm=0.3"})
           .world;
   const double length = world.profile.length, out = 0.999 * world.annulus.clearance();
@@ -224,7 +224,7 @@ TEST(Potential, OfSurfaceForcesEndsSmoothlyAtTheEndOfTheBore) {
 // Along a fibre that lies on the wall and is tilted ever more: the energy is that of its gradient.
 TEST(Potential, OfAFibreAlongTheWallIsContinuous) {
   const World world =
-      testing::bare({"laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":6}"}).world;
+      testing::bare({"laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":1}"}).world;
   const double length = 700e-6, c = world.annulus.clearance();
   const auto at = [&](double tilt) {
     const Pose tip = testing::pose(-length, c, 0.5 * tilt * length, 0, -tilt);
