@@ -37,7 +37,7 @@ std::optional<PoseVector> predict_rubbing(const World& world, const Energy& here
                                           std::optional<NewtonStep>& newton) noexcept {
   const auto first = frozen.friction;
   newton.emplace(world, frozen, here, tip, 1, Pivots::as_they_are, true);
-  const auto move = FrictionLimits(world, frozen, tip, kSlipsOn).settle(*newton, frozen);
+  auto move = FrictionLimits(world, frozen, tip, kSlipsOn).settle(*newton, frozen);
   if (move && rubs_on(world, first, frozen, tip, *move)) return move;
   frozen.friction = first;
   newton.emplace(world, frozen, here, tip);
