@@ -17,7 +17,7 @@ Vector2d face_slope(const World& world, const PoseVector& tip) noexcept {
 // central differences.
 void rest_on_face(const World& world, const PoseVector& tip, ContactDepth& depth) noexcept {
   constexpr double kApart = 1e-9;  // [m]
-  const double r = world.annulus.fibre_radius - world.end.edge;
+  const double r = world.annulus.fibre_radius;
   const double opening = world.profile.mouth_radius();
   const Vector2d slope = face_slope(world, tip);
   depth.point = tip.position();
@@ -234,7 +234,7 @@ class Rim {
 // A rounded rim goes round the edge between throat and face as it does round those in the throat:
 // it lies beyond what of the end is flat, on the face too.
 bool touches_with_rim(const World& world, EdgeSide side) noexcept {
-  return side == EdgeSide::throat || world.end.edge > 0;
+  return side == EdgeSide::throat || world.end.rounded();
 }
 
 ContactDepth rim_depth(const World& world, const PoseVector& tip) noexcept {

@@ -189,7 +189,7 @@ void stay_if_astray(const World& world, const State& state, const Pose& command,
                     int most_evaluations, FrozenCoefficients& frozen, Minimum& found) noexcept {
   const PoseVector tip(state.tip);
   const EdgeSide side = frozen.contact.side;
-  const bool fell = state.side == EdgeSide::face && world.end.edge == 0 &&
+  const bool fell = state.side == EdgeSide::face && !world.end.rounded() &&
                     side_of(world, found.tip, side) == EdgeSide::throat;
   if (found.converged && !fell) return;
   const FrozenCoefficients first = freeze(world, state, command, dt);

@@ -15,9 +15,9 @@ Minimum solve_sub_step(const World& world, const State& state, double dt, int fe
                        int most_evaluations, double* event, FrozenCoefficients& frozen) noexcept;
 
 // A search that ended early may have begun where the prediction was, higher than the end is, or
-// have gone astray, far farther than the hand is: the end stays where it was then. One that fell
-// off the face, where bore and cone are not looked at, may end deep in them: it goes on from the
-// edge.
+// have gone astray, far farther than the hand is: the end stays where it was then. A sharp one that
+// fell off the face, where bore and cone are not looked at, may end deep in them: it goes on from
+// the edge.
 void stay_if_astray(const World& world, const State& state, const Pose& command, double dt,
                     int most_evaluations, FrozenCoefficients& frozen, Minimum& found) noexcept;
 

@@ -20,12 +20,17 @@ constexpr double kMostHanging = 0.3;  // tilt of the end in free air [rad]
 using rule::not_negative;
 using rule::positive;
 
+template <class Part>
+void read_solid(JsonFields& f, Part& part) {
+  f.number("young_GPa", positive(1e-3, 1e4), part.young_GPa);
+  f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), part.poisson);
+  f.number("shear_GPa", positive(1e-6, 1e4), part.shear_GPa);
+}
+
 void read_fibre(JsonFields f, FibreParameters& fibre) {
   f.number("diameter_um", positive(1, 1e5), fibre.diameter_um);
   f.number("density_kg_m3", positive(1, 1e5), fibre.density_kg_m3);
-  f.number("young_GPa", positive(1e-3, 1e4), fibre.young_GPa);
-  f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), fibre.poisson);
-  f.number("shear_GPa", positive(1e-6, 1e4), fibre.shear_GPa);
+  read_solid(f, fibre);
   f.number("manipulated_length_mm", positive(1e-3, 1e4), fibre.manipulated_length_mm);
   if (f.present("curl_radius_m"))
     f.number("curl_radius_m", positive(1e-2, 1e9), fibre.curl_radius_m.emplace());
@@ -54,9 +59,7 @@ void read_ferrule(JsonFields f, FerruleParameters& ferrule) {
     f.number("ovality_direction_deg", rule::between(-360, 360, "must be from -360 to 360"),
              ferrule.ovality_direction_deg.emplace());
   f.depends("ovality_direction_deg", {"ovality_um"});
-  f.number("young_GPa", positive(1e-3, 1e4), ferrule.young_GPa);
-  f.number("poisson", rule::between(-1, 0.5, "must be from -1 to 0.5"), ferrule.poisson);
-  f.number("shear_GPa", positive(1e-6, 1e4), ferrule.shear_GPa);
+  read_solid(f, ferrule);
   f.raw("lead_in");
   if (f.has("lead_in")) {
     LeadIn& lead_in = ferrule.lead_in.emplace();

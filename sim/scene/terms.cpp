@@ -13,10 +13,12 @@ bool read_printed(JsonFields& law) {
   return law.choice("form", {"printed", "corrected"}) == 0;
 }
 
-void read_contact_angle(JsonFields& law, double& angle) {
+template <class Law>
+void read_wetting(JsonFields& f, Law& law) {
+  f.number("surface_tension_N_m", rule::positive(1e-30, 3), law.surface_tension);
   Rule wetting = rule::between(0, 90, "must be at least 0 and below 90 degrees");
   wetting.high_open = true;
-  law.number("contact_angle_deg", wetting, angle, degree);
+  f.number("contact_angle_deg", wetting, law.contact_angle, degree);
 }
 
 void read_van_der_waals(JsonFields f, Laws& laws) {
@@ -43,8 +45,7 @@ void read_gravity(JsonFields f, Laws& laws) {
 
 template <class Law>
 void read_liquid(JsonFields& f, Law& law) {
-  f.number("surface_tension_N_m", rule::positive(1e-30, 3), law.surface_tension);
-  read_contact_angle(f, law.contact_angle);
+  read_wetting(f, law);
   f.number("film_nm", rule::positive(1e-3, 1e6), law.film, nano);
 }
 
@@ -102,8 +103,7 @@ void read_drag(JsonFields f, Laws& laws) {
 void read_meniscus(JsonFields f, Laws& laws) {
   f.choice("form", {"corrected"});
   Meniscus& law = laws.meniscus.emplace();
-  f.number("surface_tension_N_m", rule::positive(1e-30, 3), law.surface_tension);
-  read_contact_angle(f, law.contact_angle);
+  read_wetting(f, law);
   f.finish();
 }
 

@@ -7,10 +7,16 @@
 
 #include "sim/curl.hpp"
 #include "sim/elementary.hpp"
+#include "sim/laws/corrected_range.hpp"
 #include "sim/scene/units.hpp"
 
 namespace ferrule {
 namespace {
+
+Annulus annulus_of(const WorldParameters& p) noexcept {
+  return {0.5 * micro * p.fibre.diameter_um, 0.5 * micro * p.ferrule.bore_diameter_um,
+          nano * p.roughness_nm};
+}
 
 FerruleProfile profile(const FerruleParameters& ferrule, const Annulus& annulus) noexcept {
   FerruleProfile profile{annulus.bore_radius, 0, 0, milli * ferrule.length_mm};
@@ -82,7 +88,7 @@ std::string shown(double x) {
 // A voltage that no surfaces bear where they come closest (kGreatestField).
 std::optional<Inconsistency> unbearable_field(const WorldParameters& p) {
   const auto* law = std::get_if<Electrostatic>(&p.laws.electrostatic);
-  const double closest = std::max(nano * p.roughness_nm, kInteratomicDistance);
+  const double closest = corrected::asperity_range(annulus_of(p));
   if (!law || law->voltage <= kGreatestField * closest * (1 + 1e-9)) return std::nullopt;
   return {{"laws.electrostatic.voltage_V", "must be at most " + shown(kGreatestField * closest) +
                                                " where roughness_nm is " + shown(p.roughness_nm) +
@@ -176,8 +182,7 @@ std::optional<Particle> particle(const WorldParameters& p) noexcept {
 
 World make_world(const WorldParameters& p) {
   World world{};
-  world.annulus = {0.5 * micro * p.fibre.diameter_um, 0.5 * micro * p.ferrule.bore_diameter_um,
-                   nano * p.roughness_nm};
+  world.annulus = annulus_of(p);
   world.oval = oval_bore(p);
   world.end = fibre_end(p.fibre);
   world.profile = profile(p.ferrule, world.annulus);

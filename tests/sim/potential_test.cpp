@@ -210,7 +210,7 @@ TEST(Potential, OfSurfaceForcesEndsSmoothlyAtTheEndOfTheBore) {
     return Potential(world, freeze(world, at_rest(world, tip), tip, 0), tip).bore.gradient.x;
   };
   EXPECT_GT(inwards(11e-9), 0);  // its energy falls as it goes in
-  EXPECT_NEAR(inwards(10.001e-9), inwards(11e-9), 1e-3 * inwards(11e-9));
+  EXPECT_CLOSE(inwards(10.001e-9), inwards(11e-9), 1e-3);
   EXPECT_LT(std::abs(inwards(0.1e-9)), 1e-2 * inwards(11e-9));
   EXPECT_EQ(inwards(-1e-9), 0);
   for (double left = -0.7e-9; left < 12e-9; left += 0.47e-9) {

@@ -102,7 +102,7 @@ TEST(Scene, RefusesAVoltageThatNoSurfaceBearsAndNamesTheRoughnessThatDoes) {
     ASSERT_NE(named, std::string::npos) << said;
     const std::string least =
         said.substr(named + before.size(), said.rfind(':') - named - before.size());
-    EXPECT_NEAR(std::stod(least), 21.37, 1e-9);
+    EXPECT_CLOSE(std::stod(least), 21.37, 1e-12);
     EXPECT_NO_THROW(
         load_scene("bench", {"laws.electrostatic.voltage_V=213.7", "roughness_nm=" + least}));
   }
