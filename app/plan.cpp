@@ -81,7 +81,11 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       "The same motion sampled and stepped twice as finely ends elsewhere by {:.2g}: {}.\n"
       "{}Error bound {:.2g} of the clearance, and of {:.4g} uN in force; asked for: {:g}{}\n",
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
-      plan.tangent > 0 ? "Smooth stretches are followed along the tangent.\n" : "",
+      plan.tangent > 0
+          ? fmt::format(
+                "Smooth stretches are followed along the tangent, to {:.2g} of the clearance.\n",
+                plan.tangent)
+          : "",
       plan.sampled_twice, plan.sampling_counts ? "that counts" : "the bound does not cover that",
       ringing(plan, inertia), plan.error_bound, 1e6 * plan.force_scale, plan.tolerance,
       holds(plan)                        ? ""

@@ -25,15 +25,14 @@ struct Trace {
 Trace follow_hand(const World& world, const State& start, const std::vector<Pose>& hand,
                   int parts) {
   Trace trace;
-  State state = start;
+  StepResult r(start);
   const auto begin = std::chrono::steady_clock::now();
   for (std::size_t n = 0; n < hand.size(); ++n) {
-    const StepResult r = step(world, state, hand[n], n == 0 ? 0 : kPeriod / parts);
-    state = r.state;
+    step_on(world, hand[n], n == 0 ? 0 : kPeriod / parts, r);
     trace.not_converged += r.status == StepStatus::not_converged;
     trace.capped += r.status == StepStatus::capped;
     if (n % static_cast<std::size_t>(parts) != 0) continue;
-    trace.tips.emplace_back(state.tip);
+    trace.tips.emplace_back(r.state.tip);
     trace.forces.emplace_back(r.forces.holder.head<3>());
   }
   trace.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

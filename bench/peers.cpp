@@ -66,15 +66,15 @@ class Held {
 class Ours : public Held {
  public:
   explicit Ours(const World& world) : world_(world) {}
-  void reset(const Pose& tip) override { state_ = at_rest(world_, tip); }
+  void reset(const Pose& tip) override { now_ = StepResult(at_rest(world_, tip)); }
   Pose step(const Pose&, const Pose& next, double dt) override {
-    state_ = ferrule::step(world_, state_, next, dt).state;
-    return state_.tip;
+    step_on(world_, next, dt, now_);
+    return now_.state.tip;
   }
 
  private:
   const World& world_;
-  State state_;
+  StepResult now_{State()};
 };
 
 class Theirs : public Held {

@@ -48,13 +48,16 @@ PlanRow measured(const std::string& name, PlanFor quantity, std::uint64_t seed,
   const Scene planned = parse_scene(plan.document, name);
   Json document = scene.document;
   document["quadrature"] = 16;
+  document["tangent"] = {{"tip_nm", 0}, {"force_uN", 0}};
   const Scene full = parse_scene(document, name);
-  Campaign of_full, of_planned;
+  Campaign of_full, of_shipped, of_planned;
   for (int turn = 0; turn < kTurns; ++turn) {
     run(full, seed, trials, of_full);
+    run(scene, seed, trials, of_shipped);
     run(planned, seed, trials, of_planned);
   }
   row.full_us_per_simulated_s = std::ranges::min(of_full.us_per_simulated_s);
+  row.shipped_us_per_simulated_s = std::ranges::min(of_shipped.us_per_simulated_s);
   row.planned_us_per_simulated_s = std::ranges::min(of_planned.us_per_simulated_s);
   row.ratio = row.full_us_per_simulated_s / row.planned_us_per_simulated_s;
   const CampaignSummary a = summarise(of_full.results), b = summarise(of_planned.results);

@@ -173,14 +173,17 @@ Case two_contacts() {
 }
 
 // The stuck state of friction is no differential equation: the reference is the same method in
-// steps of 1 us.
+// steps of 1 us, each of them solved.
 Case two_contacts_with_friction() {
   Case c = wedged("two contacts with friction", "laws.friction.form=corrected");
+  World world = c.world;
+  world.numerics.tangent_tip = 0;
   State state = c.start;
+  state.tangent.reset();
   long n = 0;
   for (const double time : c.times) {
     for (; static_cast<double>(n) * kFineStep < time - 0.5 * kFineStep; ++n)
-      state = step(c.world, state, c.hand(static_cast<double>(n + 1) * kFineStep), kFineStep).state;
+      state = step(world, state, c.hand(static_cast<double>(n + 1) * kFineStep), kFineStep).state;
     c.exact.push_back(state.tip);
   }
   return c;

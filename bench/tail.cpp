@@ -23,11 +23,13 @@ struct Sample {
   std::vector<int> evaluations;
 };
 
-StepResult timed_step(const World& world, const State& state, const Pose& hand, double dt,
+// In place, as a loop takes it.
+StepResult timed_step(const World& world, const StepResult& now, const Pose& hand, double dt,
                       double& us) {
   using Clock = std::chrono::steady_clock;
+  StepResult result = now;
   const auto begin = Clock::now();
-  StepResult result = step(world, state, hand, dt);
+  step_on(world, hand, dt, result);
   us = std::chrono::duration<double, std::micro>(Clock::now() - begin).count();
   return result;
 }
@@ -35,18 +37,18 @@ StepResult timed_step(const World& world, const State& state, const Pose& hand, 
 void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand, double dt,
            Sample& sample) {
   const World& world = scene.world;
-  State state = start;
+  StepResult now(start);
   HandWork work(world, start);
   for (const Pose& to : hand) {
-    work.move(state, to);
+    work.move(now.state, to);
     double us = 0;
-    const StepResult result = timed_step(world, state, to, dt, us);
+    const StepResult result = timed_step(world, now, to, dt, us);
     for (int n = 0; n < kAgain && us > kLongUs; ++n) {
       double again = 0;
-      timed_step(world, state, to, dt, again);
+      timed_step(world, now, to, dt, again);
       us = std::min(us, again);
     }
-    state = result.state;
+    now = result;
     ++sample.row.steps;
     sample.row.not_converged += result.status == StepStatus::not_converged;
     sample.row.capped += result.status == StepStatus::capped;
@@ -54,7 +56,7 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
     sample.evaluations.push_back(result.evaluations);
   }
   ++sample.row.loops;
-  sample.row.loops_that_gained += work.gained(state);
+  sample.row.loops_that_gained += work.gained(now.state);
 }
 
 template <class T>

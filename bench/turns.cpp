@@ -28,16 +28,17 @@ Pose turned(const Matrix2d& turn, Pose p) {
 // The end's largest distance from where it should be [clearances].
 double difference(const World& world, const State& start, const std::vector<Pose>& hand,
                   const Matrix2d& turn, int every) {
-  State here = start, there = start;
-  there.tip = turned(turn, start.tip);
-  there.command = turned(turn, start.command);
+  State other = start;
+  other.tip = turned(turn, start.tip);
+  other.command = turned(turn, start.command);
+  StepResult here(start), there(other);
   double most = 0;
   int n = 0;
   for (const Pose& to : hand) {
-    here = step(world, here, to, kStep).state;
-    there = step(world, there, turned(turn, to), kStep).state;
-    if (every > 0 && ++n % every == 0) there = state_of(to_row(there));
-    most = std::max(most, (turned(turn, here.tip) - there.tip).head<3>().norm());
+    step_on(world, to, kStep, here);
+    step_on(world, turned(turn, to), kStep, there);
+    if (every > 0 && ++n % every == 0) there.state = state_of(to_row(there.state));
+    most = std::max(most, (turned(turn, here.state.tip) - there.state.tip).head<3>().norm());
   }
   return most / world.annulus.clearance();
 }

@@ -24,9 +24,9 @@ using hdf5::Reader;
 using hdf5::Table;
 
 constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air; 2: no particle, no linearization. Files of
-// before are read, and held against what they were.
-constexpr std::uint64_t kFormatVersion = 3;
+// 1: columns as one text, no scales, no flow and air; 2: no particle, no linearization; 3: no
+// tangent. Files of before are read, and held against what they were.
+constexpr std::uint64_t kFormatVersion = 4;
 constexpr const char* kDemo = "/data/demo_0";
 constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 constexpr const char* kTimeScale = "/data/demo_0/time";
@@ -99,6 +99,7 @@ std::string scale_of(const std::vector<std::string>& names) {
                             : names.size() == 5        ? names[0] == "Fx" ? "wrench" : "pose"
                             : names[0] == "tip_x"      ? "state"
                             : names[0] == "there"      ? "linearization"
+                            : names[0] == "on_tangent" ? "tangent"
                                                        : "force";
   return std::string(kDemo) + "/" + scale;
 }
@@ -184,10 +185,12 @@ std::string inputs_sha1(const Content& content) {
   return sha1(all);
 }
 
-// A block as files of a format have it: the second knew no particle and no linearization (of no
-// columns), the first neither flow ahead of the end nor air there.
+// A block as files of a format have it: the third knew no tangent (of no columns), the second no
+// particle and no linearization, the first neither flow ahead of the end nor air there.
 Block block_of(Block block, std::uint64_t version) {
   if (version == kFormatVersion) return block;
+  if (block.begin == kTangent.begin) block.width = 0;
+  if (version == 3) return block;
   if (block.begin == kLinearization.begin) block.width = 0;
   const auto without = [](const Block& of, const std::string& last) {
     const std::string text = of.columns;

@@ -65,7 +65,9 @@ void verify(const Episode& episode, Verification& comparison) {
   RecordedHand hand(episode);
   const EpisodeInfo& info = episode.info;
   const Eigen::RowVectorXd scale = row_scale(rows);
-  const bool linearized = rows.col(kLinearization.begin).any();  // files of format 1 and 2 are not
+  std::vector<Block> unknown;  // to files of formats of before
+  for (const Block& block : {kLinearization, kTangent})
+    if (!rows.col(block.begin).any()) unknown.push_back(block);
   Eigen::Index n = 0;
   const InsertionEnd end = run_insertion(
       scene, draw_start(scene, info.seed, info.trial), hand,
@@ -73,7 +75,7 @@ void verify(const Episode& episode, Verification& comparison) {
       {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
       [&](const Tick& tick) {
         RowVector recomputed = make_row(tick);
-        if (!linearized) recomputed.segment<kLinearization.width>(kLinearization.begin).setZero();
+        for (const Block& block : unknown) recomputed.segment(block.begin, block.width).setZero();
         // The last command is what the recorded hand was built from, not a result.
         if (n == rows.rows() - 1)
           recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);

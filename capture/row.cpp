@@ -35,10 +35,36 @@ std::vector<std::string> state_names() {
   return all;
 }
 
+std::vector<std::string> tangent_names() {
+  std::vector<std::string> all;
+  const std::vector<std::string> poses = words(kPoseNames), vectors = words("x y z");
+  const auto add = [&](const std::string& name, const std::vector<std::string>& parts) {
+    for (const std::string& part : parts) all.push_back(name + part);
+  };
+  add("", {"on_tangent"});
+  for (const char* by : {"_by_command_", "_by_before_"})
+    for (const std::string& column : poses)
+      for (const std::string& row : poses) all.push_back("tip_" + row + by + column);
+  add("before_", poses);
+  add("", words("period way reach determinant least_x most_x"));
+  for (const std::string place : {"end_", "side_"}) {
+    add(place, words("near rubs slips depth longest longer slid turned"));
+    add(place + "depth_by_", poses);
+    add(place + "stretch_", vectors);
+    add(place + "across_", vectors);
+    for (const std::string& row : poses) all.push_back(place + "tip_" + row + "_by_turned");
+    for (const std::string& column : poses)
+      for (const std::string& row : vectors)
+        all.push_back(place + "stretch_" + row + "_by_" + column);
+  }
+  return all;
+}
+
 }  // namespace
 
 std::vector<std::string> column_names(const Block& block) {
   if (block.begin == kStates.begin) return state_names();
+  if (block.begin == kTangent.begin) return tangent_names();
   if (block.width == 1) return {block.name};
   if (block.begin != kForces.begin) {
     const std::string text = block.columns;

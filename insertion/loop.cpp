@@ -153,6 +153,7 @@ const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
   if (!next.holder.allFinite())
     return p.over ? p.ends_as_seen() : p.ends(Outcome::invalid_output, kNotFinite);
   const HandTwist command = (next.holder - p.now.holder) / period;
+  if (on_tick) p.result.forces = all_forces(p.scene.world, p.result);
   const bool go_on = !on_tick || on_tick({p.time(), p.now.sample, p.now.holder, p.velocity, command,
                                           p.result, p.sensed.absolute(), p.sensed.relative()});
   if (p.over) return p.ends_as_seen();

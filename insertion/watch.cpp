@@ -30,16 +30,18 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   const double force = holder_force(scene_.world, f).squaredNorm();  // [N^2]
   summary_.time = now.time;
   if (force > summary_.peak_force * summary_.peak_force) summary_.peak_force = std::sqrt(force);
-  const Vector3d move = (now.tip - tip_before_).head<3>();
-  for (const PointForce& friction : f[Term::friction])
-    summary_.friction_work += std::max(0.0, -friction.force.dot(move));
+  if (!now.tangent || now.tangent->way == 0) {  // a stretch at its end
+    const Vector3d move = (now.tip - tip_before_).head<3>();
+    for (const PointForce& friction : f[Term::friction])
+      summary_.friction_work += std::max(0.0, -friction.force.dot(move));
+    tip_before_ = now.tip;
+  }
   summary_.peak_stress =
       std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.command));
   summary_.depth = now.inserted_length();
   if (summary_.reached < 0 && summary_.depth >= scene_.success.depth) summary_.reached = now.time;
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();
-  tip_before_ = now.tip;
   ++summary_.steps;
   summary_.unfinished +=
       result.status == StepStatus::capped || result.status == StepStatus::not_converged;

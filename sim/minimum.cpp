@@ -17,7 +17,7 @@ struct LastStep {
   double move;   // of the clearance
 };
 constexpr LastStep kLastStep = {5e-4, 1e-4};
-constexpr LastStep kLastStepInWell = {kNearForce, 2e-5};  // near printed surfaces
+constexpr LastStep kLastStepInWell = {1e-6, 2e-5};  // near printed surfaces
 constexpr double kNearWall = 10e-9;  // moves that begin so near to a wall go along it [m]
 constexpr double kShortestLever =
     1e-6;                              // inserted length at which tilts are those of two places [m]

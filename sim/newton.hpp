@@ -40,6 +40,10 @@ class Eliminated {
     return {x, e, -(over_tt_ * g.t) - x * xt_over_tt_ - et_over_tt_.transpose() * e};
   }
 
+  double determinant() const noexcept {  // [(N/m)^3 (N m/rad)^2]
+    return 1 / (over_tt_.determinant() * over_ee_.determinant() * over_xx_);
+  }
+
  private:
   Matrix2d over_tt_, over_ee_, et_over_tt_;
   Vector2d xt_over_tt_, xe_over_ee_;

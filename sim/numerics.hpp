@@ -16,7 +16,7 @@ struct Numerics {
   // snaps, is divided until the command travels no more than this in it [m].
   double event_travel = std::numeric_limits<double>::infinity();
   // Where these are not 0, smooth stretches are followed along the tangent (sim/tangent.hpp), to
-  // about this error of the end [m] and of the force at the holder [N].
+  // about this error of the end [m] and of the force at the holder [N]; else every step is solved.
   double tangent_tip = 0, tangent_force = 0;
   Quadrature quadrature;  // of surface forces along the inserted length
   // Corrected van der Waals and electrostatic forces in closed form instead

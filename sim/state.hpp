@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <type_traits>
 
 #include "sim/breakdown.hpp"
 #include "sim/ferrule_profile.hpp"
@@ -36,21 +37,31 @@ struct Linearization {
 // step was solved (sim/tangent.hpp).
 struct Tangent {
   Matrix5 tip_by_command;
+  // Where drag is modelled: by the move over the step before, which was `last`, and how long a step
+  // is [s].
+  Matrix5 tip_by_last = Matrix5::Zero();
+  Pose last = Pose::Zero();
+  double dt = 0;
   // How far the fibre has gone since, and how far it may go until a step is solved again [-].
   double way = 0, reach = 0;
+  double determinant = 0;          // of the stiffness that holds the end [(N/m)^3 (N m/rad)^2]
   double least_x = 0, most_x = 0;  // the end stays between edges of the ferrule [m]
   struct Place {
     bool near = false;  // an open contact: the rest is set where the place is there at all
-    double depth = 0;   // of mean surfaces: now where it is open, else in the step solved [m]
-    Pose depth_slope = Pose::Zero();
     bool rubs = false, slips = false;
-    Eigen::Matrix<double, 3, 5> stretching;  // of the stuck spring, by the pose
-    Vector3d stretch;                        // of it [m]
-    double longest;                          // that friction holds it to [m]
-    double slid;                             // beyond that, in the step solved [m]
+    double depth = 0;    // of mean surfaces: now where it is open, else in the step solved [m]
+    double longest = 0;  // that friction holds the stuck spring to [m]
+    double longer = 0;   // of that, by the depth [-]
+    double slid = 0;     // beyond that, in the step solved [m]
+    double turned = 0;   // it has across, as the slip has turned since [m]
+    Pose depth_slope = Pose::Zero();
+    Vector3d stretch = Vector3d::Zero();  // of the stuck spring [m]
+    Vector3d across = Vector3d::Zero();   // the direction across the slip
+    Pose tip_by_turned = Pose::Zero();
+    // Of it, by the pose.
+    Eigen::Matrix<double, 3, 5> stretching = Eigen::Matrix<double, 3, 5>::Zero();
   };
   std::array<Place, kContactPlaces> place;
-  Breakdown forces;  // there
 
   // With copies of its own, so that a state without one costs none.
   Tangent() = default;
@@ -73,17 +84,39 @@ struct State {
   Pose velocity_before = Pose::Zero();  // [m/s, rad/s]
   double dt_before = 0;                 // [s]
   std::optional<Linearization> linearization;
-  std::optional<Tangent> tangent;  // no part of a row: without it the next step is solved
+  std::optional<Tangent> tangent;  // without it the next step is solved
 
   // Inserted length l_f [m], >= 0.
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
 };
 
-// A state as a row of numbers: for files and for comparing bit for bit. What it goes on from is
-// that state to the last bit, but for the tangent of scenes that have one.
+// A state as a row of numbers: for files and for comparing bit for bit. What goes on from it goes
+// on from that state to the last bit.
 inline constexpr int kLinearized = 42;  // column that tells whether there is a linearization
-inline constexpr int kStateSize = kLinearized + 1 + 5 + 17 + 5;
+inline constexpr int kOnTangent = kLinearized + 1 + 5 + 17 + 5;  // and whether a tangent
+inline constexpr int kTangentSize = 2 * 25 + 5 + 6 + kContactPlaces * 39;
+inline constexpr int kStateSize = kOnTangent + 1 + kTangentSize;
 using StateRow = Eigen::Matrix<double, kStateSize, 1>;
+
+// Shows `each` the parts of a tangent, in the order of a row.
+template <class OfTangent, class Each>
+void each_part(OfTangent& t, const Each& each) noexcept {
+  each(t.tip_by_command.reshaped());
+  each(t.tip_by_last.reshaped());
+  each(t.last);
+  for (auto* number : {&t.dt, &t.way, &t.reach, &t.determinant, &t.least_x, &t.most_x})
+    each(*number);
+  for (auto& place : t.place) {
+    for (auto* flag : {&place.near, &place.rubs, &place.slips}) each(*flag);
+    for (auto* number : {&place.depth, &place.longest, &place.longer, &place.slid, &place.turned})
+      each(*number);
+    each(place.depth_slope);
+    each(place.stretch);
+    each(place.across);
+    each(place.tip_by_turned);
+    each(place.stretching.reshaped());
+  }
+}
 
 inline StateRow to_row(const State& s) noexcept {
   StateRow row = StateRow::Zero();
@@ -95,10 +128,23 @@ inline StateRow to_row(const State& s) noexcept {
     row.segment<6>(13 + 6 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck,
         static_cast<double>(c.branch);
   }
-  if (!s.linearization || s.linearization->at != s.tip) return row;
-  const PoseMatrix& h = s.linearization->hessian;
-  row.tail<kStateSize - kLinearized>() << 1, s.linearization->gradient.full(), h.xx, h.xe, h.xt,
-      h.ee.reshaped(), h.et.reshaped(), h.tt.reshaped(), s.linearization->curvature.full();
+  if (s.linearization && s.linearization->at == s.tip) {
+    const PoseMatrix& h = s.linearization->hessian;
+    row.segment<kOnTangent - kLinearized>(kLinearized) << 1, s.linearization->gradient.full(), h.xx,
+        h.xe, h.xt, h.ee.reshaped(), h.et.reshaped(), h.tt.reshaped(),
+        s.linearization->curvature.full();
+  }
+  if (!s.tangent) return row;
+  Eigen::Index at = kOnTangent;
+  row[at++] = 1;
+  each_part(*s.tangent, [&](const auto& part) {
+    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(part)>>) {
+      row[at++] = static_cast<double>(part);
+    } else {
+      row.segment(at, part.size()) = part;
+      at += part.size();
+    }
+  });
   return row;
 }
 
@@ -119,6 +165,18 @@ inline State state_of(const StateRow& row) noexcept {
   s.velocity_before = row.segment<5>(35);
   s.dt_before = row[40];
   s.air = row[41];
+  if (row[kOnTangent] != 0) {
+    Eigen::Index at = kOnTangent + 1;
+    each_part(s.tangent.emplace(), [&](auto&& part) {
+      using Part = std::decay_t<decltype(part)>;
+      if constexpr (std::is_arithmetic_v<Part>) {
+        part = static_cast<Part>(row[at++]);
+      } else {
+        part = row.segment(at, part.size());
+        at += part.size();
+      }
+    });
+  }
   if (row[kLinearized] == 0) return s;
   Linearization& l = s.linearization.emplace();
   l.at = s.tip;

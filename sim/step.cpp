@@ -111,10 +111,10 @@ double part_to_edge(const World& world, const State& state, double way) noexcept
   return std::max(edge_step(world), left - turning - 2 * near) / std::abs(way);
 }
 
-// Did something begin or end, did a contact that rubs turn, as over an edge, or did the end move by
-// far more than the command?
-bool is_event(const State& before, const FrozenCoefficients& frozen, const Minimum& found,
-              const Contacts& now, double travel) noexcept {
+// Did something begin or end, did a contact that rubs turn, as over an edge, did the end leave the
+// face, or did it move by far more than the command?
+bool is_event(const World& world, const State& before, const FrozenCoefficients& frozen,
+              const Minimum& found, const Contacts& now, double travel) noexcept {
   if (hits(before, now)) return true;
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const FrozenFriction& friction = frozen.friction[place];
@@ -122,7 +122,8 @@ bool is_event(const State& before, const FrozenCoefficients& frozen, const Minim
     const Vector3d normal = found.there.depth[place].normal(found.tip.t);
     if (normal.dot(friction.tangential * normal) > kTurnedBy * normal.squaredNorm()) return true;
   }
-  return before.side != frozen.contact.side ||
+  const EdgeSide side = frozen.contact.side;
+  return before.side != side || side_of(world, found.tip, side) != side ||
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
@@ -144,7 +145,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
   result.forces = {};
   forces(world, frozen, found.tip, found.there, result.forces);
-  set_tangent(world, frozen, found, result.forces, state);
+  set_tangent(world, frozen, found, dt, state);
   ++result.substeps;
 }
 
@@ -175,7 +176,7 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   result.iterations += found.iterations;
   if (divisible && !found.converged) return {false, true, where};
   const Contacts now = contacts(world, frozen, found.tip, found.there);
-  const bool event = is_event(state, frozen, found, now, travel_of(world, state, command));
+  const bool event = is_event(world, state, frozen, found, now, travel_of(world, state, command));
   if (divisible && event) return {false, true, where};
   const bool came_off = state.contact[kEnd].closed && !now.contact[kEnd].closed;
   if (may_be == Divisible::where_end_comes_off && came_off) return {false, true};
@@ -263,7 +264,7 @@ bool step_unsolved(const World& world, const Pose& command, double dt, StepResul
     return true;
   }
   if (now.state.tangent)
-    if (const auto next = along_tangent(world, now.state, command)) {
+    if (const auto next = along_tangent(world, now.state, command, dt)) {
       follow_tangent(world, command, dt, *next, now);
       return true;
     }
@@ -272,9 +273,21 @@ bool step_unsolved(const World& world, const Pose& command, double dt, StepResul
 
 }  // namespace
 
+Breakdown all_forces(const World& world, const StepResult& now) noexcept {
+  if (now.evaluations > 0 || !now.state.tangent) return now.forces;
+  const State before = before_tangent_step(world, now.state);
+  StepResult solved(before);
+  follow_command(world, before, now.state.command, now.state.tangent->dt, solved);
+  solved.forces.holder = now.forces.holder;
+  return solved.forces;
+}
+
 StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept {
   StepResult result(state);
-  if (!step_unsolved(world, command, dt, result)) follow_command(world, state, command, dt, result);
+  if (step_unsolved(world, command, dt, result))
+    result.forces = all_forces(world, result);
+  else
+    follow_command(world, state, command, dt, result);
   return result;
 }
 

@@ -8,7 +8,8 @@
 // A predictor, the linearization of the forces where the last step ended, says where it ends, and
 // one evaluation there corrects it: a smooth step takes one evaluation of the potential. Where
 // something happens on the way, or the minimum is not found soon, the step is halved. In free air
-// and in the lead-in, while nothing touches, the end hangs on its holder and nothing is evaluated.
+// and in the lead-in, while nothing touches, the end hangs on its holder and nothing is evaluated;
+// nor is it in smooth stretches, as long as their tangent is good enough (sim/tangent.hpp).
 #pragma once
 
 #include "sim/breakdown.hpp"
@@ -32,6 +33,8 @@ struct StepResult {
   explicit StepResult(const State& start) noexcept : state(start) {}
 
   State state;
+  // Along a tangent only the holder's is that of now, and the terms those of the step solved last
+  // (all_forces()).
   Breakdown forces;
   StepStatus status = StepStatus::ok;
   int evaluations = 0;  // of the potential
@@ -40,11 +43,14 @@ struct StepResult {
   int halvings = 0;  // of sub-steps: the minimum was not found soon, or an event was located
 };
 
+// The forces of all terms where a step has ended.
+Breakdown all_forces(const World& world, const StepResult& now) noexcept;
+
 // From `state` over `dt` [s] to `command` [m, rad]. Never throws, never allocates, never
 // returns a value that is not finite (if `state` is finite).
 StepResult step(const World& world, const State& state, const Pose& command, double dt) noexcept;
-// The same from now.state, in place, bit for bit: where a stretch is followed along its tangent
-// what does not change is not copied. `now` is what a step made, or StepResult(state).
+// The same from now.state, in place, bit for bit, but for the forces of terms along a tangent.
+// `now` is what a step made, or StepResult(state).
 void step_on(const World& world, const Pose& command, double dt, StepResult& now) noexcept;
 
 }  // namespace ferrule

@@ -29,22 +29,32 @@ FrozenCoefficients freeze_again(const World& world, const State& start,
   return again;
 }
 
-// Ends the friction of contacts that have come apart; whether there were any.
+// Has a contact that rubs come apart?
+bool comes_apart(const World& world, const Minimum& found, const FrozenCoefficients& frozen,
+                 int place) noexcept {
+  const FrozenFriction& friction = frozen.friction[place];
+  return friction.acts && !(stuck_stiffness(world, friction, found.there, place) > 0);
+}
+bool come_apart(const World& world, const Minimum& found,
+                const FrozenCoefficients& frozen) noexcept {
+  return comes_apart(world, found, frozen, kEnd) || comes_apart(world, found, frozen, kSide);
+}
+
+// Ends the friction of contacts that have; whether there were any.
 bool let_go(const World& world, const Minimum& found, FrozenCoefficients& frozen) noexcept {
   bool any = false;
-  for (int place = 0; place < kContactPlaces; ++place) {
-    FrozenFriction& friction = frozen.friction[place];
-    if (!friction.acts) continue;
-    friction.acts = stuck_stiffness(world, friction, found.there, place) > 0;
-    any = any || !friction.acts;
-  }
+  for (int place = 0; place < kContactPlaces; ++place)
+    if (comes_apart(world, found, frozen, place)) {
+      frozen.friction[place].acts = false;
+      any = true;
+    }
   return any;
 }
 
 // Goes on from a minimum to where the friction limits are those of the contacts there; whether it
 // got there. Contacts that less friction lets go later are held by no minimum of given limits; they
-// are followed by Newton's method in both together, as long as that stays near: from a move that
-// does not, the search goes back, with limits halfway.
+// are followed by Newton's method in both together, as long as that stays near and contacts stay
+// closed: from a move where they do not, the search goes back, with limits halfway.
 bool settle_limits(const World& world, const State* before, int most_evaluations,
                    FrozenCoefficients& frozen, Minimum& found) noexcept {
   bool met = false;
@@ -76,7 +86,9 @@ bool settle_limits(const World& world, const State* before, int most_evaluations
       found.tip = moved_along(world, frozen, from, *move);
       found.there = Potential(world, frozen, found.tip);
       ++found.evaluations;
-      if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale) continue;
+      if (residual(world, found.there.gradient) <= kStaysNear * found.there.force_scale &&
+          !come_apart(world, found, frozen))
+        continue;
       if (found.evaluations >= most_evaluations) return false;
       found.tip = from;
       for (std::size_t at = 0; at < kContactPlaces; ++at)

@@ -7,6 +7,9 @@ namespace ferrule::testing {
 
 inline constexpr double kFibreRadius = 62.5e-6;  // [m] of all shipped scenes
 
+// Setting of a scene whose every step is solved, none followed along a tangent.
+inline constexpr const char* kEveryStepSolved = R"(tangent={"tip_nm":0,"force_uN":0})";
+
 inline Scene paper(const std::vector<std::string>& settings = {}) {
   return load_scene("paper", settings);
 }

@@ -97,7 +97,9 @@ void add_episode(nb::module_& module) {
   add("status", kStatus, "0 ok, 1 not converged, 2 bad command, 3 capped; (N,).");
   add("states", kStates, "The simulator's state, at the tip's scale; (N, 42).");
   add("linearization", kLinearization,
-      "The rest of the state: the forces in the bore about the tip; (N, 28).");
+      "More of the state: the forces in the bore about the tip; (N, 28).");
+  add("tangent", kTangent,
+      "The rest of it: what the next step follows where it is not solved; (N, 140).");
 }
 
 }  // namespace ferrule::python

@@ -63,7 +63,8 @@ class Simulator {
   mutable std::mutex mutex_;
 };
 
-nb::dict force_dict(const Breakdown& forces) {
+nb::dict force_dict(const SteppedTrial& trial) {
+  const Breakdown forces = all_forces(trial.scene().world, trial.result());
   nb::dict all;
   for (const Term term : kAllTerms) all[info(term).name] = array(forces.force(term));
   return all;
@@ -270,8 +271,8 @@ void add_simulator(nb::module_& module) {
             return s.look([](const SteppedTrial& t) { return array(to_row(t.result().state)); });
           },
           kOwned,
-          "The state as an episode's `states` and `linearization` have it, at the tip's scale; "
-          "shape (70,).")
+          "The state as an episode's `states`, `linearization` and `tangent` have it, at the tip's "
+          "scale; shape (210,).")
       .def_prop_ro(
           "tip",
           [](const Simulator& s) {
@@ -281,7 +282,7 @@ void add_simulator(nb::module_& module) {
       .def_prop_ro(
           "forces",
           [](const Simulator& s) {
-            return s.look([](const SteppedTrial& t) { return force_dict(t.result().forces); });
+            return s.look([](const SteppedTrial& t) { return force_dict(t); });
           },
           "The force of each term on the fibre, by its name: x, y, z [N]; shape (3,) each.")
       .def_prop_ro(
@@ -311,8 +312,7 @@ void add_simulator(nb::module_& module) {
       .def("step", &Trials::step, nb::arg("velocity"), nb::arg("again"))
       .def("tip",
            [](const Trials& t, std::size_t i) { return array(t.trial(i).result().state.tip); })
-      .def("forces",
-           [](const Trials& t, std::size_t i) { return force_dict(t.trial(i).result().forces); });
+      .def("forces", [](const Trials& t, std::size_t i) { return force_dict(t.trial(i)); });
   std::vector<std::string> columns(std::begin(Trials::kColumns), std::end(Trials::kColumns));
   module.attr("_trial_columns") = columns;
   std::vector<std::string> outcomes;

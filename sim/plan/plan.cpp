@@ -31,7 +31,7 @@ constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid
 
 constexpr double kLocatesEvents = 1e-9;   // the hand's travel in one that is located, at most [m]
 constexpr double kFinestForSteps = 1e-4;  // what a step with drag is compared with [s]
-constexpr double kTangent = 0.3;          // of the tolerance, along a tangent
+constexpr double kTangent = 0.3;          // of the tolerance, along a tangent for the success rate
 
 // Terms that may be left out together, and what that changes at most.
 struct LeftOut {
@@ -77,8 +77,8 @@ struct Reduced {
   std::vector<Term> without;
   Fidelity fidelity;
   Dynamics dynamics;
-  double step;         // longest [s]
-  double tangent = 0;  // [-]
+  double step;                         // longest [s]
+  std::optional<double> tangent = {};  // [-]; none: as the scene has it
 };
 
 World reduced_world(const Reference& reference, const Reduced& r) {
@@ -89,15 +89,17 @@ World reduced_world(const Reference& reference, const Reduced& r) {
   p.numerics.quadrature = Quadrature::gauss_legendre(r.fidelity.nodes);
   p.numerics.closed_form = r.fidelity.closed_form;
   p.numerics.longest_step = r.step;
-  p.numerics.tangent_tip = r.tangent * reference.clearance;
-  p.numerics.tangent_force = r.tangent * reference.force_scale;
+  if (r.tangent) {
+    p.numerics.tangent_tip = *r.tangent * reference.clearance;
+    p.numerics.tangent_force = *r.tangent * reference.force_scale;
+  }
   return make_world(p);
 }
 
 // The scene file of that model.
 Json reduced_document(const Reference& reference, const Reduced& r) {
   Json d = reference.scene.document;
-  for (const char* key : {"accuracy", "tilted_axes", "integrator", "tangent"}) d.erase(key);
+  for (const char* key : {"accuracy", "tilted_axes", "integrator"}) d.erase(key);
   for (const Term term : r.without) d["laws"][info(term).name] = nullptr;
   d["quadrature"] = r.fidelity.nodes;
   if (!r.fidelity.closed_form) d["tilted_axes"] = "quadrature";
@@ -108,9 +110,9 @@ Json reduced_document(const Reference& reference, const Reduced& r) {
   // Which depends on the laws where it is not stated.
   if (!d.contains("event_travel_nm"))
     d["event_travel_nm"] = std::min(reference.scene.parameters.numerics.event_travel / 1e-9, 1e9);
-  if (r.tangent > 0)
-    d["tangent"] = {{"tip_nm", r.tangent * reference.clearance / 1e-9},
-                    {"force_uN", r.tangent * reference.force_scale / 1e-6}};
+  if (r.tangent)
+    d["tangent"] = {{"tip_nm", *r.tangent * reference.clearance / 1e-9},
+                    {"force_uN", *r.tangent * reference.force_scale / 1e-6}};
   return d;
 }
 
@@ -215,25 +217,21 @@ Choice choose(const Reference& reference, const Budget& budget) {
   return nothing_reduced;
 }
 
-// The cheapest model whose steps are good enough, by whether terms are left out and stretches are
-// followed along the tangent, at the control period; else the full one.
+// The cheapest model whose steps are good enough, by whether terms are left out and how closely
+// stretches are followed along the tangent, at the control period; else the full one.
 Choice choose_for_success(const Reference& reference, double tolerance) {
   const Scene& scene = reference.scene;
   const double enough = kMeasured * tolerance;
   const Choice full{
       {{}, kFidelities.back(), scene.world.dynamics, kSamplePeriod}, {}, {}, INFINITY};
   Reduced finest = full.model;
-  std::vector<double> tangents = {kTangent, 0.1 * kTangent};
-  const bool timeless = !depends_on_speed(scene.world.laws);
-  if (!timeless) {
-    finest.step = kFinestForSteps;
-    tangents = {0};  // every step is solved
-  }
+  finest.tangent = 0;
+  if (depends_on_speed(scene.world.laws)) finest.step = kFinestForSteps;
   const World exact = reduced_world(reference, finest);
   for (Choice& c :
        with_and_without_terms(reference, full, kShare * tolerance, kShareOfFidelity * tolerance)) {
-    for (const double tangent : tangents) {
-      c.model.tangent = tangent * tolerance;
+    for (const double part : {kTangent, 0.1 * kTangent}) {
+      c.model.tangent = part * tolerance;
       c.error = reference.error_of_steps(reduced_world(reference, c.model), exact);
       if (c.error > enough) continue;
       c.error /= kMeasured;
@@ -241,7 +239,7 @@ Choice choose_for_success(const Reference& reference, double tolerance) {
     }
   }
   Choice nothing_reduced = full;
-  nothing_reduced.error = timeless ? 0 : reference.error_of_steps(scene.world, exact) / kMeasured;
+  nothing_reduced.error = reference.error_of_steps(scene.world, exact) / kMeasured;
   return nothing_reduced;
 }
 
@@ -296,7 +294,7 @@ struct Inertia {
   }
 };
 
-// Every term, the finest fidelity.
+// Every term, the finest fidelity; in steps as the scene has them.
 Scene full_model(const Scene& scene, bool inertial, double step) {
   Scene full = scene;
   WorldParameters& p = full.parameters;
@@ -307,7 +305,6 @@ Scene full_model(const Scene& scene, bool inertial, double step) {
   p.numerics.closed_form = true;
   p.numerics.quadrature = Quadrature::gauss_legendre(kFullNodes);
   p.numerics.longest_step = step;
-  p.numerics.tangent_tip = p.numerics.tangent_force = 0;
   full.world = make_world(p);
   return full;
 }
@@ -399,7 +396,6 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.rings = inertia.rings;
   plan.dynamics = choice.model.dynamics;
   plan.step = choice.model.step;
-  plan.tangent = choice.model.tangent;
   plan.force_scale = reference.force_scale;
   plan.step_error = std::max(choice.error, reference.step_error / kMeasured);
   plan.error_bound =
@@ -410,7 +406,10 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.sampling_counts = reference.scene.document.contains("event_travel_nm") && !for_success &&
                          reference.scene.parameters.numerics.event_travel > 1.001 * kLocatesEvents;
   if (plan.sampling_counts) plan.error_bound = std::max(plan.error_bound, plan.sampled_twice);
-  plan.terms = planned_terms(reference, choice, reduced_world(reference, choice.model));
+  const World chosen = reduced_world(reference, choice.model);
+  if (chosen.dynamics == Dynamics::quasi_static)
+    plan.tangent = chosen.numerics.tangent_tip / reference.clearance;
+  plan.terms = planned_terms(reference, choice, chosen);
   add_curl_and_inertia(reference, choice, inertia, plan);
   if (plan.partial) plan.error_bound = INFINITY;
   plan.document = reduced_document(reference, choice.model);

@@ -35,10 +35,11 @@
 // full model would do from the same state: the motion is then the full model's for a hand that is
 // off by no more than that. Its bound is that error of a step, of 95 % of the steps of four probes.
 // Terms may be left out by their share whether it sticks or not, drag is compared over the control
-// period, and smooth stretches are followed along the tangent (sim/tangent.hpp). Scenes with
-// inertia are planned for the motion.
+// period, and smooth stretches are followed along the tangent to 0.3 or 0.03 of the tolerance.
+// Scenes with inertia are planned for the motion.
 //
-// The full model locates events as the scene does: to 0.1 nm of the hand's travel, in scenes with
+// The full model follows smooth stretches along the tangent (sim/tangent.hpp) where and as closely
+// as the scene does, and locates events as it does: to 0.1 nm of the hand's travel, in scenes with
 // printed surface laws or adhesion not at all unless they ask for it.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
@@ -77,12 +78,13 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   // unless the scene says that it is quasi-static.
   std::vector<PlannedTerm> terms;
   Dynamics dynamics;
-  double step;         // longest step in time [s]
-  double tangent;      // error to which smooth stretches follow the tangent [-]; 0: none does
+  double step;  // longest step in time [s]
+  // Error to which smooth stretches follow the tangent, of the clearance [-]; 0: none does.
+  double tangent = 0;
   double force_scale;  // what force errors are relative to [N]
   double error_bound;  // of tip over clearance and of force over force_scale
-  // By how much the same motions, sampled twice as finely and taken in steps half as long, end
-  // elsewhere in the full model, in the same measure; whether that counts in the bound, events not
+  // By how much the same motions, sampled twice as finely and taken in steps half as long, each of
+  // them solved, end elsewhere in the full model, in the same measure; whether that counts in the bound, events not
   // being located.
   double sampled_twice = 0;
   bool sampling_counts = false;

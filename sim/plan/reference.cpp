@@ -72,17 +72,17 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
   for (std::size_t k = 0; k < std::min(kProbesForSteps, probes.size()); ++k) {
     if (!watch.next()) return INFINITY;
     const std::vector<Pose>& hand = probes[k].hand;
-    State state = probes[k].start;
+    StepResult reached(probes[k].start);
     for (std::size_t n = 0; n < runs[k].tip.size(); ++n) {
       const double dt = n == 0 ? 0 : kSamplePeriod;
-      State before = state;
+      const bool compared = n % kEveryForSteps == 0;
+      State before = compared ? reached.state : State();
+      step_on(reduced, hand[n], dt, reached);
+      if (!compared) continue;
       leave_tangent(reduced, before);
-      const StepResult reached = step(reduced, state, hand[n], dt);
-      state = reached.state;
-      if (n % kEveryForSteps != 0) continue;
       const StepResult exact = step(full, before, hand[n], dt);
       const Vector3d force = (reached.forces.holder - exact.forces.holder).head<3>();
-      errors.push_back(std::max((state.tip - exact.state.tip).head<3>().norm() / clearance,
+      errors.push_back(std::max((reached.state.tip - exact.state.tip).head<3>().norm() / clearance,
                                 force.norm() / force_scale));
     }
   }
@@ -123,6 +123,7 @@ double Reference::error_of_stretches() const {
 double Reference::sampled_twice() const {
   WorldParameters p = scene.parameters;
   if (p.dynamics == Dynamics::quasi_static) p.numerics.longest_step *= 0.5;
+  p.numerics.tangent_tip = 0;
   const World finer = make_world(p);
   double worst = 0;
   for (std::size_t k = 0; k < std::min(kResampled, probes.size()) && watch.next(); ++k) {

@@ -27,6 +27,7 @@ bool draw_diameters(Scene& drawn, RandomStream random) {
   WorldParameters& p = drawn.parameters;
   p.fibre.diameter_um = 1e6 * fibre;
   p.ferrule.bore_diameter_um = 1e6 * bore;
+  if (!drawn.document.contains("tangent")) p.numerics.tangent_tip = usual_tangent_tip(p);
   if (const auto found = inconsistency(p))
     throw BadInput(drawn.name + ": tolerance: " + found->key + " " + found->rule);
   Json& document = drawn.document;

@@ -119,11 +119,6 @@ void read_numerics(JsonFields& scene, const Laws& laws, Numerics& numerics) {
     scene.number("event_travel_nm", positive(1e-6, 1e9), numerics.event_travel, nano);
   else if (!has_printed_wells(laws))
     numerics.event_travel = kUsualEventTravel;
-  if (scene.present("tangent")) {
-    JsonFields tangent = scene.object("tangent");
-    tangent.number("tip_nm", positive(1e-6, 1e6), numerics.tangent_tip, nano);
-    tangent.number("force_uN", positive(1e-6, 1e6), numerics.tangent_force, micro);
-  }
 }
 
 void read_world(JsonFields& scene, WorldParameters& world) {
@@ -214,6 +209,17 @@ void read_limits(JsonFields f, Limits& limits) {
   f.finish();
 }
 
+void read_tangent(JsonFields& fields, Scene& scene) {
+  Numerics& numerics = scene.parameters.numerics;
+  numerics.tangent_tip = usual_tangent_tip(scene.parameters);
+  numerics.tangent_force = kUsualTangent * scene.limits.force;
+  if (!fields.present("tangent")) return;
+  JsonFields f = fields.object("tangent");
+  f.number("tip_nm", not_negative(1e6), numerics.tangent_tip, nano);
+  f.number("force_uN", not_negative(1e6), numerics.tangent_force, micro);
+  f.finish();
+}
+
 void read_scaling(JsonFields f, ScalingRanges& scaling) {
   f.number("hand_range_mm", positive(1e-6, 1e6), scaling.hand_range, milli);
   f.number("tip_range_um", positive(1e-6, 1e6), scaling.tip_range, micro);
@@ -253,6 +259,7 @@ void read_scene(JsonFields& fields, Scene& scene) {
   if (fields.present("drawn_from")) read_drawn_from(fields.object("drawn_from"));
   read_sensor(fields.object("sensor"), scene.sensor);
   read_limits(fields.object("limits"), scene.limits);
+  read_tangent(fields, scene);
   JsonFields success = fields.object("success");
   success.number("depth_um", positive(1e-6, 1e7), scene.success.depth, micro);
   success.finish();

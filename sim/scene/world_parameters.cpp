@@ -99,6 +99,10 @@ std::optional<Inconsistency> unbearable_field(const WorldParameters& p) {
 
 }  // namespace
 
+double usual_tangent_tip(const WorldParameters& p) noexcept {
+  return kUsualTangent * annulus_of(p).clearance();
+}
+
 double free_length(const WorldParameters& p) noexcept {
   const auto* elastic = std::get_if<ElasticFibre>(&p.holder);
   return milli * (elastic ? elastic->free_length_mm : p.fibre.manipulated_length_mm);

@@ -57,6 +57,11 @@ struct WorldParameters {
   Numerics numerics;
 };
 
+// What a smooth stretch may be off by where a scene does not state it: of the clearance and of the
+// force limit; of the end [m].
+inline constexpr double kUsualTangent = 1e-5;
+double usual_tangent_tip(const WorldParameters& p) noexcept;
+
 // The largest ovality of a bore, of what it is wider than the fibre: q < c/3, so that the clearance
 // is convex (sim/oval_bore.hpp).
 inline constexpr double kMostOval = 0.6;

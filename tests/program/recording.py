@@ -106,11 +106,26 @@ class Recording(Case):
                 for key, value in attributes.items():
                     demo[name].attrs[key] = value.replace(last.encode(), b"") if (
                         key == "columns") else value
-            del demo["rows/linearization"]
+            del demo["rows/linearization"], demo["rows/tangent"]
             f.attrs["format_version"] = numpy.int64(1)
             del f.attrs["inputs_sha1"]
         self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
         self.assertEqual(json.loads(self.done("forces", file, "--json").stdout)["terms"], terms)
+
+    def leave_out(self, file, rows):
+        table = file["data/demo_0/rows"][rows]
+        scale = table.dims[1][0].name
+        del file["data/demo_0/rows"][rows], file[scale]
+
+    def test_files_of_format_3_are_read_and_verified(self):
+        self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
+                  "--out", self.path("third"))
+        file = self.path("third/episode_0001.h5")
+        with h5py.File(file, "r+") as f:  # as it was: no tangent
+            self.leave_out(f, "tangent")
+            f.attrs["format_version"] = numpy.int64(3)
+            del f.attrs["inputs_sha1"]
+        self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
 
     def test_files_of_format_2_are_read_and_verified(self):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
@@ -118,8 +133,8 @@ class Recording(Case):
         file = self.path("second/episode_0001.h5")
         terms = json.loads(self.done("forces", file, "--json").stdout)["terms"]
         with h5py.File(file, "r+") as f:  # as it was: no particle among the forces, no linearization
-            linearization = f["data/demo_0/rows/linearization"].dims[1][0].name
-            del f["data/demo_0/rows/linearization"], f[linearization]
+            self.leave_out(f, "linearization")
+            self.leave_out(f, "tangent")
             demo, forces = f["data/demo_0"], f["data/demo_0/rows/forces"]
             scales = [list(dimension.values()) for dimension in forces.dims]
             names = [c for c in scales[1][0][:] if not c.startswith(b"particle")]
@@ -247,7 +262,7 @@ class Recording(Case):
 
         def small_files():
             import resource
-            resource.setrlimit(resource.RLIMIT_FSIZE, (3_000_000, 3_000_000))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (6_000_000, 6_000_000))
 
         # The journal fits and the episode does not, or neither does.
         whole = self.path("whole")

@@ -186,7 +186,7 @@ TEST(PegInHole, TwoPointForcesCarryTheMoment) {
 // of normal force N is a friction coefficient mu(N), so that Whitney's closed forms apply.
 struct TwoPoints {
   World world = testing::bare({R"(laws={"friction":{"form":"corrected","burgers_nm":0.48}})",
-                               "holder.tilt_stiffness_N_m_rad=1e-6"})
+                               "holder.tilt_stiffness_N_m_rad=1e-6", testing::kEveryStepSolved})
                     .world;
   State state;
   StepResult last;

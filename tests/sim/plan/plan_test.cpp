@@ -122,8 +122,8 @@ World full_model(const Scene& scene, double step) {
 TEST(Plan, LeavesOutWhatDoesNotActAndSaysWhatItWouldHaveChanged) {
   // A fibre in free flight and against a wall, without friction; a voltage of a nanovolt.
   const Scene scene =
-      testing::bare({"laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":1e-9}",
-                     "laws.gravity={\"form\":\"corrected\"}", "roughness_nm=5"});
+      testing::paper({"laws={}", "laws.electrostatic={\"form\":\"corrected\",\"voltage_V\":1e-9}",
+                      "laws.gravity={\"form\":\"corrected\"}", "roughness_nm=5"});
   const Plan plan = make_plan(scene, 0.01);
   ASSERT_EQ(plan.terms.size(), 4u);  // electrostatic, gravity, wall, inertia
   EXPECT_EQ(plan.terms[0].name, "electrostatic");
