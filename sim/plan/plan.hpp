@@ -84,8 +84,8 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   double force_scale;  // what force errors are relative to [N]
   double error_bound;  // of tip over clearance and of force over force_scale
   // By how much the same motions, sampled twice as finely and taken in steps half as long, each of
-  // them solved, end elsewhere in the full model, in the same measure; whether that counts in the bound, events not
-  // being located.
+  // them solved, end elsewhere in the full model, in the same measure; whether that counts in the
+  // bound, events not being located.
   double sampled_twice = 0;
   bool sampling_counts = false;
   double step_error = 0;  // what of the bound its steps are, or all that is chosen with them [-]
