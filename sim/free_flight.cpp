@@ -11,12 +11,13 @@ namespace {
 // Nothing near the fibre now or at its `goal`.
 bool flies_free(const World& world, const State& state, const Pose& goal) noexcept {
   const double lever = world.annulus.fibre_radius;
+  const auto steepest = [](const auto& slope) { return std::abs(slope[0]) + std::abs(slope[1]); };
   const double reach =
-      world.profile.lead_in_length + world.annulus.clearance() + lever * world.end.cleave.norm();
-  if (!(std::min(state.tip[0], state.command[0]) > reach)) return false;
-  const auto tilt = [](const Pose& p) { return std::abs(p[3]) + std::abs(p[4]); };
-  return std::min({state.tip[0], state.command[0], goal[0]}) -
-             lever * (tilt(state.tip) + tilt(goal)) >
+      world.profile.lead_in_length + world.annulus.clearance() + lever * steepest(world.end.cleave);
+  const double nearest = std::min(state.tip[0], state.command[0]);
+  if (!(nearest > reach)) return false;
+  return std::min(nearest, goal[0]) -
+             lever * (steepest(state.tip.tail<2>()) + steepest(goal.tail<2>())) >
          reach;
 }
 
@@ -55,19 +56,24 @@ bool fly_free(const World& world, const Pose& command, double dt, StepResult& no
   const Pose goal = command + world.holder.sag;
   const bool in_opening = !flies_free(world, state, goal);
   if (in_opening && !hangs_in_opening(world, state, goal)) return false;
+  // What a free step before this one has cleared is clear.
+  const bool was_free = now.substeps > 0 && now.evaluations == 0 && !state.tangent;
+  if (!was_free) {
+    state.bridge = false;
+    state.air = 0;
+    state.contact = {};
+    state.tangent.reset();
+    if (now.substeps > 0) now.forces = {};
+  }
   state.tip = goal;
   state.command = command;
   state.time += dt;
-  state.bridge = false;
-  state.air = 0;
-  state.contact = {};
-  state.linearization.reset();
-  state.tangent.reset();
   if (in_opening) {
     state.side = EdgeSide::throat;
     state.linearization = Linearization{state.tip, {}, {}, {}};
+  } else {
+    state.linearization.reset();
   }
-  if (now.substeps > 0) now.forces = {};
   now.forces.holder = world.holder.weight;
   now.forces[Term::gravity][0] = {{0, world.holder.weight[1], 0},
                                   state.tip.head<3>() + world.holder.weight_arm};

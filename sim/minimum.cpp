@@ -28,6 +28,7 @@ constexpr double kMeets = 1e-4;   // of the sum of all forces: stiff laws at the
 constexpr int kMostRounds = 3, kMostRoundsInWell = 6;
 constexpr double kFurther = 3;  // a step that got ever steeper
 constexpr int kMostExpansions = 4;
+constexpr double kUnresolved = 1e-14;     // moves that change an energy by less than it rounds [m]
 constexpr double kShortestTrial = 1e-19;  // the printed well is 1e12 N/m stiff [m]
 
 // An eccentricity that moves on along the wall: sideways it turns about the bore's axis.
@@ -287,7 +288,8 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int most_eva
     const Descent went = descend(world, frozen, newton, part, most_evaluations, past_edges, found);
     if (went == Descent::ended) return;
     if (went == Descent::nowhere) {  // rounding leaves nothing lower
-      found.converged = left <= kNearForce * found.there.force_scale;
+      found.converged =
+          left <= kNearForce * found.there.force_scale || (newton.convex && way <= kUnresolved);
       return;
     }
     if (bounded) farthest *= 2;

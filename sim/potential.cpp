@@ -60,6 +60,8 @@ AdhesionForce pull_at(const World& world, double depth, int branch) noexcept {
   return depth != -INFINITY ? adhesion_force(world.laws, depth, branch) : AdhesionForce{};
 }
 
+constexpr double kFarthestPatch = 0.1 * kPatch;  // that a step's is looked ahead for [m]
+
 // The share of the side's patch that the end leaves, by the length of the side past the mouth.
 struct PatchShare {
   double value, slope, curve;  // [-], [1/m], [1/m^2]
@@ -284,6 +286,20 @@ void add_surface(Energy& total, SurfaceGradients& by_term, const World& world,
   for (std::size_t i = 0; i < kSurfaceTerms; ++i) by_term[i] += by_tip(world, terms[i]);
 }
 
+// The side's friction has the patch of where the step ends, if the end goes as the hand does: a
+// spring that grows with it holds no more than before.
+void freeze_patch(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
+  FrozenFriction& friction = frozen.friction[kSide];
+  const double move = frozen.command.x - state.command[0];
+  const double before = side_share(world, frozen, frozen.from);
+  const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
+  friction.patch = PatchShare(past - std::clamp(move, -kFarthestPatch, kFarthestPatch)).value;
+  if (!(friction.patch > before)) return;
+  const Vector3d stretched =
+      material_point(world, frozen.contact, kSide, frozen.from) - friction.stuck;
+  friction.stuck += (1 - before / friction.patch) * stretched;
+}
+
 }  // namespace
 
 std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
@@ -299,12 +315,14 @@ std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
   return limits;
 }
 
-double stuck_stiffness(const World& world, const FrozenFriction& friction, const Potential& there,
-                       int place) noexcept {
+double stuck_stiffness(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                       const Potential& there, int place) noexcept {
   const auto at = static_cast<std::size_t>(place);
   const double depth = there.depth[at].value;
   const double a = depth == -INFINITY ? 0.0 : friction_radius(world, depth, there.pull[at]).value;
-  return a > 0 ? friction.patch * stuck_stiffness(*friction_law(world.laws), a) : 0.0;
+  if (!(a > 0)) return 0;
+  const double patch = place == kSide ? side_share(world, frozen, tip) : 1.0;
+  return patch * stuck_stiffness(*friction_law(world.laws), a);
 }
 
 FrozenCoefficients freeze(const World& world, const State& state, const Pose& command,
@@ -343,8 +361,8 @@ FrozenCoefficients freeze(const World& world, const State& state, const Pose& co
     friction.stuck = contact.stuck;
     friction.tangential = Matrix3d::Identity() - n * n.transpose();
     friction.arm = place == kSide ? -state.tip[0] : 0.0;
-    const double past = frozen.contact.past_mouth(frozen.from, world.annulus.fibre_radius);
-    friction.patch = place == kSide ? PatchShare(past).value : 1.0;
+    friction.patch = 1;
+    if (place == kSide) freeze_patch(world, state, frozen);
     friction.share = friction.patch * (shared ? 0.5 : 1.0);
     static_cast<FrictionLimit&>(friction) = friction_limit(
         world, friction, friction_radius(world, depths[place].value, contact.branch));

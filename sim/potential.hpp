@@ -114,9 +114,9 @@ std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
                                                           const FrozenCoefficients& frozen,
                                                           const Potential& there) noexcept;
 
-// Of the spring that is stuck at a place, where it touches in the potential `there` [N/m].
-double stuck_stiffness(const World& world, const FrozenFriction& friction, const Potential& there,
-                       int place) noexcept;
+// Of the spring that is stuck at a place, where it touches at `tip`, in the potential `there` [N/m].
+double stuck_stiffness(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
+                       const Potential& there, int place) noexcept;
 
 // Gradient and Hessian of all but friction at `tip`, from those of the bore's part there.
 Energy without_friction(const FrozenCoefficients& frozen, const PoseVector& tip,

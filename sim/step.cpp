@@ -42,7 +42,7 @@ void update_contacts(const World& world, const FrozenCoefficients& frozen, const
     if (!was_closed || !friction.acts) continue;
     const Vector3d stretched = stretch(world, frozen, place, tip);
     const double length = stretched.norm(), allowed = friction.limit / friction.stiffness;
-    const double stiffness = stuck_stiffness(world, friction, there, place);
+    const double stiffness = stuck_stiffness(world, frozen, tip, there, place);
     double part = length > allowed ? allowed / length : 1;
     if (stiffness > friction.stiffness) part *= friction.stiffness / stiffness;
     contact.stuck -= part * stretched;
@@ -127,9 +127,9 @@ bool is_event(const World& world, const State& before, const FrozenCoefficients&
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
-// Takes the minimum as the state after the sub-step.
+// Takes the minimum as the state after the sub-step. Forces and the tangent are those of the `last`.
 void accept(const World& world, const Pose& command, double dt, const FrozenCoefficients& frozen,
-            const Minimum& found, const Contacts& now, StepResult& result) noexcept {
+            const Minimum& found, const Contacts& now, bool last, StepResult& result) noexcept {
   State& state = result.state;
   const Pose tip = found.tip.full();
   update_velocity(frozen, tip, dt, state);
@@ -143,10 +143,11 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.air = tip[0] < 0 ? frozen.flow.air_at(-tip[0]) : 0;
   const Energy& bore = found.there.bore;
   state.linearization = Linearization{tip, bore.gradient, bore.hessian, found.curvature};
+  ++result.substeps;
+  if (!last) return;
   result.forces = {};
   forces(world, frozen, found.tip, found.there, result.forces);
   set_tangent(world, frozen, found, dt, state);
-  ++result.substeps;
 }
 
 // A sub-step: taken or, where it was too long, not: the minimum is far, or something happens in it.
@@ -160,8 +161,8 @@ struct Advance {
 // needs more evaluations, only where the end has come off.
 enum class Divisible { no, where_end_comes_off, at_events };
 
-// One from result.state to `command`, of at most so many evaluations.
-Advance advance(const World& world, const Pose& command, double dt, int most_evaluations,
+// One from result.state to `command`, of at most so many evaluations; the `last` of a way.
+Advance advance(const World& world, const Pose& command, double dt, bool last, int most_evaluations,
                 Divisible may_be, StepResult& result) noexcept {
   const bool divisible = may_be == Divisible::at_events;
   const State& state = result.state;
@@ -183,7 +184,7 @@ Advance advance(const World& world, const Pose& command, double dt, int most_eva
   result.status = found.converged ? StepStatus::ok
                   : spent         ? StepStatus::capped
                                   : StepStatus::not_converged;
-  accept(world, command, dt, frozen, found, now, result);
+  accept(world, command, dt, frozen, found, now, last, result);
   return {true, event};
 }
 
@@ -219,8 +220,8 @@ void follow_part(const World& world, const Pose& command, double dt, StepResult&
     shorten_curvature((to - done) / tried, result.state);
     tried = std::fmin(tried, to - done);
     const Pose goal = last ? command : Pose(from + to * (command - from));
-    const Advance went =
-        advance(world, goal, (to - done) * dt, last ? left : left - kReserve, divisible, result);
+    const Advance went = advance(world, goal, (to - done) * dt, last, last ? left : left - kReserve,
+                                 divisible, result);
     if (went.taken) {
       search.take(world, result.state, to, went.event);
     } else {
@@ -259,7 +260,8 @@ StepResult refuse(const World& world, const State& state) noexcept {
 
 // A step that needs no potential: refused, along a tangent, or free. False: it is to be solved.
 bool step_unsolved(const World& world, const Pose& command, double dt, StepResult& now) noexcept {
-  if (!command.allFinite() || !std::isfinite(dt) || dt < 0) {
+  const bool finite = (0 * command).sum() == 0;
+  if (!finite || !(dt >= 0 && dt < INFINITY)) {
     now = refuse(world, now.state);
     return true;
   }

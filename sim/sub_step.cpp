@@ -32,8 +32,8 @@ FrozenCoefficients freeze_again(const World& world, const State& start,
 // Has a contact that rubs come apart?
 bool comes_apart(const World& world, const Minimum& found, const FrozenCoefficients& frozen,
                  int place) noexcept {
-  const FrozenFriction& friction = frozen.friction[place];
-  return friction.acts && !(stuck_stiffness(world, friction, found.there, place) > 0);
+  return frozen.friction[place].acts &&
+         !(stuck_stiffness(world, frozen, found.tip, found.there, place) > 0);
 }
 bool come_apart(const World& world, const Minimum& found,
                 const FrozenCoefficients& frozen) noexcept {

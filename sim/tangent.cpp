@@ -22,7 +22,7 @@ constexpr double kSlipKept = 0.5;         // of what a spring is stretched befor
 constexpr double kStraightSlip = 0.2;     // of that, what it may be stretched across
 constexpr double kToFold = 0.25;          // of the way to one
 constexpr double kFromEdge = 0.2e-6;      // [m]
-constexpr double kNearPrinted = 10e-9;    // a printed surface: steeper than a tangent tells [m]
+constexpr double kNearPrinted = 2e-9;     // a printed surface: steeper than a tangent tells [m]
 
 bool follows_tangents(const World& world) noexcept {
   const Numerics& n = world.numerics;

@@ -74,5 +74,43 @@ TEST(Events, WhatAdhesionStillHoldsStays) {
       EXPECT_LE(apart(load_scene(name), k, seen), kMostBetween) << name << " " << k;
 }
 
+// Forces of friction along x at the mouth, every millisecond of 0.2 s in which a fibre that is
+// pressed against the mouth is pulled out by 3 um, or pushed in.
+std::vector<double> friction_at_mouth(const World& world, double way, int parts) {
+  const double from = way > 0 ? -2e-6 : 1e-6;
+  Pose hand = Pose::Zero();
+  hand[0] = from;
+  State state = at_rest(world, hand);
+  const double aside = 5 * world.annulus.clearance();
+  for (int n = 1; n <= 200; ++n) {
+    hand[1] = -aside * n / 200;
+    state = step(world, state, hand, kPeriod).state;
+  }
+  std::vector<double> forces;
+  for (int n = 1; n <= 200 * parts; ++n) {
+    hand[0] = from + way * n / (200 * parts);
+    const StepResult r = step(world, state, hand, kPeriod / parts);
+    state = r.state;
+    if (n % parts == 0) forces.push_back(r.forces[Term::friction][kSide].force.x());
+  }
+  return forces;
+}
+
+// Not a step later: by a twentieth of the force, with 15 nm in a step.
+TEST(Events, FrictionAtTheMouthIsOfThePatchThatIsIn) {
+  const World world = load_scene("easy").world;
+  for (const double way : {3e-6, -3e-6}) {
+    const std::vector<double> coarse = friction_at_mouth(world, way, 1);
+    const std::vector<double> fine = friction_at_mouth(world, way, 32);
+    double largest = 0, off = 0;
+    for (std::size_t n = 0; n < fine.size(); ++n) {
+      largest = std::max(largest, std::abs(fine[n]));
+      off = std::max(off, std::abs(coarse[n] - fine[n]));
+    }
+    EXPECT_GT(largest, 1e-6);
+    EXPECT_LE(off, 0.01 * largest) << way;
+  }
+}
+
 }  // namespace
 }  // namespace ferrule
