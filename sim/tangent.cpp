@@ -59,47 +59,38 @@ class Compliance {
       stretched[at] = stretch(world, frozen, place, found.tip);
       add_friction_about(all, world, frozen, place, stretched[at], stretched[at]);
     }
-    holds_ = given_.of(all.hessian) == 0;
-    determinant_ = given_.determinant();
+    Eliminated given;  // at given limits
+    holds_ = given.of(all.hessian) == 0;
+    determinant_ = given.determinant();
+    for (int k = 0; k < 5; ++k)
+      inverse_.col(k) = -given.solve(PoseVector(Pose(Pose::Unit(k)))).full();
     for (std::size_t at = 0; at < kContactPlaces; ++at) {
       const FrozenFriction& friction = frozen.friction[at];
       if (!friction.acts || !friction.slips(stretched[at])) continue;
       const PoseVector pull = pull_of_friction(world, frozen, static_cast<int>(at), stretched[at]);
-      add(friction.per_depth * pull, found.there.depth[at].by_pose(found.tip.t));
+      add((friction.per_depth * pull).full(), found.there.depth[at].by_pose(found.tip.t).full());
     }
   }
 
   // Are such forces in balance, and stable?
   bool holds() const noexcept { return holds_; }
   double determinant() const noexcept { return determinant_; }
-  PoseVector of(const PoseVector& force) const noexcept {
-    PoseVector move = -1 * given_.solve(force);
-    for (std::size_t k = 0; k < count_; ++k) move -= more_[k].slope.dot(move) * more_[k].answer;
-    return move;
-  }
+  Pose of(const Pose& force) const noexcept { return inverse_.lazyProduct(force); }
   // By columns.
-  Matrix5 of(const Matrix5& forces) const noexcept {
-    Matrix5 moves;
-    for (int k = 0; k < 5; ++k) moves.col(k) = of(PoseVector(Pose(forces.col(k)))).full();
-    return moves;
-  }
+  Matrix5 of(const Matrix5& forces) const noexcept { return inverse_.lazyProduct(forces); }
 
  private:
   // A gradient that changes by `by` with what has this slope (Sherman and Morrison, 1950).
-  struct More {
-    PoseVector slope, answer;
-  };
-  void add(const PoseVector& by, const PoseVector& slope) noexcept {
-    const PoseVector answer = of(by);
+  void add(const Pose& by, const Pose& slope) noexcept {
+    const Pose answer = of(by);
     const double factor = 1 + slope.dot(answer);
     holds_ = holds_ && factor > 0;
     determinant_ *= factor;
-    more_[count_++] = {slope, 1 / factor * answer};
+    const Pose share = inverse_.transpose().lazyProduct(slope);
+    inverse_ -= answer.lazyProduct((1 / factor * share).transpose());
   }
 
-  Eliminated given_;  // at given limits
-  std::array<More, kContactPlaces> more_;
-  std::size_t count_ = 0;
+  Matrix5 inverse_;
   bool holds_ = false;
   double determinant_ = 0;
 };
@@ -143,9 +134,7 @@ Tangent::Place place_of(const World& world, const FrozenCoefficients& frozen, co
   place.longer = (1 - 1 / friction_exponent(law, radius)) * friction.per_depth / friction.stiffness;
   place.across = depth.normal(found.tip.t).cross(stretched).normalized();
   const Pose turn = place.stretching.transpose() * place.across;
-  place.tip_by_turned =
-      compliance.of(PoseVector(Pose(place.slid * friction.limit / (length * length) * turn)))
-          .full();
+  place.tip_by_turned = compliance.of(Pose(place.slid * friction.limit / (length * length) * turn));
   return place;
 }
 
