@@ -366,18 +366,20 @@ Json event_json(const EventRow& r) {
           {"step_s", r.step_s},
           {"pose_difference_clearances", r.pose_difference_clearances},
           {"force_difference_relative", r.force_difference_relative},
+          {"share_above_1_percent", r.share_above_1_percent},
           {"us_per_simulated_s", r.us_per_simulated_s},
           {"not_converged", r.not_converged},
           {"capped", r.capped}};
 }
 
 void print_events(const std::vector<EventRow>& rows) {
-  fmt::print("{:<10} {:<10} {:>9} {:>18} {:>12} {:>16} {:>7} {:>7}\n", "scene", "motion",
-             "step [ms]", "pose [clearances]", "force", "us per simul. s", "failed", "capped");
+  fmt::print("{:<10} {:<10} {:>9} {:>18} {:>12} {:>11} {:>16} {:>7} {:>7}\n", "scene", "motion",
+             "step [ms]", "pose [clearances]", "force", "above 1 %", "us per simul. s", "failed",
+             "capped");
   for (const EventRow& r : rows)
-    fmt::print("{:<10} {:<10} {:9.4g} {:18.2g} {:12.2g} {:16.4g} {:>7} {:>7}\n", r.scene, r.motion,
-               1e3 * r.step_s, r.pose_difference_clearances, r.force_difference_relative,
-               r.us_per_simulated_s, r.not_converged, r.capped);
+    fmt::print("{:<10} {:<10} {:9.4g} {:18.2g} {:12.2g} {:11.2g} {:16.4g} {:>7} {:>7}\n", r.scene,
+               r.motion, 1e3 * r.step_s, r.pose_difference_clearances, r.force_difference_relative,
+               r.share_above_1_percent, r.us_per_simulated_s, r.not_converged, r.capped);
 }
 
 int events(const BenchArguments& a) {

@@ -40,28 +40,32 @@ Trace follow_hand(const World& world, const State& start, const std::vector<Pose
 }
 
 void compare(const World& world, const Trace& trace, const Trace& finest, EventRow& row) {
-  double force = 0, largest = 0;
+  std::vector<double> off;
+  double largest = 0;
   for (std::size_t n = 0; n < finest.tips.size(); ++n) {
     const PoseVector &a = trace.tips[n], &b = finest.tips[n];
     const double at_mouth = std::max(0.0, -b.x);
-    const double off =
+    const double apart =
         std::max((a - b).length(), (eccentricity(a, at_mouth) - eccentricity(b, at_mouth)).norm());
     row.pose_difference_clearances =
-        std::max(row.pose_difference_clearances, off / world.annulus.clearance());
-    force = std::max(force, (trace.forces[n] - finest.forces[n]).norm());
+        std::max(row.pose_difference_clearances, apart / world.annulus.clearance());
+    off.push_back((trace.forces[n] - finest.forces[n]).norm());
     largest = std::max(largest, (finest.forces[n] - finest.forces[0]).norm());
   }
-  if (largest > 0)
-    row.force_difference_relative = std::max(row.force_difference_relative, force / largest);
+  if (!(largest > 0)) return;
+  row.force_difference_relative =
+      std::max(row.force_difference_relative, *std::max_element(off.begin(), off.end()) / largest);
+  row.share_above_1_percent += static_cast<double>(
+      std::count_if(off.begin(), off.end(), [&](double force) { return force > 0.01 * largest; }));
 }
 
 void add_rows(const std::string& name, Motion motion, std::uint64_t seed, std::size_t starts,
               std::vector<EventRow>& rows) {
   const Scene scene = load_scene(name);
   std::array<EventRow, kParts.size()> mine;
-  double simulated = 0;
+  double samples = 0;
   for (std::size_t i = 0; i < kParts.size(); ++i)
-    mine[i] = {name, ferrule::name(motion), kPeriod / kParts[i], 0, 0, 0, 0, 0};
+    mine[i] = {name, ferrule::name(motion), kPeriod / kParts[i], 0, 0, 0, 0, 0, 0};
   for (std::size_t k = 0; k < starts; ++k) {
     const State start = draw_start(scene, seed, k);
     Trace finest;
@@ -74,10 +78,11 @@ void add_rows(const std::string& name, Motion motion, std::uint64_t seed, std::s
       mine[i].not_converged += trace.not_converged;
       mine[i].capped += trace.capped;
     }
-    simulated += kPeriod * static_cast<double>(finest.tips.size());
+    samples += static_cast<double>(finest.tips.size());
   }
   for (auto row = mine.rbegin(); row != mine.rend(); ++row) {
-    row->us_per_simulated_s /= simulated;
+    row->us_per_simulated_s /= samples * kPeriod;
+    row->share_above_1_percent /= samples;
     rows.push_back(*row);
   }
 }

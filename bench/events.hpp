@@ -15,6 +15,7 @@ struct EventRow {
   // From the finest step, largest over all common times and starts: of the end and of the place at
   // the mouth [clearances]; of the force at the holder, over the largest of the motion.
   double pose_difference_clearances, force_difference_relative;
+  double share_above_1_percent;  // of the common times, at which forces differ by more than that
   double us_per_simulated_s;
   long not_converged, capped;
 };

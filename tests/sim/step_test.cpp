@@ -109,7 +109,7 @@ TEST(Step, EndsWhereTheHolderBalancesAllOtherForces) {
 
 // Brute force: no pose around the result has less energy.
 TEST(Step, ResultIsALocalMinimumOfThePotential) {
-  const Scene scene = testing::paper();
+  const Scene scene = testing::paper({testing::kEveryStepSolved});
   State state = draw_start(scene, 5, 2);
   for (int n = 0; n < 7000; ++n) {
     Pose hand = state.command;
