@@ -9,7 +9,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kAimedAt = 0.4;  // of the error that is allowed, at the end of a stretch
+constexpr double kAimedAt = 0.25;  // of the error that is allowed, at the end of a stretch
 // A stretch than the one before, at most. No whole number, or rounding would decide in which of
 // equal steps it ends.
 constexpr double kLonger = 3.1416;
