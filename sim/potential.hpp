@@ -114,7 +114,7 @@ std::array<FrictionLimit, kContactPlaces> friction_limits(const World& world,
                                                           const FrozenCoefficients& frozen,
                                                           const Potential& there) noexcept;
 
-// Of the spring that is stuck at a place, where it touches at `tip`, in the potential `there` [N/m].
+// Of the spring that is stuck at a place that touches at `tip`, in the potential `there` [N/m].
 double stuck_stiffness(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                        const Potential& there, int place) noexcept;
 

@@ -127,7 +127,7 @@ bool is_event(const World& world, const State& before, const FrozenCoefficients&
          (found.tip.position() - before.tip.head<3>()).norm() > kSnap * travel;
 }
 
-// Takes the minimum as the state after the sub-step. Forces and the tangent are those of the `last`.
+// Takes the minimum as the state after the sub-step. Forces and tangent are those of the `last`.
 void accept(const World& world, const Pose& command, double dt, const FrozenCoefficients& frozen,
             const Minimum& found, const Contacts& now, bool last, StepResult& result) noexcept {
   State& state = result.state;

@@ -20,8 +20,9 @@ FrozenCoefficients freeze_again(const World& world, const State& start,
                                 const FrozenCoefficients& first, const Pose& tip) noexcept {
   State there = start;
   there.tip = tip;
+  there.command = first.command.full();
   there.side = first.contact.side;
-  const FrozenCoefficients now = freeze(world, there, first.command.full(), 0);
+  const FrozenCoefficients now = freeze(world, there, there.command, 0);
   FrozenCoefficients again = first;
   again.length = now.length;
   again.contact = now.contact;
