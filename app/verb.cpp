@@ -230,7 +230,7 @@ void expect_place_for(const std::string& file) {
   if (!folder.empty() && !fs::is_directory(folder, error))
     throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
   // A link is followed, a device or pipe written to, and a file renamed into its folder.
-  const fs::path whole = fs::weakly_canonical(file, error);
+  const fs::path whole = fs::weakly_canonical(fs::absolute(file), error);
   const bool device = fs::exists(whole, error) && !fs::is_regular_file(whole, error);
   const fs::path written = device ? whole : whole.parent_path();
   if (::access(written.c_str(), W_OK) != 0)

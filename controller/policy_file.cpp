@@ -172,7 +172,7 @@ void remove_old_weights(const std::string& file) {
   for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
     const std::string name = entry.path().filename().string();
     if (!entry.is_regular_file(error)) continue;
-    if (name.ends_with(".json") || entry.path() == fs::path(file))
+    if (name.ends_with(".json") || name == fs::path(file).filename())
       controllers += read_text(entry.path().string());
     const bool sized = name.size() == stem.size() + kHashDigits + kWeights.size();
     if (sized && name.starts_with(stem) && name.ends_with(kWeights) &&

@@ -2,7 +2,25 @@ import os
 import shutil
 import subprocess
 
-from case import PROGRAM, SOURCE, Case, main
+from case import PROGRAM, QUICK, SOURCE, Case, main
+
+
+class BareNames(Case):
+    """Output files named without a folder, in the folder where the program runs."""
+
+    def test_every_output_file(self):
+        here = {"cwd": self.folder}
+        self.done("record", "--scene", "paper", *QUICK, "--episodes", 3, "--out", "episodes", **here)
+        self.done("fit", "episodes", "--out", "law.json", "--plot", "law.svg", **here)
+        self.done("evaluate", "law.json", "--trials", 2, "--trials-out", "trials.csv", "--report",
+                  "trials.html", **here)
+        self.done("compare", "episodes", "--learners", "linear", "--trials", 2, "--trials-out",
+                  "compared.csv", **here)
+        self.done("replay", "episodes/episode_0001.h5", "--csv", "--plot", "episode.svg", **here)
+        self.done("export", "law.json", "--header", "law.h", **here)
+        for name in ("law.json", "law.svg", "trials.csv", "trials.html", "compared.csv",
+                     "episode.svg", "law.h"):
+            self.assertGreater(os.path.getsize(self.path(name)), 0, name)
 
 
 class Usage(Case):
