@@ -2,40 +2,15 @@
 # newcomer.sh [SUITE]: makes a Debian with git and nothing else (debootstrap; SUITE bookworm unless given, or
 # trixie), and runs there every command block of README.md of this commit, word for word and in order, from
 # `git clone` to the Python lines.
-#
-# From this machine come only the commit, its certificate authorities, and its settings of a proxy.
 set -euo pipefail
 suite=${1:-bookworm}
 [[ $# -le 1 && $suite =~ ^(bookworm|trixie)$ ]] || { echo "usage: newcomer.sh [bookworm|trixie]" >&2; exit 2; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+. tests/fresh_debian.sh
 say() { printf 'newcomer: %s\n' "$*"; }
 
-as_root=()
-if [[ $EUID -ne 0 ]]; then as_root=(sudo); fi
-command -v debootstrap >/dev/null ||
-  "${as_root[@]}" apt-get install -y -qq -o DPkg::Lock::Timeout=600 --no-install-recommends debootstrap
-fresh=$(mktemp -d)
-away() {
-  for folder in proc dev; do "${as_root[@]}" umount -l "$fresh/$folder" 2>/dev/null || true; done
-  # Never into what is still mounted.
-  "${as_root[@]}" rm -rf --one-file-system "$fresh"
-}
-trap away EXIT
-trap 'exit 130' INT TERM
-
 say "a bare Debian, $suite"
-"${as_root[@]}" debootstrap --variant=minbase --include=git,ca-certificates "$suite" "$fresh" >"$fresh.log" 2>&1 ||
-  { tail -n 20 "$fresh.log" >&2; exit 1; }
-rm -f "$fresh.log"
-"${as_root[@]}" mount -t proc proc "$fresh/proc"
-"${as_root[@]}" mount --bind /dev "$fresh/dev"
-"${as_root[@]}" cp -L /etc/resolv.conf "$fresh/etc/resolv.conf"
-grep -lsi proxy /etc/apt/apt.conf.d/* | xargs -r "${as_root[@]}" cp -t "$fresh/etc/apt/apt.conf.d" || true
-for authorities in /etc/ssl/certs /usr/local/share/ca-certificates; do
-  [[ -d $authorities ]] || continue
-  "${as_root[@]}" mkdir -p "$fresh$authorities"
-  "${as_root[@]}" cp -rL "$authorities/." "$fresh$authorities" 2>/dev/null || true # a link may lead nowhere
-done
+fresh_debian "$suite" git
 
 # The address in README.md leads to this commit.
 address=$(sed -n 's/^git clone \([^ ]*\).*/\1/p' README.md | head -n 1)
@@ -87,10 +62,5 @@ for made in ferrule-demo/report.html episodes/episode_0020.h5 controller.json tr
 SCRIPT
 } | "${as_root[@]}" tee "$fresh/root/commands.sh" >/dev/null
 
-kept=(PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8)
-for variable in http_proxy https_proxy no_proxy NODE_EXTRA_CA_CERTS PIP_CERT SSL_CERT_FILE REQUESTS_CA_BUNDLE; do
-  [[ -z ${!variable:-} ]] || kept+=("$variable=${!variable}")
-done
-"${as_root[@]}" chroot "$fresh" /usr/bin/env -i "${kept[@]}" \
-  bash -c 'cd ~ && bash commands.sh' </dev/null || { say "README.md does not work in a bare $suite"; exit 1; }
+inside bash -c 'cd ~ && bash commands.sh' || { say "README.md does not work in a bare $suite"; exit 1; }
 say "README.md works in a bare $suite"
