@@ -61,8 +61,13 @@ iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw,
 }
 
 std::string figure(const Plot& plot, const std::string& caption) {
-  return "<figure>\n" + image(draw_svg(plot), plot.title) + "<figcaption>" + caption +
-         "</figcaption></figure>\n";
+  try {
+    return "<figure>\n" + image(draw_svg(plot), plot.title) + "<figcaption>" + caption +
+           "</figcaption></figure>\n";
+  } catch (const FileTrouble& trouble) {
+    fmt::print(stderr, "note: without the plot \"{}\": {}\n", plot.title, trouble.what());
+    return "<p class=\"note\">" + escaped(plot.title) + ": " + escaped(trouble.what()) + "</p>\n";
+  }
 }
 
 }  // namespace ferrule

@@ -11,7 +11,8 @@ namespace ferrule {
 std::string escaped(const std::string& text);
 // The beginning of a page, up to what is in its body.
 std::string html_head(const std::string& title);
-// A plot, drawn, over its caption, which is HTML. Throws as draw_svg.
+// A plot over its caption, which is HTML. Where it cannot be drawn, as without gnuplot, the page says
+// so, and a note on stderr.
 std::string figure(const Plot& plot, const std::string& caption);
 
 }  // namespace ferrule

@@ -231,7 +231,7 @@ PeerBench bench_peers(const GoOn& go_on) {
               "mujoco of PyPI (docs/building.md)"}}) {
     try {
       const auto list = *static_cast<const peers::Peers*>(
-          loaded_symbol(known.library, known.symbol, known.package));
+          loaded_symbol(known.library, known.symbol, built_with(known.name, known.package)));
       for (const peers::Peer& peer : list())
         add_case(cases, [peer] {
           Theirs theirs(peer.make());

@@ -7,7 +7,9 @@ namespace {
 
 const TorchFunctions& torch() {
   static const auto* const functions = static_cast<const TorchFunctions*>(
-      loaded_symbol("ferrule_torch.so", "ferrule_torch_functions", "libtorch-dev"));
+      loaded_symbol("ferrule_torch.so", "ferrule_torch_functions",
+                    "libtorch, which trains networks: train them in a clone on Debian, where "
+                    "./ferrule installs libtorch-dev; trained networks run everywhere"));
   return *functions;
 }
 
