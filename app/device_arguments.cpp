@@ -34,6 +34,11 @@ CLI::Option* add_trainee(CLI::App& verb, std::string& trainee) {
                          "against another's unless asked to");
 }
 
+CLI::Option* add_go_on(CLI::App& verb, bool& goes_on) {
+  return verb.add_flag("--go-on-after-goal", goes_on,
+                       "Record on after the success depth is reached, until the person stops");
+}
+
 std::string person_at(const std::string& trainee, const std::string& device) {
   return (trainee.empty() ? "" : trainee + ", ") + device;
 }

@@ -130,7 +130,7 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   const Scene& scene = *drawn.scene;
   const State start = draw_start(scene, a.seed, drawn.trial);
   EpisodePlace place{holding.name, std::move(claim), a.seed, drawn.trial};
-  if (holding.device) place.sitting = {a.device.trainee, holding.began};
+  if (holding.device) place.sitting = {a.device.trainee, holding.began, a.device.goes_on};
   if (holding.device)
     return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
   if (!holding.make) {
@@ -281,12 +281,13 @@ int recover_verb(const RecoverArguments& a) {
     list.push_back({{"journal", r.journal},
                     {"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
                     {"rows", r.rows},
+                    {"outcome", r.file.empty() ? Json(nullptr) : Json(name(r.outcome))},
                     {"remark", r.remark}});
     if (!a.output.text()) continue;
     if (r.file.empty())
       fmt::print("{} {}\n", r.journal, r.remark);
     else
-      fmt::print("{} -> {}: {} rows, outcome interrupted\n", r.journal, r.file, r.rows);
+      fmt::print("{} -> {}: {} rows, outcome {}\n", r.journal, r.file, r.rows, name(r.outcome));
   }
   if (left) provenance.partial(fmt::format("{} journals are left as they are", left));
   if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", a.folder);
@@ -325,6 +326,7 @@ void add_record(CLI::App& app, Run& run) {
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around the controller: limits, retreat and retry");
   add_trainee(*verb, a->device.trainee)->needs(device);
+  add_go_on(*verb, a->device.goes_on)->needs(device);
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
   add_output(*verb, a->output);
   add_examples(*verb, {"record --episodes 20 --seed 1 --out episodes",

@@ -126,7 +126,7 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
       scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial),
       {.scaling = scene_scaling(scene),
        .period = info.period,
-       .past_success = true,
+       .past_success = place.sitting && place.sitting->goes_on,
        .feedback = feedback ? &*feedback : nullptr},
       [&](const RowVector& row, const RawCounts& counts) {
         recorder.add(row, counts);

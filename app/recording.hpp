@@ -33,9 +33,10 @@ struct EpisodePlace {
   std::string operator_;
   EpisodeClaim claim;  // is handed on to the recorder
   std::uint64_t seed, trial;
-  // Of a person: who, and when the sitting began.
+  // Of a person: who, when the sitting began, and whether the hand goes on after the goal.
   struct Sitting {
     std::string trainee, began;
+    bool goes_on;
   };
   std::optional<Sitting> sitting{};
 };

@@ -99,6 +99,7 @@ int live_verb(const ViewArguments& a) {
   settings.seed = a.seed;
   settings.out = a.out;
   settings.trainee = a.device.trainee;
+  settings.goes_on = a.device.goes_on;
   settings.program = "/proc/self/exe";
   std::optional<OpenDevice> device;
   if (!a.device.device.empty()) {
@@ -170,6 +171,7 @@ void add_view(CLI::App& app, Run& run) {
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_device(*verb, a->device, "Hold the fibre with this device instead of the page");
   add_trainee(*verb, a->device.trainee);
+  add_go_on(*verb, a->device.goes_on);
   verb->add_option("--out", a->out, "Folder for the episodes")
       ->capture_default_str()
       ->type_name("DIR");

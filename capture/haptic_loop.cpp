@@ -69,12 +69,12 @@ TimedEpisode keep_time(const Scene& scene, const State& start, Device& device,
   });
   device.render(HandWrench::Zero());
   result.timing.periods = clock.statistics();
-  if (timed.stood_still()) {
+  if (timed.stood_still() && result.end.outcome != Outcome::inserted)
     result.end.outcome = Outcome::interrupted;
+  if (timed.stood_still())
     result.end.why = "the loop stood still";
-  } else if (full) {
+  else if (full)
     result.end.why = "rows came faster than they could be written";
-  }
   return result;
 }
 

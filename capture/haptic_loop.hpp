@@ -44,8 +44,8 @@ struct TimedEpisode {
 // period, so that it ends the episode as `interrupted` also while `record` waits for the disk. Rows
 // that wait for the disk: kRing at most, or the episode ends as `interrupted`; and so it does where
 // the loop stood still for kStandstill, after which the time of the rows would not be that of the
-// hand. Where it stood still for kStall, and two periods, the force ramps up again. Throws what the
-// device throws.
+// hand. What was inserted by then stays so. Where it stood still for kStall, and two periods, the
+// force ramps up again. Throws what the device throws.
 inline constexpr std::size_t kRing = 8192;
 inline constexpr double kStandstill = 0.5;  // [s]; a device's own dead man's switch is faster
 inline constexpr double kStall = 0.1;       // [s]; within ForceOutput::kDuration of the last start

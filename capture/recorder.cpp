@@ -128,6 +128,15 @@ bool agrees(const Episode& whole, const Episode& journal) {
          whole.counts.topRows(journal.counts.rows()) == journal.counts;
 }
 
+// How the insertion ended, where its rows say so.
+Outcome outcome_of(const Episode& episode, const std::string& file) {
+  const Scene scene = recorded_scene(episode, file);
+  InsertionWatch watch(scene, step_of(episode.rows.row(0)).state);
+  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n)
+    if (const auto seen = watch.after(step_of(episode.rows.row(n)))) return *seen;
+  return Outcome::interrupted;
+}
+
 void recover_claimed(EpisodeClaim& claim, Recovered& result) {
   const std::string text = read_text(claim.journal());
   const auto line = text.find('\n');
@@ -136,7 +145,7 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     result.remark = "was killed before its first row: removed";
     return;
   }
-  const Journal journal = parse_journal(text, line, claim.journal());
+  Journal journal = parse_journal(text, line, claim.journal());
   const Eigen::Index rows = journal.episode.rows.rows();
   if (journal.damaged > 0) {
     const std::string kept = claim.journal() + ".damaged";
@@ -154,6 +163,7 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     if (!result.damaged) result.remark = "was killed before its first flush: removed";
     return;
   }
+  result.outcome = journal.episode.info.outcome = outcome_of(journal.episode, claim.journal());
   claim.write(journal.episode);
   result.rows = static_cast<std::size_t>(rows);
   result.file = claim.file();

@@ -29,10 +29,10 @@ constexpr std::array kWhere = {"in front of the ferrule",
                                "on the face",
                                "on the cone",
                                "in the bore",
-                               "at one point",
-                               "at two points",
-                               "past the success depth",
-                               "wedged in the bore"};
+                               "against the bore's wall",
+                               "against both walls of the bore",
+                               "after the goal",
+                               "with the fibre wedged in the bore"};
 static_assert(kWhere.size() == kPhases.size());
 
 // What the yardstick is divided by, and what is divided.
@@ -63,6 +63,29 @@ std::vector<Eigen::Index> movement_begins(const Eigen::VectorXd& velocity, doubl
     }
   }
   return begins;
+}
+
+// What a hand did in a phase that cost most of a part, and what it should do instead.
+std::string advice(const Measures& m, Part part, std::size_t phase) {
+  const double all = m[part], there = m.by_phase[static_cast<std::size_t>(part)][phase];
+  const char* const where = kWhere[phase];
+  const double off = m.off_axis[phase];
+  if (part == Part::smoothness)
+    return "your speed was uneven (trembling, stops, sudden starts): move steadily";
+  if (phase == place(Phase::seated)) return "you pressed on after the goal: stop there";
+  if (part == Part::time)
+    return fmt::format("you took {:.1f} s, {:.1f} s of it {}: move faster there", all, there,
+                       where);
+  if (part == Part::corrections)
+    return fmt::format("you stopped or turned back {:.0f} time{} {}: line up first, then push on",
+                       there, there == 1 ? "" : "s", where);
+  if (part == Part::contact_time)
+    return fmt::format("the fibre touched for {:.1f} s, {:.1f} s of it {}: line up before that",
+                       all, there, where);
+  std::string text = std::string("you pushed ") + where;
+  if (part == Part::peak_force) text += fmt::format(" with {:.3g} uN", 1e6 * all);
+  if (off <= m.clearance) return text + ": push more gently";
+  return text + fmt::format(" while off the axis by {:.2g} um: correct sideways first", 1e6 * off);
 }
 
 }  // namespace
@@ -100,18 +123,28 @@ Measures measure(const Episode& episode, const Scene& scene) {
   InsertionWatch watch(scene, step_of(rows.row(0)).state);
   PhaseWatch phases;
   Measures m{};
+  m.clearance = scene.world.annulus.clearance();
   const auto at = [&m](Part part, Phase phase) -> double& {
     return m.by_phase[static_cast<std::size_t>(part)][place(phase)];
   };
   double depth = 0, contact = 0, force = 0, deepest = rows(0, kStates.begin), work = 0;
   std::vector<Phase> phase_of;
+  Eigen::Index arrived = rows.rows();  // rows until the goal
   for (Eigen::Index n = 0; n < rows.rows(); ++n) {
     const StepResult result = step_of(rows.row(n));
-    const Phase phase = phase_of.emplace_back(phases.after(result.state, watch.after(result)));
+    const std::optional<Outcome> seen = watch.after(result);
+    // The row that reaches the goal is on the way to it.
+    const bool arrives = watch.summary().reached == result.state.time;
+    if (arrives) arrived = n + 1;
+    const Phase phase =
+        phase_of.emplace_back(phases.after(result.state, arrives ? std::nullopt : seen));
     depth = std::max(depth, watch.summary().depth);
     deepest = std::min(deepest, result.state.tip[0]);
     const double now = holder_force(scene.world, result.forces).norm();
-    at(Part::peak_force, phase) = std::max(at(Part::peak_force, phase), now);
+    if (now > at(Part::peak_force, phase)) {
+      at(Part::peak_force, phase) = now;
+      m.off_axis[place(phase)] = way_to_axis(scene.world, result.state).norm();
+    }
     at(Part::friction_work, phase) += watch.summary().friction_work - work;
     work = watch.summary().friction_work;
     if (watch.summary().reached < 0) at(Part::time, phase) += period;
@@ -123,7 +156,8 @@ Measures measure(const Episode& episode, const Scene& scene) {
     force += period * now;
   }
   const double motion = scene_scaling(scene).motion;
-  const Eigen::VectorXd speed = rows.middleCols<3>(kCommand.begin).rowwise().norm();
+  const Eigen::VectorXd speed =
+      rows.topRows(arrived).middleCols<3>(kCommand.begin).rowwise().norm();
   const auto begins =
       movement_begins(rows.col(kCommand.begin), motion * scene.limits.speed, period);
   for (std::size_t i = 1; i < begins.size(); ++i)
@@ -206,32 +240,9 @@ std::string hint(const Measures& m, const Score& s) {
     if (s.parts[i] < (worst < kParts ? s.parts[worst] : kWorthSaying)) worst = i;
   }
   if (worst == kParts) return "";
-  const auto& where = m.by_phase[worst];
-  const auto most =
-      static_cast<std::size_t>(std::max_element(where.begin(), where.end()) - where.begin());
-  const double there = where[most], all = m.parts[worst];
-  const std::string place_there = std::string(" ") + kWhere[most];
-  switch (static_cast<Part>(worst)) {
-    case Part::time:
-      return fmt::format("longest loss: {:.1f} s, {:.1f} of them{}", all, there, place_there);
-    case Part::peak_force:
-      return fmt::format("longest loss: a force of {:.3g} uN{}", 1e6 * all, place_there);
-    case Part::mean_force:
-      return fmt::format("longest loss: {:.3g} uN of force on average, most of it{}", 1e6 * all,
-                         place_there);
-    case Part::friction_work:
-      return fmt::format("longest loss: {:.3g} pJ of friction, most of it{}", 1e12 * all,
-                         place_there);
-    case Part::smoothness:
-      return "longest loss: an unsteady hand (tremor, or stopping and starting)";
-    case Part::corrections:
-      return fmt::format("longest loss: {:.0f} correction{}{}", there, there == 1 ? "" : "s",
-                         place_there);
-    case Part::contact_time:
-      return fmt::format("longest loss: {:.1f} s in contact, {:.1f} of them{}", all, there,
-                         place_there);
-  }
-  return "";
+  const auto& phases = m.by_phase[worst];
+  const auto most = std::max_element(phases.begin(), phases.end()) - phases.begin();
+  return advice(m, static_cast<Part>(worst), static_cast<std::size_t>(most));
 }
 
 }  // namespace ferrule

@@ -18,7 +18,7 @@ enum class Part {
   peak_force,     // largest at the holder, weight apart [N]
   mean_force,     // over the time in contact, weight apart [N]; 0 without contact
   friction_work,  // against the friction of all contacts together [J]
-  smoothness,     // minus the spectral arc length of the hand's speed [-], > 0
+  smoothness,     // minus the spectral arc length of the hand's speed, over the same time [-], > 0
   corrections,    // movements along x after the first [-]
   contact_time,   // with the end or the side touching [s]
 };
@@ -36,6 +36,10 @@ struct Measures {
   // What of each part came about in which phase: time, work and contact [s, J], beginnings of
   // movements after the first, and the largest force [N].
   std::array<std::array<double, kPhases.size()>, kParts> by_phase{};
+  // Where the force was largest in each phase: how far the hand was off the axis
+  // (insertion/phase.hpp) [m]. And the clearance of fibre and bore [m].
+  std::array<double, kPhases.size()> off_axis{};
+  double clearance = 0;
 
   double operator[](Part part) const noexcept { return parts[static_cast<std::size_t>(part)]; }
 };
@@ -80,8 +84,9 @@ struct Score {
 
 Score score(const Measures& episode, const Yardstick& yardstick);
 
-// What cost it most, in words: "longest loss: 3 corrections on the cone". Empty where nothing cost
-// anything worth saying (a tenth of a part). Of a failure not the time, unless it never touched.
+// What cost it most, as what the hand did and should do instead: "you pushed on the cone with 35 uN
+// while off the axis by 12 um: correct sideways first". Empty where nothing cost anything worth
+// saying (a tenth of a part). Of a failure not the time, unless it never touched.
 std::string hint(const Measures& episode, const Score& score);
 
 }  // namespace ferrule

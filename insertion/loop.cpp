@@ -74,15 +74,12 @@ struct Insertion::Parts {
         result(start),
         now(grip.read(0, start)) {}
 
-  const std::optional<InsertionEnd>& ends(Outcome how, const char* why = "", bool lost = false) {
-    return ended = InsertionEnd{how, watch.summary(), why, lost, {}};
-  }
-  // Of what is over, by what was seen.
-  const std::optional<InsertionEnd>& ends_as_seen() {
-    if (!past) return ends(outcome);
-    ends(Outcome::inserted);
-    ended->why = std::string("past the success depth: ") + name(*seen);
-    ended->afterwards = seen;
+  // What comes after success does not undo it.
+  const std::optional<InsertionEnd>& ends(Outcome how, std::string why = "", bool lost = false) {
+    const bool after = outcome == Outcome::inserted && how != outcome;
+    if (after) why = "past the success depth: " + (why.empty() ? name(how) : why);
+    ended = InsertionEnd{after ? outcome : how, watch.summary(), std::move(why), lost, {}};
+    if (after) ended->afterwards = how;
     return ended;
   }
   double time() const noexcept { return static_cast<double>(ticks) * settings.period; }
@@ -97,8 +94,8 @@ struct Insertion::Parts {
   HandTwist velocity = HandTwist::Zero();
   std::int64_t ticks = 0;
   Outcome outcome = Outcome::stopped_short;
-  std::optional<Outcome> seen;      // in this tick
-  bool past = false, over = false;  // what is seen now comes after success; ends the insertion
+  std::optional<Outcome> seen;  // in this tick
+  bool over = false;            // what is seen ends the insertion
   std::optional<InsertionEnd> ended;
 };
 
@@ -140,8 +137,7 @@ const std::optional<InsertionEnd>& Insertion::feel() {
   p.grip.render(p.time(), p.now.sample.age, p.result.forces.holder, p.sensed.relative());
   if (p.grip.fault()) return p.ends(Outcome::interrupted, p.grip.fault());
   p.seen = p.watch.after(p.result);
-  p.past = p.outcome == Outcome::inserted;
-  if (p.seen && !p.past) p.outcome = *p.seen;
+  if (p.seen && p.outcome != Outcome::inserted) p.outcome = *p.seen;
   p.over = p.seen && !(p.settings.past_success && *p.seen == Outcome::inserted);
   return p.ended;
 }
@@ -151,12 +147,12 @@ const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
   const double period = p.settings.period;
   const Held next = p.grip.read(static_cast<double>(p.ticks + 1) * period, p.result.state);
   if (!next.holder.allFinite())
-    return p.over ? p.ends_as_seen() : p.ends(Outcome::invalid_output, kNotFinite);
+    return p.over ? p.ends(*p.seen) : p.ends(Outcome::invalid_output, kNotFinite);
   const HandTwist command = (next.holder - p.now.holder) / period;
   if (on_tick) p.result.forces = all_forces(p.scene.world, p.result);
   const bool go_on = !on_tick || on_tick({p.time(), p.now.sample, p.now.holder, p.velocity, command,
                                           p.result, p.sensed.absolute(), p.sensed.relative()});
-  if (p.over) return p.ends_as_seen();
+  if (p.over) return p.ends(*p.seen);
   if (next.sample.lost) return p.ends(Outcome::interrupted, "the device was lost", true);
   if (!go_on) return p.ends(Outcome::interrupted);
   if (p.settings.past_success && p.time() >= p.scene.limits.time) return p.ends(p.outcome);

@@ -40,8 +40,8 @@ struct Tick {
 struct LoopSettings {
   Scaling scaling;
   double period = 1e-3;  // T [s], > 0
-  // Whether the hand goes on after success until it is finished, as in a recording; or success ends
-  // the insertion, as in a trial.
+  // Whether the hand goes on after success until it is finished, as a simulated operator does; or
+  // success ends the insertion, as in a trial.
   bool past_success = false;
   // Where a person feels the fibre, and holds it, by way of that: what it cannot trust ends the
   // insertion as `interrupted`, with no force and after the ticks before.
@@ -53,8 +53,8 @@ struct InsertionEnd {
   InsertionSummary summary;
   std::string why;    // the operator gave up, or what ended it; may be empty
   bool lost = false;  // the device is gone
-  // What ended a hand that went on past success: a failure of the fibre there. The outcome is
-  // `inserted` all the same.
+  // What else ended a hand that went on past success: a failure of the fibre there, a device that
+  // was lost. The outcome is `inserted` all the same.
   std::optional<Outcome> afterwards{};
 };
 
@@ -101,6 +101,7 @@ class Insertion {
 //   gave_up          the same, and says that this was giving up
 //   interrupted      `on_tick` ended it, the device was lost, or `feedback` did not trust it
 //   invalid_output   the hand's pose is not a finite number: no tick any more
+// Where the fibre was in before, each of these leaves it `inserted`.
 // Does not allocate while it runs, after its begin. Throws what `hand` and `on_tick` throw.
 InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
                            const ForceSensor& sensor, const LoopSettings& settings,

@@ -23,6 +23,14 @@ inline double smallest_gap(const World& world, const State& state) noexcept {
   return world.annulus.clearance() - std::max(end.norm(), mouth.norm());
 }
 
+// How far the hand has to move sideways, along y and z [m], until the fibre, were it bent by its
+// weight alone, is in the middle of the bore: halfway between its end and the bore's mouth, or of
+// an end outside that end.
+inline Vector2d way_to_axis(const World& world, const State& state) noexcept {
+  const Pose hangs = state.command + world.holder.sag;
+  return -(hangs.segment<2>(1) + 0.5 * state.inserted_length() * hangs.tail<2>());
+}
+
 class PhaseWatch {
  public:
   // After each step: with its state, and what InsertionWatch saw. `seated` stays.

@@ -22,9 +22,9 @@ std::vector<std::string> frame_columns() {
   for (const char* what : {"holder", "tip"})
     for (const char* of : {"_x_um", "_y_um", "_z_um", "_ay_rad", "_az_rad"})
       names.push_back(std::string(what) + of);
-  for (const char* name :
-       {"velocity_x_um_s", "velocity_y_um_s", "velocity_z_um_s", "force_x_uN", "force_y_uN",
-        "force_z_uN", "force_uN", "limit_uN", "depth_um", "clearance_um", "tilt_rad"})
+  for (const char* name : {"velocity_x_um_s", "velocity_y_um_s", "velocity_z_um_s", "force_x_uN",
+                           "force_y_uN", "force_z_uN", "force_uN", "limit_uN", "depth_um",
+                           "clearance_um", "tilt_rad", "way_y_um", "way_z_um"})
     names.push_back(name);
   for (const char* what : {"contact0", "contact1"})
     for (const char* of : {"_on", "_x_um", "_y_um", "_z_um", "_N_uN"})
@@ -71,6 +71,7 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
   put(kMicro * state.inserted_length());
   put(kMicro * smallest_gap(world, state));
   put(state.tip.tail<2>().norm());
+  for (const double way : way_to_axis(world, state)) put(kMicro * way);
   const auto depths = contact_depths(world, contact_side(world, state), state.tip);
   bool slips = false;
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
@@ -121,6 +122,7 @@ Json scene_json(const Scene& scene) {
             {"time_s", scene.limits.time}}},
           {"start", {{"distance_um", kMicro * scene.start.distance}}},
           {"success_depth_um", kMicro * scene.success.depth},
+          {"cue", scene.cue},
           {"terms", terms}};
 }
 

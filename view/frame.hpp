@@ -15,6 +15,8 @@
 //   clearance                  smallest gap between fibre and bore, at its mouth or at the fibre's
 //                              end; outside of it, what the end has left or lacks (< 0) to go in
 //   tilt                       angle between the axes
+//   way_y, way_z               how far the hand has to move sideways to be in the middle of the bore
+//                              (insertion/phase.hpp)
 //   contact0_*, contact1_*     the rim of the end, the side on the bore's mouth (ContactPlace): 1
 //                              where it touches, where on the fibre, and its normal force, pushing
 //                              positive; 0 where it does not
@@ -35,7 +37,7 @@
 
 namespace ferrule {
 
-inline constexpr int kFrameColumns = 42 + 3 * static_cast<int>(kTerms);
+inline constexpr int kFrameColumns = 44 + 3 * static_cast<int>(kTerms);
 using Frame = std::array<float, kFrameColumns>;
 // Their names, in order.
 std::vector<std::string> frame_columns();
@@ -66,7 +68,8 @@ class FrameMaker {
 };
 
 // What a page draws of a scene: {"name", "about", "geometry", "limits": {"force_uN", "speed_um_s",
-// "time_s"}, "start": {"distance_um"}, "success_depth_um", "terms": names of those that act}.
+// "time_s"}, "start": {"distance_um"}, "success_depth_um", "cue", "terms": names of those that
+// act}.
 // "geometry" [um]: fibre_radius, bore_radius, bore_length, lead_in_length (0: none), mouth_radius;
 // free_length of an elastic fibre (0: a rigid hand), whose clamp is at holder + free_length (1, ay,
 // az); "liquid": {"film", "rupture"} where a film is modelled.

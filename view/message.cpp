@@ -65,6 +65,7 @@ Message parse_message(std::string_view text) {
   if (name == "rate") return parse_rating(json);
   if (name == "fit") return parse_fit(json);
   if (name == "insert") return InsertMessage();
+  if (name == "trainee") return TraineeMessage{JsonFields(json, "message").line("name", kMostName)};
   throw BadInput("message: \"" + printable(name, 40) + "\" is no type of message");
 }
 

@@ -5,6 +5,7 @@
 //   {"type":"start"} {"type":"stop"} {"type":"discard"} {"type":"rate","stars":1..5}
 //   {"type":"fit","episodes":[file names]}            none named: all
 //   {"type":"insert"}                                 with the controller that was fitted last
+//   {"type":"trainee","name":text}                    who makes the next tries; empty: nobody named
 // Keys beside these are left unread.
 #pragma once
 
@@ -33,9 +34,13 @@ struct FitMessage {
   std::vector<std::string> episodes;
 };
 struct InsertMessage {};
+struct TraineeMessage {
+  std::string name;  // a line of at most kMostName characters
+};
+inline constexpr std::size_t kMostName = 100;
 
 using Message = std::variant<HandMessage, StartMessage, StopMessage, DiscardMessage, RateMessage,
-                             FitMessage, InsertMessage>;
+                             FitMessage, InsertMessage, TraineeMessage>;
 
 // Throws BadInput.
 Message parse_message(std::string_view text);

@@ -32,7 +32,8 @@ using beast::error_code;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
-constexpr int kNice = 5;  // of its thread, behind the loop's
+constexpr int kNice = 5;                     // of its thread, behind the loop's
+constexpr std::chrono::seconds kGoodbye{1};  // for pages to hear that the program ends
 
 // 128 bits in hexadecimal.
 std::string random_token() {
@@ -88,11 +89,13 @@ std::string file_of(std::string_view query) {
   return file;
 }
 
-// Scripts and styles of the page itself, sockets to this server, and nothing else.
+// Scripts (its worker's too) and styles of the page itself, sockets to this server, and nothing
+// else.
 std::string content_policy(std::uint16_t port) {
   return fmt::format(
       "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: "
-      "blob:; font-src data:; connect-src 'self' ws://127.0.0.1:{0} ws://localhost:{0}; "
+      "blob:; font-src data:; worker-src blob:; connect-src 'self' ws://127.0.0.1:{0} "
+      "ws://localhost:{0}; "
       "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
       port);
 }
@@ -187,6 +190,12 @@ class Server::Work::Client : public std::enable_shared_from_this<Client> {
     if (!writing_) write();
   }
 
+  // Once it has been told what waits, the close of a program that ends.
+  void say_goodbye() {
+    ending_ = true;
+    if (!writing_) write();
+  }
+
   void leave() {
     if (left_) return;
     left_ = true;
@@ -194,11 +203,16 @@ class Server::Work::Client : public std::enable_shared_from_this<Client> {
     beast::get_lowest_layer(socket_).socket().close(ignored);
     pause_.cancel();
     std::erase_if(work_.clients_, [this](const auto& other) { return other.get() == this; });
+    if (ending_ && work_.clients_.empty()) work_.io_.stop();
   }
 
  private:
   void write() {
-    if (left_ || queue_.empty()) return;
+    if (left_) return;
+    if (queue_.empty() && ending_)
+      return socket_.async_close(websocket::close_code::going_away,
+                                 [self = shared_from_this()](error_code) { self->leave(); });
+    if (queue_.empty()) return;
     writing_ = true;
     const Payload& payload = *queue_.front();
     socket_.text(payload.kind == Payload::Kind::text);
@@ -256,7 +270,7 @@ class Server::Work::Client : public std::enable_shared_from_this<Client> {
   std::size_t waiting_ = 0;  // bytes in it
   std::chrono::steady_clock::time_point since_ = std::chrono::steady_clock::now();
   int said_ = 0;
-  bool writing_ = false, left_ = false;
+  bool writing_ = false, left_ = false, ending_ = false;
 };
 
 // One request, until it is answered or a client.
@@ -395,8 +409,13 @@ Server::Work::~Work() {
     pause_.cancel();
     for (const auto& weak : connections_)
       if (const auto connection = weak.lock()) connection->close();
-    for (const auto& client : std::vector(clients_)) client->leave();
-    io_.stop();
+    if (clients_.empty()) return io_.stop();
+    for (const auto& client : std::vector(clients_)) client->say_goodbye();
+    pause_.expires_after(kGoodbye);
+    pause_.async_wait([this](error_code) {
+      for (const auto& client : std::vector(clients_)) client->leave();
+      io_.stop();
+    });
   });
   thread_.join();
 }

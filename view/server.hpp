@@ -13,6 +13,9 @@
 // way), kMostClients of them sockets; headers of 8 kB within kHeaderTime; messages of kMostMessage
 // bytes, kMostRate a second (the rest waits unread); a client that leaves kMostWaiting bytes unread
 // is cut off.
+//
+// A client is closed with 1001 (going away) where the program ends in order, after all that it was
+// to hear; one that was killed closes without a word.
 #pragma once
 
 #include <chrono>

@@ -122,7 +122,6 @@ Session::Session(SessionSettings settings, std::function<void(SharedPayload)> se
                 {"phases", kPhases},
                 {"devices", {kBrowser}},
                 {"device", settings_.device ? settings_.device->name : kBrowser},
-                {"trainee", settings_.trainee},
                 {"folder", settings_.out},
                 {"mode", "live"}});
   prepare(next_episode_number(settings_.out));
@@ -187,6 +186,15 @@ std::optional<Message> Session::next_command() {
 }
 
 void Session::run(bool (*stopped)() noexcept) {
+  try {
+    serve(stopped);
+  } catch (const std::exception& error) {
+    complain(error.what());
+    throw;
+  }
+}
+
+void Session::serve(bool (*stopped)() noexcept) {
   while (!stopped()) {
     if (const std::optional<Message> command = next_command()) {
       try {
@@ -215,6 +223,10 @@ void Session::obey(const Message& message, bool (*stopped)() noexcept) {
   if (std::holds_alternative<DiscardMessage>(message)) return discard_last();
   if (const auto* rating = std::get_if<RateMessage>(&message)) return rate(rating->stars);
   if (const auto* fit = std::get_if<FitMessage>(&message)) return start_fit(*fit);
+  if (const auto* trainee = std::get_if<TraineeMessage>(&message)) {
+    settings_.trainee = trainee->name;
+    say_state();
+  }
 }
 
 Session::Insertion Session::drawn(int number) const {
@@ -296,7 +308,7 @@ TimedEpisode Session::run_shown(
         scene, insertion.start, watched, sensor,
         {.scaling = scene_scaling(scene),
          .period = period,
-         .past_success = true,
+         .past_success = settings_.goes_on,
          .feedback = feedback},
         [&](const RowVector& row, const RawCounts& counts) {
           record(row, counts);
@@ -560,6 +572,7 @@ void Session::say_state() {
                            {"trial", shown.trial},
                            {"scene", scene_json(*shown.scene)},
                            {"device", settings_.device ? settings_.device->name : kBrowser},
+                           {"trainee", settings_.trainee},
                            {"can_insert", static_cast<bool>(controller_)},
                            {"can_rate", kept_.has_value()}});
 }

@@ -40,7 +40,8 @@ struct SessionSettings {
   Scene scene;  // as it is written, before parts are drawn
   std::uint64_t seed = 1;
   std::string out;                      // folder of the episodes
-  std::string trainee;                  // may be empty
+  std::string trainee;                  // may be empty; pages name another between tries
+  bool goes_on = false;                 // a try after the goal, until the person stops it
   std::string program;                  // the file of ferrule, for fits
   std::optional<SessionDevice> device;  // empty: the page is the device `browser`
 };
@@ -63,7 +64,7 @@ class Session {
   std::string episode_file(const std::string& name);
 
   // Until `stopped`, in the calling thread; a try that runs then is ended and kept. Throws
-  // DeviceTrouble, FileTrouble.
+  // DeviceTrouble, FileTrouble, of which the pages hear too.
   void run(bool (*stopped)() noexcept);
 
  private:
@@ -79,6 +80,7 @@ class Session {
     Json json;
   };
 
+  void serve(bool (*stopped)() noexcept);
   std::optional<Message> next_command();
   void obey(const Message& message, bool (*stopped)() noexcept);
   Insertion drawn(int number) const;

@@ -188,6 +188,12 @@ std::string JsonFields::text(const std::string& key) {
   return value.get<std::string>();
 }
 
+bool JsonFields::flag(const std::string& key) {
+  const Json& value = get(key, "must be true or false");
+  if (!value.is_boolean()) refuse(key, "must be true or false");
+  return value;
+}
+
 std::string JsonFields::line(const std::string& key, std::size_t most) {
   std::string shown = text(key);
   const auto characters =

@@ -66,6 +66,7 @@ class JsonFields {
   // Into `value`, times `unit`.
   void number(const std::string& key, const Rule& rule, double& value, double unit = 1);
   std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
+  bool flag(const std::string& key);
   // [a, b], two finite numbers.
   Eigen::Vector2d pair(const std::string& key);
   std::string text(const std::string& key);

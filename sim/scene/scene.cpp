@@ -264,6 +264,7 @@ void read_scene(JsonFields& fields, Scene& scene) {
   success.number("depth_um", positive(1e-6, 1e7), scene.success.depth, micro);
   success.finish();
   read_scaling(fields.object("scaling"), scene.scaling);
+  if (fields.present("cue")) scene.cue = fields.flag("cue");
   if (fields.present("planned_accuracy")) fields.number("planned_accuracy", positive(1e-6, 0.5));
   if (fields.present("planned_error_bound"))
     fields.number("planned_error_bound", not_negative(1e9));

@@ -74,6 +74,7 @@ struct Scene {
   Limits limits;
   Success success;
   ScalingRanges scaling;
+  bool cue = false;  // the operator's window shows which way to correct; nothing else knows of it
   // "accuracy": what the scene wants of a model that leaves out what it does not need. Reading a
   // scene does not apply it; planned() of sim/plan/plan.hpp does.
   std::optional<double> accuracy;

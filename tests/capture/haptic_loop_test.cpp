@@ -142,6 +142,25 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
   }
 }
 
+TEST(HapticLoop, WhatEndsAnEpisodeAfterTheGoalLeavesItInserted) {
+  using Event = PushingHand::Event;
+  const Scene scene = testing::quick({"start.lateral_sd_um=0", "start.lateral_mean_um=[0,0]",
+                                      "start.tilt_sd_mrad=0", "success.depth_um=2"});
+  constexpr int kAt = 8000;  // 16 um on, of 12
+  for (const auto& [event, why] : {std::pair{Event::jump, "jumped"},
+                                   {Event::silence, "too old"},
+                                   {Event::loss, "lost"},
+                                   {Event::standstill, "stood still"}}) {
+    PushingHand hand(scene, event, kAt);
+    Kept kept;
+    ForceFeedback feedback = feedback_of(scene);
+    const TimedEpisode episode = run(scene, hand, std::ref(kept), go_on, &feedback);
+    EXPECT_EQ(episode.end.outcome, Outcome::inserted) << why;
+    EXPECT_NE(episode.end.why.find(why), std::string::npos) << episode.end.why;
+    EXPECT_EQ(episode.end.lost, event == Event::loss);
+  }
+}
+
 // The effects of a device have ended by then.
 TEST(HapticLoop, AfterAStallTheForceRampsUpAgain) {
   const Scene scene = testing::quick();

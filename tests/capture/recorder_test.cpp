@@ -90,6 +90,29 @@ TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
   }
 }
 
+// Killed after the goal, while the hand went on or the file was written.
+TEST(Recover, KnowsFromTheRowsHowAnInsertionEnded) {
+  const testing::TemporaryFolder folder;
+  const Scene scene = testing::quick();
+  const Episode whole = read_episode(testing::record(scene, folder.path(), 1));
+  ASSERT_EQ(whole.info.outcome, Outcome::inserted);
+  for (const auto& [rows, outcome] : {std::pair{whole.rows.rows(), Outcome::inserted},
+                                      {Eigen::Index{200}, Outcome::interrupted}}) {
+    {
+      Recorder recorder(folder.path(), 2, whole.info);
+      for (Eigen::Index n = 0; n < rows; ++n) recorder.add(whole.rows.row(n));
+      recorder.flush();
+    }  // left without finish
+    const auto recovered = recover(folder.path());
+    ASSERT_EQ(recovered.size(), 1u);
+    EXPECT_EQ(recovered[0].outcome, outcome);
+    const Episode episode = read_episode(recovered[0].file);
+    EXPECT_EQ(episode.info.outcome, outcome);
+    EXPECT_FALSE(verify(episode).has_value());
+    fs::remove(recovered[0].file);
+  }
+}
+
 TEST(Recover, TakesWhatIsWholeOfATornJournal) {
   const testing::TemporaryFolder folder;
   const Scene scene = testing::quick();

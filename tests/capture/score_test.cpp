@@ -182,7 +182,7 @@ TEST(Score, TheYardstickIsThatOfTheSceneAndNothingElse) {
   EXPECT_FALSE(yardstick(testing::paper({"limits.force_uN=0.01"})));
 }
 
-TEST(Score, TheHintNamesWhatCostMostAndWhere) {
+TEST(Score, TheHintSaysWhatTheHandDidAndShouldDo) {
   const Yardstick best{{2, 1, 1, 1, 1.5, 0, 1}};
   Measures m{best.parts, Outcome::inserted, 1, 1};
   EXPECT_EQ(hint(m, score(m, best)), "");
@@ -191,15 +191,41 @@ TEST(Score, TheHintNamesWhatCostMostAndWhere) {
     m.by_phase[static_cast<std::size_t>(part)][static_cast<std::size_t>(phase)] = there;
   };
   set(Part::time, Phase::one_point, 3, 2);
-  EXPECT_EQ(hint(m, score(m, best)), "longest loss: 3.0 s, 2.0 of them at one point");
+  EXPECT_EQ(hint(m, score(m, best)),
+            "you took 3.0 s, 2.0 s of it against the bore's wall: move faster there");
   set(Part::corrections, Phase::approach, 4, 1);
   set(Part::corrections, Phase::cone, 4, 3);
-  EXPECT_EQ(hint(m, score(m, best)), "longest loss: 3 corrections on the cone");
+  EXPECT_EQ(hint(m, score(m, best)),
+            "you stopped or turned back 3 times on the cone: line up first, then push on");
   // A failure has lost all marks for its time; what it did wrong is worth more to know.
   m = {{4.6, 10e-6, 1, 1, 1.5, 0, 1}, Outcome::force_limit, 0, 0.5};
   set(Part::peak_force, Phase::cone, 10e-6, 10e-6);
   const Yardstick gentle{{5, 3e-6, 1, 1, 1.5, 0, 1}};
-  EXPECT_EQ(hint(m, score(m, gentle)), "longest loss: a force of 10 uN on the cone");
+  m.clearance = 0.5e-6;
+  EXPECT_EQ(hint(m, score(m, gentle)), "you pushed on the cone with 10 uN: push more gently");
+  m.off_axis[static_cast<std::size_t>(Phase::cone)] = 2e-6;
+  EXPECT_EQ(hint(m, score(m, gentle)),
+            "you pushed on the cone with 10 uN while off the axis by 2 um: correct sideways first");
+  set(Part::peak_force, Phase::seated, 20e-6, 20e-6);
+  EXPECT_EQ(hint(m, score(m, gentle)), "you pressed on after the goal: stop there");
+}
+
+// Of a try that ends at the goal, and of the same one that goes on.
+TEST(Score, WhatComesAfterTheGoalCountsAgainstItAndIsNoUnsteadiness) {
+  const Scene scene = testing::paper({"success.depth_um=5"});
+  const Episode on = hand_made(scene);
+  Episode ended = on;
+  Eigen::Index rows = 0;
+  while (on.rows(rows, kStates.begin) > -scene.success.depth) ++rows;
+  ended.rows = on.rows.topRows(rows + 1).eval();
+  const Measures short_one = measure(ended, scene), long_one = measure(on, scene);
+  EXPECT_LT(rows + 1, on.rows.rows());
+  for (const Part part : {Part::time, Part::smoothness}) EXPECT_EQ(short_one[part], long_one[part]);
+  EXPECT_GT(long_one[Part::contact_time], short_one[Part::contact_time]);
+  // The last row of one that ends there is on the way to the goal.
+  const auto seated = static_cast<std::size_t>(Phase::seated);
+  for (const auto& phases : short_one.by_phase) EXPECT_EQ(phases[seated], 0);
+  EXPECT_GT(long_one.by_phase[static_cast<std::size_t>(Part::peak_force)][seated], 0);
 }
 
 TEST(Score, SkilledTraineesScoreBetter) {

@@ -180,6 +180,31 @@ TEST(Loop, AFailurePastSuccessEndsItAsInserted) {
   EXPECT_EQ(ended.end.summary.task_time(), ended.end.summary.reached);
 }
 
+// Nor does anything else that happens then.
+TEST(Loop, WhateverComesAfterSuccessItIsInserted) {
+  const Scene scene = testing::quick();
+  const auto in = [&scene](auto what) {
+    return [&scene, what](int, HandSample& sample) {
+      if (hand_depth(sample.pose) / scene_scaling(scene).motion > scene.success.depth + 1e-6)
+        what(sample);
+    };
+  };
+  const Ended lost = run(scene, in([](HandSample& s) { s.lost = s.finished = true; }), true, 8e-3);
+  EXPECT_TRUE(lost.end.lost);
+  EXPECT_NE(lost.end.why.find("the device was lost"), std::string::npos);
+  const Ended broken = run(scene, in([](HandSample& s) { s.pose[3] = NAN; }), true, 8e-3);
+  EXPECT_EQ(broken.end.afterwards, Outcome::invalid_output);
+  const Ended stopped = run(scene, in([](HandSample& s) { s.finished = true; }), true, 8e-3);
+  EXPECT_FALSE(stopped.end.afterwards.has_value());
+  const Ended alone = run(
+      scene, [](int, HandSample&) {}, false, 8e-3);
+  const Ended interrupted = run(
+      scene, [](int, HandSample&) {}, true, 8e-3, alone.ticks + 50);
+  EXPECT_EQ(interrupted.end.afterwards, Outcome::interrupted);
+  for (const Ended& each : {lost, broken, stopped, interrupted})
+    EXPECT_EQ(each.end.outcome, Outcome::inserted) << each.end.why;
+}
+
 TEST(Loop, ATrialWhoseTimeRunsOutSaysSo) {
   for (const char* limit : {"limits.time_s=5", "limits.time_s=10"}) {
     const Scene scene = testing::quick({limit});

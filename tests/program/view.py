@@ -51,8 +51,8 @@ class View(Case):
         self.assertEqual(process.wait(20), code)
         self.assertNotIn("terminate", process.stderr.read())
 
-    # Inserts as a hand would: pushes, and yields to the force. Returns the history that was shown,
-    # and what was said at the end.
+    # Inserts as a hand would: pushes, and yields to the force, until the try ends. Returns the
+    # history that was shown, and what was said at the end.
     def insert(self, window, while_it_runs=lambda window, row: window, ready=True):
         if ready:
             window.hear_of("state_of_session", running=False)
@@ -73,8 +73,6 @@ class View(Case):
             echo = max(echo, reserved)
             row = rows[-1]
             yields = [row[at[f"force_{axis}_uN"]] for axis in "yz"]
-            if row[at["depth_um"]] > 13:
-                window.say(type="stop")
             sequence += 1
             window.say(type="hand", v=[-0.4, *yields], buttons=0, seq=sequence)
             window = while_it_runs(window, row)
@@ -131,6 +129,59 @@ class View(Case):
         scores = json.loads(self.done("score", self.out, "--json").stdout)
         self.assertEqual([g["operator"] for g in scores["groups"]], ["Ada"])
         self.done("fit", self.out, "--out", self.path("controller.json"))
+
+    def test_a_try_ends_at_the_goal_or_goes_on_and_is_inserted_all_the_same(self):
+        def stop(window, row):
+            if row[window.columns["depth_um"]] > 13:
+                window.say(type="stop")
+            return window
+
+        def press_sideways(window, row):
+            if row[window.columns["depth_um"]] > 12.2:
+                window.say(type="hand", v=[0, 1, 0], buttons=0, seq=0)
+                time.sleep(0.01)
+            return window
+
+        for options, then, deepest, why in (([], stop, (12, 12.1), ""),
+                                            (["--go-on-after-goal"], stop, (13, 15), ""),
+                                            (["--go-on-after-goal"], press_sideways, (12.2, 15),
+                                             "past the success depth: ")):
+            process, address = self.view(*SHORT, *options)
+            history, ended = self.insert(window := Window(address), then)
+            self.assertEqual(ended["outcome"], "inserted")
+            self.assertTrue(ended["why"].startswith(why) and bool(ended["why"]) == bool(why))
+            if why:
+                self.assertIn(ended["hint"], "you pressed on after the goal: stop there")
+            depth = max(row[window.columns["depth_um"]] for row in history)
+            self.assertTrue(deepest[0] <= depth < deepest[1], depth)
+            self.end(process)
+            self.done("replay", os.path.join(self.out, ended["file"]), "--verify")
+
+    def test_another_trainee_takes_over_between_tries(self):
+        process, address = self.view(*SHORT, "--trainee", "Ada")
+        window = Window(address)
+        self.assertEqual(window.hear_of("state_of_session", running=False)["trainee"], "Ada")
+        for name in ("Ada", "Ben \u0141ukasz"):
+            window.say(type="trainee", name=name)
+            window.hear_of("state_of_session", trainee=name)
+            _, ended = self.insert(window, ready=False)
+            with h5py.File(os.path.join(self.out, ended["file"])) as file:
+                self.assertEqual(file.attrs["trainee"].decode(), name)
+                self.assertEqual(file.attrs["operator"].decode(), name + ", browser")
+            episodes = window.hear_of("episodes")["list"]
+            self.assertEqual(episodes[-1]["trainee"], name)
+            window.hear_of("state_of_session", running=False, trainee=name)
+        window.say(type="trainee", name="two\nlines")
+        self.assertIn("one line", window.hear_of("error")["text"])
+        window.say(type="start")
+        window.hear_of("state_of_session", running=True)
+        window.say(type="trainee", name="Cid")
+        self.assertIn("stop", window.hear_of("error")["text"])
+        window.say(type="stop")
+        self.assertEqual(window.hear_of("state_of_session", running=False)["trainee"], name)
+        self.end(process)
+        scores = json.loads(self.done("score", self.out, "--json").stdout)
+        self.assertEqual([g["operator"] for g in scores["groups"]], ["Ada", name])
 
     def test_a_page_that_is_loaded_again_loses_no_row(self):
         process, address = self.view(*SHORT)
@@ -247,6 +298,10 @@ class View(Case):
         window.hear_of("state_of_session", running=True)
         time.sleep(0.5)
         self.end(process)
+        texts, code = window.hear_the_end()
+        self.assertEqual(code, 1001)  # in order, after all that there was to say
+        ended = [text for text in texts if text["type"] == "ended"]
+        self.assertEqual([text["file"] for text in ended], ["episode_0001.h5"])
         with h5py.File(self.out + "/episode_0001.h5") as file:
             self.assertEqual(file.attrs["outcome"].decode(), "interrupted")
         process, address = self.view(*SHORT)
@@ -257,6 +312,7 @@ class View(Case):
         time.sleep(0.5)
         process.kill()
         process.wait()
+        self.assertIsNone(window.hear_the_end()[1])
         self.done("recover", self.out)
         self.assertIn("identical", self.done("replay", self.out, "--verify").stdout)
 

@@ -67,7 +67,7 @@ class Window:
             if kind == 9:
                 self.write(self.frame(data, 10))
             elif kind == 8:
-                raise EOFError
+                raise EOFError(struct.unpack(">H", data[:2])[0])
             elif kind == 1:
                 message = json.loads(data)
                 if message["type"] == "hello":
@@ -78,6 +78,19 @@ class Window:
                 numbers = struct.unpack(f"<{rows * columns}f", data[16:])
                 return what, reserved, [numbers[i * columns:(i + 1) * columns]
                                         for i in range(rows)]
+
+    def hear_the_end(self):
+        """The texts until then, and the code of RFC 6455 with which it ends, or None."""
+        texts = []
+        try:
+            while True:
+                heard = self.hear()
+                if isinstance(heard, dict):
+                    texts.append(heard)
+        except EOFError as end:
+            return texts, *(end.args or [None])
+        except ConnectionResetError:
+            return texts, None
 
     def hear_of(self, kind, **values):
         """The next text of that type with these values."""

@@ -103,6 +103,32 @@ TEST(Frame, ContactIsOnTheFibresSurfaceAndCarriesTheNormalForce) {
   EXPECT_GT(seen, 100);
 }
 
+// The hand that goes the way that is shown has the fibre in the middle, and is shown none.
+TEST(Frame, ShowsWhichWayToCorrect) {
+  const Scene scene = load_scene("hard");
+  const std::size_t way = column("way_y_um"), tip = column("tip_y_um"),
+                    holder = column("holder_y_um");
+  for (const double depth : {-50e-6, 40e-6}) {
+    const auto frame_of = [&](const Vector2d& offset) {
+      Pose pose;
+      pose << -depth, offset, 2e-3, -1e-3;
+      State state = at_rest(scene.world, pose);
+      RowVector row = RowVector::Zero();
+      row.segment<kStateSize>(kStates.begin) = to_row(state).transpose();
+      return FrameMaker(scene, ForceSensor(), 1e-3)(row);
+    };
+    const Vector2d off(3e-6, -8e-6);
+    const Frame aside = frame_of(off);
+    const Vector2d shown(aside[way], aside[way + 1]);
+    const Vector2d middle = off + 0.5 * std::max(0.0, depth) * Vector2d(2e-3, -1e-3);
+    EXPECT_LT((shown + 1e6 * middle).norm(), 1e-3) << depth;
+    const Frame there = frame_of(off + 1e-6 * shown);
+    EXPECT_LT(std::hypot(there[way], there[way + 1]), 1e-4);
+    // The fibre hangs: it is not the holder that is to be on the axis.
+    EXPECT_GT(there[holder], there[tip]);
+  }
+}
+
 TEST(Frame, AStateSurvivesItsRow) {
   const Scene scene = load_scene("film");
   const Shown all = shown(scene, 3);
@@ -117,6 +143,8 @@ TEST(Frame, SceneTellsItsGeometry) {
   EXPECT_DOUBLE_EQ(json["geometry"]["fibre_radius_um"], 62.5);
   EXPECT_DOUBLE_EQ(json["geometry"]["mouth_radius_um"], 125);
   EXPECT_DOUBLE_EQ(json["success_depth_um"], 60);
+  EXPECT_EQ(json["cue"], false);
+  EXPECT_EQ(scene_json(load_scene("demo", {"cue=true"}))["cue"], true);
 }
 
 }  // namespace

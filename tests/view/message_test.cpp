@@ -22,6 +22,11 @@ TEST(Message, SaysWhatAPageSaid) {
   EXPECT_TRUE(std::holds_alternative<StopMessage>(parse_message(R"({"type":"stop"})")));
   EXPECT_TRUE(std::holds_alternative<DiscardMessage>(parse_message(R"({"type":"discard"})")));
   EXPECT_TRUE(std::holds_alternative<InsertMessage>(parse_message(R"({"type":"insert"})")));
+  for (const std::string name : {"", "Ada Løvelace", "=1+1"})
+    EXPECT_EQ(
+        std::get<TraineeMessage>(parse_message(R"({"type":"trainee","name":")" + name + R"("})"))
+            .name,
+        name);
 }
 
 TEST(Message, EverythingElseIsRefused) {
@@ -46,8 +51,14 @@ TEST(Message, EverythingElseIsRefused) {
                           R"({"type":"rate","stars":2.5})",
                           R"({"type":"fit","episodes":"all"})",
                           R"({"type":"fit","episodes":[1]})",
+                          R"({"type":"trainee"})",
+                          R"({"type":"trainee","name":7})",
+                          R"({"type":"trainee","name":"two\nlines"})",
+                          R"({"type":"trainee","name":"\u001b[31m"})",
                           "{\"type\":\"\xff\"}"})
     EXPECT_THROW(parse_message(bad), BadInput) << bad;
+  const std::string name(kMostName + 1, 'x');
+  EXPECT_THROW(parse_message(R"({"type":"trainee","name":")" + name + R"("})"), BadInput);
   const std::string deep(kMostMessage, '[');
   EXPECT_THROW(parse_message(deep), BadInput);
   std::string longer = R"({"type":"start"})";

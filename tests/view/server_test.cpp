@@ -52,13 +52,26 @@ class Socket {
   bool connected_;
 };
 
+std::string host_of(const Server& server) {
+  return "127.0.0.1:" + std::to_string(server.port());
+}
+
+std::string token_of(const Server& server) {
+  const std::string address = server.address();
+  return address.substr(address.size() - 33, 32);
+}
+
+std::string upgrade_to(const Server& server, const std::string& origin) {
+  return "GET /" + token_of(server) + "/live HTTP/1.1\r\nHost: " + host_of(server) +
+         "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
+         "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n" +
+         origin + "\r\n";
+}
+
 class ServerTest : public ::testing::Test {
  protected:
-  std::string host() const { return "127.0.0.1:" + std::to_string(server.port()); }
-  std::string token() const {
-    const std::string address = server.address();
-    return address.substr(address.size() - 33, 32);
-  }
+  std::string host() const { return host_of(server); }
+  std::string token() const { return token_of(server); }
   std::string ask(const std::string& request) const {
     const Socket socket(server.port());
     socket.say(request);
@@ -67,12 +80,7 @@ class ServerTest : public ::testing::Test {
   std::string get(const std::string& target, const std::string& more = "") const {
     return ask("GET " + target + " HTTP/1.1\r\nHost: " + host() + "\r\n" + more + "\r\n");
   }
-  std::string upgrade(const std::string& origin) const {
-    return "GET /" + token() + "/live HTTP/1.1\r\nHost: " + host() +
-           "\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\n"
-           "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n" +
-           origin + "\r\n";
-  }
+  std::string upgrade(const std::string& origin) const { return upgrade_to(server, origin); }
   static int status(const std::string& answer) {
     return answer.size() < 12 ? 0 : std::stoi(answer.substr(9, 3));
   }
@@ -286,6 +294,29 @@ TEST_F(ServerTest, OneThatDoesNotReadHoldsNobodyUp) {
   server.send(std::make_shared<const Payload>(Payload{Payload::Kind::text, "the last", false}));
   reads.join();
   EXPECT_EQ(status(get("/" + token() + "/")), 200);
+}
+
+TEST(Server, AClientHearsAllAndThenThatTheProgramEnds) {
+  const auto text = [](std::string words) {
+    return std::make_shared<const Payload>(Payload{Payload::Kind::text, std::move(words), false});
+  };
+  auto server = std::make_unique<Server>(
+      0, Server::Served{{}, {}, [&] { return std::vector<SharedPayload>{text("hello")}; }, {}});
+  const Socket socket(server->port());
+  socket.say(upgrade_to(*server, "Origin: http://" + host_of(*server) + "\r\n"));
+  socket.hear("hello");
+  constexpr std::size_t kMuch = 4 << 20;
+  server->send(text(std::string(kMuch, 'x')));
+  server->send(text("the last"));
+  std::string heard;
+  std::thread reads([&] { heard = socket.hear(); });
+  server.reset();
+  reads.join();
+  // A close of two bytes: 1001, going away.
+  const std::size_t last = heard.find("the last");
+  ASSERT_NE(last, heard.npos);
+  EXPECT_GT(last, kMuch);
+  EXPECT_EQ(heard.substr(last + 8), "\x88\x02\x03\xe9");
 }
 
 TEST(Server, APortThatIsTakenIsRefused) {

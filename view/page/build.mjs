@@ -25,10 +25,12 @@ async function bundled(entry) {
 }
 
 // Within <script> and <style> nothing ends them but their end tags.
-const script = (await bundled('main.js')).replace(/<(?=\/script|!--|script)/gi, '\\x3C');
+const inScript = (/** @type {string} */ text) => text.replace(/<(?=\/script|!--|script)/gi, '\\x3C');
+const script = inScript(await bundled('main.js')), link = inScript(await bundled('link.js'));
 const style = (await bundled('style.css')).replace(/<\/style/gi, '<\\/style');
 const page = readFileSync(join(here, 'src/index.html'), 'utf8')
     .replace('/*style*/', () => style)
+    .replace('/*link*/', () => link)
     .replace('/*script*/', () => script);
 writeFileSync(out + '.part', page);
 renameSync(out + '.part', out);

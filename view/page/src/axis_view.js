@@ -1,7 +1,7 @@
 // Along the axis, as the holder sees it: where in the play the fibre's end is, and where the fibre
 // crosses the bore's mouth. y is up; z to the left.
 import {forceScale, Pane} from './pane.js';
-import {atMouth, contacts, filledWithLiquid, hidden, termForces} from './shape.js';
+import {atMouth, contacts, filledWithLiquid, hidden, termForces, wayToAxis} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
  * @typedef {import('./theme.js').Colours} Colours @typedef {import('./magnify.js').Magnification} Magnification */
@@ -113,6 +113,9 @@ export class AxisView {
     for (const {term, force: [, y, z]} of termForces(scene, read))
       pane.arrow(tx, ty, -z * force, -y * force, colours.terms[term] ?? colours.ink);
     if (!hidden.has('hand')) pane.arrow(tx, ty, -read('force_z_uN') * force, -read('force_y_uN') * force, colours.hand, 0.3);
+
+    const way = wayToAxis(scene, read);
+    if (way) pane.cue(tx, ty, way.right * scale, -way.up * scale, way.size, colours);
 
     pane.scaleBar(width - 0.8 * rem, height - 0.9 * rem, scale, colours);
     pane.font(0.85);

@@ -1,8 +1,9 @@
-// The connection to the running program: rows come, the hand's velocity and requests go.
+// The running program: rows come, the hand's velocity and requests go, by way of a worker (link.js).
+import {byId} from './format.js';
 import {Table} from './table.js';
 
 /** @typedef {import('./recording.js').Scene} Scene
- * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string, trainee: string}} Hello
+ * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string, folder: string}} Hello
  * @typedef {Record<string, unknown> & {type: string}} Message */
 
 const kProtocol = 1;
@@ -11,17 +12,15 @@ const kHold = 3000;     // how an insertion ended is shown so long, before the n
 const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
 
 export class Live {
-  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean) => void}} on @param {WebSocket} socket that is being opened */
-  constructor(on, socket) {
+  /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean, code: number) => void}} on @param {Worker} link */
+  constructor(on, link) {
     this.on = on;
-    /** @type {WebSocket | null} */
-    this.socket = null;
+    this.link = link;
+    this.open = true;  // until it is known to be closed
     /** @type {Table | null} the last rows at 1 kHz */
     this.history = null;
     /** @type {Table | null} the newest row */
     this.newest = null;
-    /** @type {Message[]} wanted before there was a connection */
-    this.unsent = [];
     this.seq = 0;
     /** @type {Map<number, number>} when a word of the hand was sent [ms] */
     this.sent = new Map();
@@ -35,42 +34,29 @@ export class Live {
     this.states = 0;   // since they were counted
     this.arrived = 0;  // in all
     this.batches = 0;
-    this.retry = 250;
     this.said = 0;
-    this.connect(socket);
+    link.onmessage = ({data}) => {
+      if (typeof data === 'string') this.take(JSON.parse(data));
+      else if (data instanceof ArrayBuffer) this.rows(data);
+      else this.connected(data.connected, data.code);
+    };
   }
 
   /** A connection to the program that served the page. */
-  static socket() {
+  static link() {
     const here = new URL('live', location.href);
     here.protocol = 'ws:';
     here.hash = '';
-    return new WebSocket(here);
+    const script = new Blob([byId('link', HTMLScriptElement).text], {type: 'text/javascript'});
+    const link = new Worker(URL.createObjectURL(script));
+    link.postMessage({address: here.href});
+    return link;
   }
 
-  /** @param {WebSocket} socket */
-  connect(socket) {
-    socket.binaryType = 'arraybuffer';
-    this.socket = socket;
-    socket.addEventListener('open', () => {
-      this.retry = 250;
-      this.on.connected(true);
-      for (const message of this.unsent.splice(0)) this.send(message);
-    });
-    socket.addEventListener('message', (event) => {
-      if (typeof event.data === 'string') this.text(event.data);
-      else this.rows(event.data);
-    });
-    socket.addEventListener('close', () => {
-      this.on.connected(false);
-      setTimeout(() => this.connect(Live.socket()), this.retry);
-      this.retry = Math.min(4000, 2 * this.retry);
-    });
-  }
-
-  /** @param {string} text */
-  text(text) {
-    this.take(JSON.parse(text));
+  /** @param {boolean} is @param {number} code of its end */
+  connected(is, code) {
+    this.open = is;
+    this.on.connected(is, code);
   }
 
   /** @param {Message} message */
@@ -135,20 +121,21 @@ export class Live {
 
   /** @param {Message} message */
   send(message) {
-    if (this.socket?.readyState === WebSocket.CONNECTING && message.type !== 'hand') this.unsent.push(message);
-    if (this.socket?.readyState === WebSocket.OPEN && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify(message));
+    this.link.postMessage({text: JSON.stringify(message)});
   }
 
   /** @param {[number, number, number]} v */
   hand(v) {
     const now = performance.now();
     const active = v.some((x) => x !== 0);
+    if (!this.open) return;
     if (!active && now - this.said < kSilent) return;
     this.said = now;
     ++this.seq;
     this.sent.set(this.seq, now);
     this.sent.delete(this.seq - 600);
-    this.send({type: 'hand', v: v.map((x) => Math.round(x * 1e4) / 1e4), buttons: 0, seq: this.seq, t: Math.round(now)});
+    const hand = {type: 'hand', v: v.map((x) => Math.round(x * 1e4) / 1e4), buttons: 0, seq: this.seq, t: Math.round(now)};
+    this.link.postMessage({hand: JSON.stringify(hand), moves: active});
   }
 
   /** A row is on the screen, that has heard the hand's word `heard`. @param {number} heard */

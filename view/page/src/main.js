@@ -63,7 +63,7 @@ class Page {
     this.before = performance.now();
     this.frames = {count: 0, since: performance.now(), rate: NaN, states: NaN};
     this.drawn = {first: 0, solid: 0};  // when there was something to see [ms since the page was asked for]
-    this.hand = new Hand(() => this.live !== null, () => this.live?.hand(this.hand.velocity()));
+    this.hand = new Hand(() => this.live?.open === true, () => this.live?.hand(this.hand.velocity()));
     this.wire();
   }
 
@@ -227,8 +227,8 @@ class Page {
     else this.replay.say('There is nothing recorded here.');
   }
 
-  /** @param {WebSocket} socket that is being opened @param {import('./recording.js').FirstPicture} picture */
-  startLive(socket, picture) {
+  /** @param {Worker} link @param {import('./recording.js').FirstPicture} picture */
+  startLive(link, picture) {
     document.body.dataset.mode = 'live';
     choose(byId('tab-session', HTMLElement));
     const live = this.live = new Live({
@@ -236,7 +236,7 @@ class Page {
         this.phases = hello.phases;
         this.use(hello.scene, hello.phases);
         document.title = `ferrule: ${hello.scene.name}`;
-        byId('who', HTMLElement).textContent = hello.trainee;
+        session.folder = hello.folder;
       },
       message: (message) => {
         if (message.type === 'ended' && session.running) {
@@ -251,12 +251,12 @@ class Page {
         if (session.take(message)) return;
         if (message.type === 'error') byId('said', HTMLElement).textContent = String(message.text);
       },
-      connected: (is) => {
-        byId('connection', HTMLElement).textContent = is ? 'connected' : 'not connected: trying again';
-        byId('connection', HTMLElement).dataset.good = String(is);
+      connected: (is, code) => {
         if (is) byId('said', HTMLElement).textContent = '';
+        else this.hand.letGo();
+        session.connected(is, code);
       },
-    }, socket);
+    }, link);
     const session = this.session = new Session((message) => live.send(message));
     live.begin(picture);
     // Not with the pictures: where they are slow the hand is not silent.
@@ -409,7 +409,7 @@ function choose(tab) {
 async function main() {
   const recorded = embedded();
   // The program answers while the page is put together.
-  const socket = recorded !== 'served' && recorded?.mode === 'live' && location.protocol.startsWith('http') ? Live.socket() : null;
+  const link = recorded !== 'served' && recorded?.mode === 'live' && location.protocol.startsWith('http') ? Live.link() : null;
   const page = new Page();
   Object.assign(globalThis, {ferrule: page});  // for a console
   if (recorded === 'served') {
@@ -417,7 +417,7 @@ async function main() {
     if (answer.ok) page.startReplay(await answer.json());
     else byId('said', HTMLElement).textContent = await answer.text();
   } else if (recorded?.mode === 'live') {
-    if (socket) page.startLive(socket, recorded);
+    if (link) page.startLive(link, recorded);
     else byId('said', HTMLElement).textContent = 'This page shows a program that runs, and was saved: nothing is recorded in it.';
   } else if (recorded) page.startReplay(recorded);
   else byId('said', HTMLElement).textContent = 'This file holds no recording.';

@@ -71,6 +71,17 @@ export class Pane {
     c.fill();
   }
 
+  /** Which way to correct, and by how much [um]. @param {number} x @param {number} y @param {number} dx @param {number} dy @param {number} um @param {Colours} colours */
+  cue(x, y, dx, dy, um, colours) {
+    const size = Math.hypot(dx, dy), most = Math.max(size, 3 * this.rem);
+    if (!(size > 0)) return;
+    const ux = dx / size, uy = dy / size;
+    this.arrow(x, y, ux * most, uy * most, colours.good, 0.4);
+    this.font(1.1);
+    const edge = 2.5 * this.rem, at = Math.max(edge, Math.min(this.width - edge, x + ux * (most + 1.8 * this.rem)));
+    this.text(length(um), at, y + uy * (most + 1.2 * this.rem) + 0.4 * this.rem, colours.good, colours.ferruleCut, 'center');
+  }
+
   /** A scale bar whose right end is at x. @param {number} x @param {number} y @param {number} pixelsPerUm @param {Colours} colours @param {boolean} [upright] */
   scaleBar(x, y, pixelsPerUm, colours, upright = false) {
     const um = round125(5.5 * this.rem / pixelsPerUm), size = um * pixelsPerUm;

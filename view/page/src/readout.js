@@ -1,16 +1,30 @@
 // The numbers beside the picture: they keep their width, and have units.
 import {byId, element, fixed, significant, words} from './format.js';
-import {hidden} from './shape.js';
+import {hidden, wayToAxis} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene */
 
-/** @type {[string, string, string, (read: Read) => string][]} key, label, unit, value */
+/** @type {[string, (read: Read) => string, string, (read: Read) => string][]} key, label, unit, value */
 const kNumbers = [
-  ['depth', 'depth', '\u00b5m', (read) => fixed(read('depth_um'), 2)],
-  ['clearance', 'clearance', '\u00b5m', (read) => fixed(read('clearance_um'), 3)],
-  ['tilt', 'tilt', 'mrad', (read) => fixed(1e3 * read('tilt_rad'), 2)],
-  ['speed', 'speed', '\u00b5m/s', (read) => fixed(speed(read), 1)],
+  ['depth', () => 'depth', '\u00b5m', (read) => fixed(read('depth_um'), 2)],
+  ['clearance', gapLabel, '\u00b5m', (read) => fixed(Math.abs(read('clearance_um')), 3)],
+  ['tilt', () => 'tilt', 'mrad', (read) => fixed(1e3 * read('tilt_rad'), 2)],
+  ['speed', () => 'speed', '\u00b5m/s', (read) => fixed(speed(read), 1)],
 ];
+
+/** What the gap is where it is none: an end outside that would not go in, or a contact. @param {Read} read */
+function gapLabel(read) {
+  return !(read('clearance_um') < 0) ? 'clearance' : read('depth_um') > 0 ? 'contact, pressed in by' : 'beside the bore by';
+}
+
+const kArrows = ['\u2192', '\u2197', '\u2191', '\u2196', '\u2190', '\u2199', '\u2193', '\u2198'];  // every 45 degrees from the right
+
+/** @param {Scene} scene @param {Read} read */
+function wayText(scene, read) {
+  const way = wayToAxis(scene, read);
+  if (!way) return 'on the axis';
+  return `${kArrows[(Math.round(Math.atan2(way.up, way.right) / (Math.PI / 4)) + 8) % 8]} ${fixed(way.size, 2)} \u00b5m`;
+}
 
 const kPhaseText = /** @type {Record<string, string>} */ ({
   approach: 'approach', face: 'on the face', cone: 'in the cone', in_bore: 'in the bore', one_point: 'one-point contact',
@@ -32,10 +46,13 @@ export class Readout {
       const row = element('div', undefined, 'number');
       const cell = element('dd', '\u2013');
       cell.id = `value-${key}`;
-      row.append(element('dt', label), cell, element('dd', unit, 'unit'));
+      const head = element('dt', '\u2013');
+      row.append(head, cell, element('dd', unit, 'unit'));
       byId('numbers', HTMLElement).append(row);
-      return {cell, value};
+      return {head, label, cell, value};
     });
+    this.way = byId('way', HTMLElement);
+    this.wayText = byId('way-text', HTMLElement);
     this.loss = byId('loss', HTMLElement);
     this.lossOf = byId('loss-of', HTMLElement);
     this.loop = byId('loop', HTMLElement);
@@ -43,11 +60,15 @@ export class Readout {
     this.terms = [];
     /** @type {string[]} */
     this.phases = [];
+    /** @type {Scene | null} */
+    this.scene = null;
   }
 
   /** @param {Scene} scene @param {string[]} phases @param {() => void} changed  other arrows are wanted */
   build(scene, phases, changed) {
     this.phases = phases;
+    this.scene = scene;
+    this.way.hidden = scene.cue !== true;
     const body = byId('terms', HTMLTableSectionElement);
     body.replaceChildren();
     const row = (/** @type {string} */ term, /** @type {string} */ label) => {
@@ -77,7 +98,11 @@ export class Readout {
 
   /** @param {Read} read */
   draw(read) {
-    for (const {cell, value} of this.numbers) put(cell, value(read));
+    for (const {head, label, cell, value} of this.numbers) {
+      put(head, label(read));
+      put(cell, value(read));
+    }
+    if (this.scene?.cue) put(this.wayText, wayText(this.scene, read));
     const phase = this.phases[read('phase')] ?? '';
     put(this.phase, kPhaseText[phase] ?? (phase || '\u2013'));
     this.phase.dataset.phase = phase;

@@ -8,7 +8,7 @@ import {Table} from './table.js';
  *   liquid?: {film_um: number, rupture_um: number}}} Geometry
  * @typedef {{name: string, about: string, geometry: Geometry, terms: string[],
  *   limits: {force_uN: number, speed_um_s: number, time_s: number},
- *   start: {distance_um: number}, success_depth_um: number}} Scene
+ *   start: {distance_um: number}, success_depth_um: number, cue?: boolean}} Scene
  * @typedef {{t_s: number, row: number, kind: string, text: string}} Event
  * @typedef {{name: string, outcome: string, why: string, rows?: string, count: number,
  *   events: Event[], file?: string, trial?: number, scene?: Scene}} RunJson

@@ -1,17 +1,27 @@
-// A person's episodes: start, stop, rate, their list with its learning curve, and
+// A person's episodes: who it is, start, stop, rate, their list with its learning curve, and
 // what is learned from them.
 import {byId, element, fixed, withMicro, words} from './format.js';
-import {svgElement} from './map.js';
+import {drawCurves, person, Persons} from './persons.js';
 
-/** @typedef {import('./live.js').Message} Message
- * @typedef {{file: string, outcome: string, score: number | null, trainee?: string, date?: string}} Episode */
+/** @typedef {import('./live.js').Message} Message @typedef {import('./persons.js').Episode} Episode */
+
+const kRest = 700;         // a press so soon after the end was meant to stop, and starts nothing [ms]
+const kGoingAway = 1001;   // the program ended in order
 
 export class Session {
   /** @param {(message: Message) => void} send */
   constructor(send) {
     this.send = send;
     this.running = false;
-    this.said = false;  // that it is inserted
+    this.trying = false;  // a person holds the fibre, or nobody
+    this.said = false;    // that it is inserted
+    this.online = true;   // until it is known to be otherwise
+    this.rests = false;
+    this.fits = false;
+    this.canInsert = false;
+    this.folder = '';
+    this.saved = '';      // file of the last try
+    this.name = '';       // of the person
     this.start = byId('start', HTMLButtonElement);
     this.discard = byId('discard', HTMLButtonElement);
     this.state = byId('session-state', HTMLElement);
@@ -23,6 +33,12 @@ export class Session {
     this.insert = byId('insert', HTMLButtonElement);
     this.progress = byId('fit-progress', HTMLProgressElement);
     this.fitText = byId('fit-text', HTMLElement);
+    this.connection = byId('connection', HTMLElement);
+    this.gone = byId('gone', HTMLElement);
+    this.who = byId('who', HTMLElement);
+    this.trainee = byId('trainee', HTMLInputElement);
+    this.trainees = byId('trainees', HTMLDataListElement);
+    this.persons = new Persons();
     /** @type {Set<string>} */
     this.left = new Set();
     /** @type {Episode[]} */
@@ -34,6 +50,30 @@ export class Session {
     this.fit.addEventListener('click', () =>
       send({type: 'fit', episodes: this.episodes.filter((e) => !this.left.has(e.file)).map((e) => e.file)}));
     this.insert.addEventListener('click', () => send({type: 'insert'}));
+    this.trainee.addEventListener('change', () => {
+      send({type: 'trainee', name: this.trainee.value.trim()});
+      this.trainee.blur();
+    });
+  }
+
+  /** @param {boolean} is @param {number} code of its end */
+  connected(is, code) {
+    this.online = is;
+    this.connection.textContent = is ? 'connected' : code === kGoingAway ? 'the program has ended' : 'not connected: trying again';
+    this.connection.dataset.good = String(is);
+    this.gone.hidden = is;
+    if (!is) this.gone.textContent = this.farewell(code === kGoingAway);
+    this.state.hidden = !is;
+    this.enable();
+  }
+
+  /** What is known of the tries of a program that is gone. @param {boolean} inOrder */
+  farewell(inOrder) {
+    const list = this.episodes.length ? ` Your tries are saved in ${this.folder}.` : '';
+    if (!inOrder && this.trying) return `The program does not answer. If it was killed, your try is not lost: ferrule recover ${this.folder} brings it back.${list}`;
+    if (!inOrder) return `The program does not answer.${list}`;
+    const last = this.episodes.some((e) => e.file === this.saved) ? ` Your last try is saved as ${this.folder}/${this.saved}.` : list;
+    return `The program has ended.${last}`;
   }
 
   /** The fibre is as deep as was asked for: the person says when it is enough. */
@@ -43,7 +83,7 @@ export class Session {
   }
 
   toggle() {
-    this.send({type: this.running ? 'stop' : 'start'});
+    if (!this.start.disabled) this.send({type: this.running ? 'stop' : 'start'});
   }
 
   /** @param {Message} message @returns {boolean} whether it was for this */
@@ -63,7 +103,11 @@ export class Session {
     this.running = message.running === true;
     this.start.textContent = this.running ? 'Stop' : 'Start';
     this.start.dataset.running = String(this.running);
-    this.insert.disabled = message.can_insert !== true;
+    this.trying = this.running && message.what === 'try';
+    this.canInsert = message.can_insert === true;
+    this.who.textContent = String(message.trainee ?? '');
+    this.name = this.who.textContent || String(message.device ?? '');
+    if (document.activeElement !== this.trainee) this.trainee.value = this.who.textContent;
     this.rating.hidden = message.can_rate !== true;
     const trial = message.trial === undefined ? '' : `, start ${String(message.trial)}`;
     this.state.textContent = !this.running ? `ready: press Start (Enter)${trial}`
@@ -71,8 +115,11 @@ export class Session {
     if (this.running && !was) {
       this.said = false;
       this.ended.hidden = true;
+      this.saved = '';
       for (const star of this.rating.querySelectorAll('input')) star.checked = false;
     }
+    this.drawCurve();
+    this.enable();
     return true;
   }
 
@@ -92,6 +139,14 @@ export class Session {
     if (message.hint) this.ended.append(element('span', withMicro(String(message.hint)), 'hint'));
     this.ended.dataset.good = String(message.outcome === 'inserted');
     this.ended.hidden = false;
+    this.trying = false;
+    if (message.file) this.saved = String(message.file);
+    this.rests = true;
+    setTimeout(() => {
+      this.rests = false;
+      this.enable();
+    }, kRest);
+    this.enable();
     return true;
   }
 
@@ -114,34 +169,26 @@ export class Session {
       line.append(cell, name, element('td', words(episode.outcome)), element('td', episode.score === null || episode.score === undefined ? '\u2013' : fixed(episode.score, 1)));
       return line;
     }));
+    this.trainees.replaceChildren(...new Set(this.episodes.map((e) => e.trainee).filter(Boolean).map((name) => new Option(name))));
+    this.persons.show(this.episodes);
     this.drawCurve();
     this.enable();
     return true;
   }
 
+  /** What can be asked of the program now. */
   enable() {
-    this.fit.disabled = !this.episodes.some((e) => e.outcome === 'inserted' && !this.left.has(e.file));
+    this.start.disabled = !this.online || this.rests;
+    this.discard.disabled = this.rating.disabled = !this.online;
+    this.trainee.disabled = !this.online || this.running;
+    this.insert.disabled = !this.online || !this.canInsert;
+    this.fit.disabled = !this.online || this.fits || !this.episodes.some((e) => e.outcome === 'inserted' && !this.left.has(e.file));
   }
 
   drawCurve() {
-    const scores = this.episodes.map((e) => e.score).filter((s) => typeof s === 'number');
+    const scores = this.episodes.filter((e) => e.same_scene && person(e) === this.name).map((e) => e.score).filter((s) => typeof s === 'number');
     this.curve.hidden = scores.length < 2;
-    if (scores.length < 2) return;
-    const width = 240, height = 80, left = 24;
-    const x = (/** @type {number} */ i) => left + 6 + i * (width - left - 12) / (scores.length - 1);
-    const y = (/** @type {number} */ s) => height - 14 - s * (height - 22) / 100;
-    const svg = svgElement('svg', {viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': `learning curve: scores ${scores.map((s) => fixed(Number(s), 0)).join(', ')}`});
-    svg.append(svgElement('path', {class: 'grid', d: `M${left} ${y(0)}H${width}M${left} ${y(50)}H${width}M${left} ${y(100)}H${width}`}));
-    for (const mark of [0, 50, 100]) {
-      const text = svgElement('text', {x: String(left - 3), y: String(y(mark) + 3), 'text-anchor': 'end'});
-      text.textContent = String(mark);
-      svg.append(text);
-    }
-    const label = svgElement('text', {x: String((width + left) / 2), y: String(height - 2), 'text-anchor': 'middle'});
-    label.textContent = 'score by episode';
-    svg.append(label, svgElement('path', {class: 'curve', d: scores.map((s, i) => `${i ? 'L' : 'M'}${x(i).toFixed(1)} ${y(Number(s)).toFixed(1)}`).join('')}));
-    scores.forEach((s, i) => svg.append(svgElement('circle', {class: 'point', cx: x(i).toFixed(1), cy: y(Number(s)).toFixed(1), r: '2.4'})));
-    this.curve.replaceChildren(svg);
+    if (!this.curve.hidden) this.curve.replaceChildren(drawCurves([{name: this.name, scores}], 80));
   }
 
   /** @param {Message} message */
@@ -149,8 +196,8 @@ export class Session {
     this.progress.hidden = message.state !== 'running';
     this.progress.value = Number(message.progress) || 0;
     this.fitText.textContent = String(message.text ?? '') || (message.state === 'running' ? `fitting, part ${Number(message.part) || 1}` : String(message.state));
-    this.fit.disabled = message.state === 'running';
-    if (message.state !== 'running') this.enable();
+    this.fits = message.state === 'running';
+    this.enable();
     return true;
   }
 }

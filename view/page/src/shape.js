@@ -76,6 +76,17 @@ export function contacts(read) {
   return found;
 }
 
+/**
+ * Which way the hand has to correct sideways, as seen along the axis (right is -z) [um]; null where
+ * that is less than a quarter of the play, or not shown in this scene.
+ * @param {Scene} scene @param {Read} read @returns {{right: number, up: number, size: number} | null}
+ */
+export function wayToAxis(scene, read) {
+  const right = -read('way_z_um'), up = read('way_y_um'), size = Math.hypot(right, up);
+  const play = scene.geometry.bore_radius_um - scene.geometry.fibre_radius_um;
+  return scene.cue === true && size > 0.25 * play ? {right, up, size} : null;
+}
+
 /** @param {Scene} scene */
 export function filledWithLiquid(scene) {
   return scene.terms.includes('drag') || scene.terms.includes('meniscus');

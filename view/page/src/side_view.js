@@ -3,7 +3,7 @@
 import {axes} from './axis_view.js';
 import {length} from './format.js';
 import {forceScale, Pane} from './pane.js';
-import {contacts, drawnLength, fibreAt, filledWithLiquid, hidden, termForces} from './shape.js';
+import {contacts, drawnLength, fibreAt, filledWithLiquid, hidden, termForces, wayToAxis} from './shape.js';
 
 /** @typedef {import('./table.js').Read} Read @typedef {import('./recording.js').Scene} Scene
  * @typedef {import('./theme.js').Colours} Colours @typedef {import('./magnify.js').Magnification} Magnification */
@@ -122,6 +122,9 @@ export class SideView {
       pane.arrow(x, tipY, f[0] * force, -f[across1] * force, colours.terms[term] ?? colours.ink);
     }
     if (!hidden.has('hand')) pane.arrow(tipX, tipY, read('force_x_uN') * force, -read(`force_${this.up}_uN`) * force, colours.hand, 0.3);
+
+    const way = wayToAxis(scene, read), upward = way && (this.up === 'y' ? way.up : -way.right);
+    if (upward) pane.cue(tipX, tipY, 0, -upward * scale, Math.abs(upward), colours);
 
     pane.scaleBar(width - 0.8 * rem, height - 0.9 * rem, along, colours);
     pane.scaleBar(width - 1 * rem, height - 3 * rem, scale, colours, true);
