@@ -105,6 +105,7 @@ def blocks(file: Path) -> dict[str, str]:
         if name not in names:
             raise BadInput(f"{file}: <!-- {slash}{name} --> is no table; there are {', '.join(names)}")
     found = {}
+    unbroken = re.sub(r" \\\n +", " ", text)
     for table in TABLES:
         inside = between(table.name).findall(text)
         if len(inside) != 1 or "<!--" in inside[0][1]:
@@ -112,7 +113,7 @@ def blocks(file: Path) -> dict[str, str]:
                            "each on a line of its own")
         found[table.name] = inside[0][1]
         for command in table.commands:
-            if not re.search(rf"(^|`){re.escape(command)}($|`)", text, re.MULTILINE):
+            if not re.search(rf"(^|`){re.escape(command)}($|`)", unbroken, re.MULTILINE):
                 raise BadInput(f"{file}: does not show the command that makes <!-- {table.name} -->: {command}")
     return found
 
