@@ -334,6 +334,20 @@ void Recorder::discard() noexcept {
   claim_.remove();
 }
 
+InsertionEnd record_insertion(const Scene& scene, const State& start, Device& device,
+                              Recorder& recorder, const std::function<bool()>& go_on) {
+  EpisodeInfo& info = recorder.info();
+  InsertionEnd end =
+      run_insertion(scene, start, device, ForceSensor(scene.sensor, info.seed, info.trial),
+                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
+                    [&](const Tick& tick) {
+                      recorder.add(make_row(tick), tick.sample.counts);
+                      return !go_on || go_on();
+                    });
+  info.why = end.why;
+  return end;
+}
+
 std::vector<Recovered> recover(const std::string& folder,
                                const std::function<bool(std::size_t, std::size_t)>& go_on) {
   std::vector<Recovered> results;

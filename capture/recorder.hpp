@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "capture/episode.hpp"
+#include "insertion/loop.hpp"
 
 namespace ferrule {
 
@@ -92,6 +93,13 @@ class Recorder {
   std::vector<RawCounts> counts_;
   std::size_t flushed_ = 0;
 };
+
+// Records one insertion from `start` with `device`, as fast as it goes, and past success until the
+// hand is finished. Seed, trial and period are those of recorder.info(). `go_on` is asked in every
+// tick; false ends the insertion as `interrupted`. Recorder::finish is left to the caller. Throws
+// what `device`, `recorder` and `go_on` throw.
+InsertionEnd record_insertion(const Scene& scene, const State& start, Device& device,
+                              Recorder& recorder, const std::function<bool()>& go_on = {});
 
 // Name of an episode file, and the first number that is free in a folder. Throws BadInput where the
 // folder has a number above kMostNumber.

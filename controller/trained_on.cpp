@@ -1,7 +1,18 @@
 #include "controller/trained_on.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "insertion/scene_scaling.hpp"
+
 namespace ferrule {
 namespace {
+
+bool differ(double a, double b) {
+  constexpr double kSame = 1e-9;  // relative
+  return std::abs(a - b) > kSame * std::abs(b);
+}
 
 std::vector<std::string> read_texts(JsonFields& fields, const std::string& key) {
   const Json& value = fields.raw(key);
@@ -43,6 +54,17 @@ std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string&
 }
 
 }  // namespace
+
+std::string scaling_trouble(const std::optional<Scaling>& trained, const std::string& who,
+                            const Scene& scene) {
+  if (!trained) return {};
+  const Scaling here = scene_scaling(scene);
+  if (!differ(here.motion, trained->motion) && !differ(here.force, trained->force)) return {};
+  return fmt::format(
+      "{}: {} scales the hand otherwise (alpha_x {:.6g}, alpha_f {:.6g}) than what it learned from "
+      "({:.6g}, {:.6g}): what was learned there means nothing here",
+      who, scene.name, here.motion, here.force, trained->motion, trained->force);
+}
 
 Json to_json(const TrainedOn& t) {
   Json json = {{"scenes", t.scenes},

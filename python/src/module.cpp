@@ -102,4 +102,5 @@ NB_MODULE(_core, module) {
   add_simulator(module);
   add_controller(module);
   add_episode(module);
+  add_learning(module);
 }
