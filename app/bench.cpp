@@ -553,8 +553,8 @@ void add_bench(CLI::App& app, Run& run) {
           "recording: what a row costs; parts: "
           "success with curl, cleave, edge and the like; plans: whether planning pays; "
           "sensors: success against noise and bias of the force sensor")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "turns", "peers", "recording",
-                             "parts", "plans", "sensors"}));
+      ->check(one_of({"hard", "capture", "tail", "events", "turns", "peers", "recording", "parts",
+                      "plans", "sensors"}));
   add_seed(*verb, a->seed,
            "Of the scenes, starts, motions and trials that tail, events, turns, parts, plans and "
            "sensors draw");

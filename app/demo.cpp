@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "app/damage.hpp"
 #include "app/recording.hpp"
 #include "app/report.hpp"
 #include "app/verb.hpp"
@@ -149,6 +150,7 @@ std::string shown(const Report& report) {
 int demo_verb(const DemoArguments& a) {
   const ChosenScene chosen = a.scene.choose();
   const Scene& scene = chosen.scene;
+  fmt::print(stderr, "{}", damage_note(scene));
   make_folder(a.out);
   const Stopwatch clock;
   Report report;

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/csv.hpp"
+#include "app/damage.hpp"
 #include "app/failures.hpp"
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
@@ -67,10 +68,11 @@ Json to_json(const EvaluateArguments& a, const Scene& scene,
   if (a.supervise)
     json["supervisor"] =
         supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene));
-  json["rows"] = json_list(all, [](const Tried& tried) {
+  json["damage"] = damage_json(scene);
+  json["rows"] = json_list(all, [&](const Tried& tried) {
     Json row = {{"controller", tried.name}};
     row.update(ferrule::to_json(summarise(tried.results)));
-    if (const auto found = failures(tried.results); !found.empty()) row["failures"] = found;
+    add_failures(tried.results, a.output, row);
     return row;
   });
   if (all.size() < 2) return json;
@@ -158,7 +160,7 @@ int evaluate_verb(const EvaluateArguments& a) {
                          a.other_scaling);
   if (!a.controller.empty()) provenance.read(a.controller);  // it names its weights by their hash
   const std::string notes =
-      trained_starts_note(trained.value_or(0), a.trials) +
+      trained_starts_note(trained.value_or(0), a.trials) + damage_note(scene) +
       (a.supervise ? supervisor_note(supervisor_limits(scene, scene_scaling(scene))) : "");
   if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
@@ -205,7 +207,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
   verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
-      ->check(CLI::IsMember({"constant-velocity"}));
+      ->check(one_of({"constant-velocity"}));
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");

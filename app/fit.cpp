@@ -54,7 +54,7 @@ void add_options(CLI::App& verb, const Learner& learner,
     else if (option.choices.empty())
       added->type_name("UINT")->check(CLI::Range(option.least, option.most));
     else
-      added->check(CLI::IsMember(option.choices));
+      added->check(one_of(option.choices));
   }
 }
 
@@ -225,7 +225,7 @@ void add_fit(CLI::App& app, Run& run) {
       ->type_name("DIR|FILE...");
   verb->add_option("--method", a->method, "How: a law with Ceres, or a policy with libtorch")
       ->capture_default_str()
-      ->check(CLI::IsMember(methods()));
+      ->check(one_of(methods()));
   for (const Learner& learner : learners()) add_options(*verb, learner, a->options);
   add_plot(*verb, a->plot, "The law over the data; with torch: the training curve");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");

@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "app/verb.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
 #include "learn/torch_policy.hpp"
@@ -54,6 +53,17 @@ std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& resu
   for (const TrialResult& r : results)
     if (!r.why.empty()) ++reasons[printable(r.why, 300)];
   return reasons;
+}
+
+void add_failures(const std::vector<TrialResult>& results, const Output& output, Json& row) {
+  const auto found = failures(results);
+  std::string text;
+  for (const auto& [why, count] : found)
+    text += fmt::format("{}{} of {}: {}", text.empty() ? "" : "; ", count, results.size(), why);
+  if (output.csv)
+    row["failures"] = text;
+  else if (!found.empty())
+    row["failures"] = found;
 }
 
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results) {

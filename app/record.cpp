@@ -6,6 +6,7 @@
 #include <exception>
 #include <utility>
 
+#include "app/damage.hpp"
 #include "app/device_arguments.hpp"
 #include "app/recording.hpp"
 #include "app/trained.hpp"
@@ -41,8 +42,8 @@ Json episode_json(const Recorded& r) {
                {"peak_force_uN", 1e6 * r.end.summary.peak_force},
                {"depth_um", 1e6 * r.end.summary.depth},
                {"steps", r.end.summary.steps},
-               {"unfinished_steps", r.end.summary.unfinished}};
-  if (!r.end.why.empty()) json["why"] = r.end.why;
+               {"unfinished_steps", r.end.summary.unfinished},
+               {"why", r.end.why}};
   if (r.rating) json["rating"] = r.rating;
   if (r.timing) json["loop"] = loop_json(*r.timing, r.period);
   return json;
@@ -118,7 +119,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
 struct Recordings {
   Json list = Json::array();
   std::size_t kept = 0;  // not discarded
-  std::size_t inserted = 0, infeasible = 0;
+  std::size_t inserted = 0, timeouts = 0, infeasible = 0;
   bool lost = false;           // the device
   std::exception_ptr trouble;  // with the device, after the first episode
 };
@@ -149,6 +150,7 @@ void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.lost = r.end.lost;
   all.kept += !r.file.empty();
   all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
+  all.timeouts += !r.file.empty() && r.end.outcome == Outcome::timeout;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
   all.list.push_back(episode_json(r));
   if (a.output.text()) tell(r);
@@ -228,7 +230,8 @@ int record_verb(const RecordArguments& a) {
   provenance.in(chosen).seed("starts and operator", a.seed);
   const Holding who = holding(a, toleranced, controller);
   const std::string note =
-      a.supervise ? supervisor_note(supervisor_limits(toleranced, who.scaling)) : "";
+      damage_note(toleranced) +
+      (a.supervise ? supervisor_note(supervisor_limits(toleranced, who.scaling)) : "");
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
@@ -242,6 +245,8 @@ int record_verb(const RecordArguments& a) {
     provenance.partial(fmt::format("{} of {} episodes", all.list.size(), a.episodes));
   if (a.output.text()) {
     fmt::print("{} of {} episodes inserted\n", all.inserted, all.kept);
+    if (const auto late = time_limit_note(all.timeouts, all.kept - all.inserted); !late.empty())
+      fmt::print("{}\n", late);
     if (all.infeasible > 0)
       fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
     fmt::print("{}", provenance.foot());
@@ -249,6 +254,7 @@ int record_verb(const RecordArguments& a) {
   print_result(a.output,
                {{"scene", toleranced.name},
                 {"operator", who.name},
+                {"damage", damage_json(toleranced)},
                 {"episodes", all.list},
                 {"infeasible_pairs", all.infeasible}},
                "episodes", provenance);

@@ -4,6 +4,7 @@
 #include <signal.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -18,6 +19,8 @@
 #include "app/scene_keys.hpp"
 #include "sim/elementary.hpp"
 #include "sim/plan/plan.hpp"
+#include "sim/scene/setting.hpp"
+#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 namespace {
@@ -69,13 +72,7 @@ std::string SceneArguments::given() const {
 
 Scene SceneArguments::load() const {
   for (const std::string& setting : settings) refuse_unknown_key(setting);
-  if (settings.empty()) return load_scene(name());
-  const std::string file = scene_file(name());
-  Json document = parse_json(read_text(file), file);
-  for (const std::string& setting : settings) apply_with_tolerance(document, setting);
-  Scene changed = parse_scene(document, file + " with --set");
-  refuse_contradictions(changed, file + " with --set");
-  return changed;
+  return load_scene(name(), settings);
 }
 
 namespace {
@@ -100,7 +97,7 @@ ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
     for (const std::string& setting : settings) refuse_unknown_key(setting);
     if (!brings) throw BadInput(brought.open + "; choose a scene with --scene");
     Json document = brought.document;
-    for (const std::string& setting : settings) apply_with_tolerance(document, setting);
+    for (const std::string& setting : settings) apply_setting(document, setting);
     const std::string source = "the scene that " + brought.how;
     chosen.scene = parse_scene(document, source);
     if (!settings.empty()) refuse_contradictions(chosen.scene, source);
@@ -248,6 +245,16 @@ Scene planned_with_progress(const Scene& scene) {
     progress(runs, "", most);
     return true;
   });
+}
+
+CLI::Validator one_of(const std::vector<std::string>& choices) {
+  const std::string all = CLI::detail::generate_set(choices);
+  return CLI::Validator(
+      [choices, all](const std::string& text) {
+        const bool known = std::find(choices.begin(), choices.end(), text) != choices.end();
+        return known ? std::string() : text + " not in " + all + did_you_mean(text, choices);
+      },
+      all);
 }
 
 CLI::Validator number_between(double low, double high) {

@@ -11,14 +11,16 @@
 namespace ferrule {
 
 // Exit codes (README): 0 done, 1 a stated criterion failed, 2 bad usage or input, 3 file trouble,
-// 4 device trouble, 130 stopped by Ctrl-C or another signal.
+// 4 device trouble, 130 stopped by Ctrl-C or another signal, 141 (as by SIGPIPE) stopped because
+// nobody reads standard output any more.
 enum ExitCode {
   kDone = 0,
   kFailed = 1,
   kBadInput = 2,
   kFileTrouble = 3,
   kDeviceTrouble = 4,
-  kInterrupted = 130
+  kInterrupted = 130,
+  kNobodyReads = 141
 };
 
 // What the chosen verb does; set when the command line is parsed.
@@ -96,6 +98,8 @@ void print_result(const Output& output, Json document, const char* table,
 // `scene`, or where it states an accuracy the planned one, with progress. Throws Stopped.
 Scene planned_with_progress(const Scene& scene);
 
+// One of these texts; of another one it names the nearest.
+CLI::Validator one_of(const std::vector<std::string>& choices);
 // A finite number within bounds.
 CLI::Validator number_between(double low, double high);
 

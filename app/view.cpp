@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "app/damage.hpp"
 #include "app/device_arguments.hpp"
 #include "app/recorded_view.hpp"
 #include "app/recording.hpp"
@@ -96,6 +97,7 @@ int live_verb(const ViewArguments& a) {
   SessionSettings settings;
   const ChosenScene chosen = a.scene.choose();
   settings.scene = chosen.scene;
+  fmt::print(stderr, "{}", damage_note(settings.scene));
   settings.seed = a.seed;
   settings.out = a.out;
   settings.trainee = a.device.trainee;
@@ -151,7 +153,7 @@ void add_recorded(CLI::App& verb, ViewArguments& a) {
                                 "Make this trial of a campaign under --seed again, and replay it")
                     ->check(CLI::Range(std::uint64_t{0}, (std::uint64_t{1} << 53)));
   verb.add_option("--against", r.against, "The same trial by another, over it")
-      ->check(CLI::IsMember({"constant-velocity", "operator"}))
+      ->check(one_of({"constant-velocity", "operator"}))
       ->needs(trial);
   verb.add_option("--skill", r.skill, "Skill of that operator")
       ->capture_default_str()

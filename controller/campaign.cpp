@@ -56,12 +56,12 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
   std::vector<double> time, force, loss;
   for (const TrialResult& r : results) {
     ++s.outcomes[static_cast<std::size_t>(r.outcome)];
+    if (r.supervision) count(*r.supervision, s.interventions);
     if (r.outcome == Outcome::infeasible) continue;
     ++s.feasible;
     s.steps += r.summary.steps;
     s.unfinished += r.summary.unfinished;
     force.push_back(r.summary.peak_force);
-    if (r.supervision) count(*r.supervision, s.interventions);
     if (r.outcome != Outcome::inserted) continue;
     time.push_back(r.summary.time);
     loss.push_back(r.loss_dB);

@@ -34,13 +34,12 @@ Json to_json(const std::vector<TrainedEpisode>& episodes) {
   return list;
 }
 
-std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string& key,
-                                          const std::string& file) {
+std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string& key) {
   const Json& list = fields.raw(key);
   if (!list.is_array()) fields.refuse(key, "must be a list of objects");
   std::vector<TrainedEpisode> episodes;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    JsonFields entry(list[i], file, "trained_on." + key + "[" + std::to_string(i) + "]");
+    JsonFields entry = fields.object(key, i);
     TrainedEpisode& episode = episodes.emplace_back();
     episode.file = entry.text("file");
     episode.sha1 = entry.text("sha1");
@@ -85,8 +84,8 @@ TrainedOn read_trained_on(JsonFields& fields, const std::string& file) {
   JsonFields trained = fields.object("trained_on");
   TrainedOn t;
   t.scenes = read_texts(trained, "scenes");
-  t.episodes = read_episodes(trained, "episodes", file);
-  t.held_out = read_episodes(trained, "held_out", file);
+  t.episodes = read_episodes(trained, "episodes");
+  t.held_out = read_episodes(trained, "held_out");
   t.rows = static_cast<std::size_t>(trained.integer("rows", 0, INT64_MAX));
   t.seed = static_cast<std::uint64_t>(trained.integer("seed", 0, INT64_MAX));
   if (trained.present("partial")) {

@@ -3,6 +3,7 @@
 #include "insertion/scene_scaling.hpp"
 #include "sim/gap_forces.hpp"
 #include "sim/plan/plan.hpp"
+#include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule::python {

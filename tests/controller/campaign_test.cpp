@@ -27,6 +27,25 @@ TEST(Statistics, WilsonIntervalsAt15Digits) {
   EXPECT_EQ(wilson(20, 20).high, 1);
 }
 
+// With so many trials at that rate the interval begins above it, with one fewer it does not.
+TEST(Statistics, TrialsToShowARateAreThoseOfTheInterval) {
+  for (const double rate : {0.99, 0.999}) {
+    const std::size_t all = 300 + trials_to_show(rate, 300, 300).value();
+    EXPECT_GE(wilson(all, all).low, rate);
+    EXPECT_LT(wilson(all - 1, all - 1).low, rate);
+  }
+  // Of 200 trials one failed: the rate is the same again in every other multiple of 200.
+  const std::size_t more = trials_to_show(0.99, 199, 200).value();
+  const std::size_t above = (200 + more + 199) / 200, below = (200 + more) / 200;
+  EXPECT_GE(wilson(199 * above, 200 * above).low, 0.99);
+  EXPECT_LT(wilson(199 * below, 200 * below).low, 0.99);
+  EXPECT_LT(below, above);
+  EXPECT_EQ(trials_to_show(0.99, 1000, 1000), std::size_t{0});
+  EXPECT_FALSE(trials_to_show(0.99, 990, 1000));
+  EXPECT_FALSE(trials_to_show(0.999, 199, 200));
+  EXPECT_FALSE(trials_to_show(0.99, 0, 0));
+}
+
 TEST(Statistics, McNemarAt15Digits) {
   EXPECT_CLOSE(mcnemar_p(3, 10), 0.09228515625, 1e-12);
   EXPECT_CLOSE(mcnemar_p(0, 5), 0.0625, 1e-12);

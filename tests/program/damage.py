@@ -239,7 +239,7 @@ class Damage(Case):
         for name in ("red \x1b[31m", "two\nlines", "x" * 101, "\x7f"):
             json.dump({**scene, "name": name}, open(self.path("s.json"), "w"))
             json.dump({**profile, "name": name}, open(self.path("p.json"), "w"))
-            self.refused(2, "forces", "--scene", self.path("s.json"), says=["s.json: name = "])
+            self.refused(2, "forces", "--scene", self.path("s.json"), says=["s.json: line 1: name = "])
             self.refused(2, "doctor", "--device", self.path("p.json"), says=["p.json: name = "])
         json.dump({**scene, "name": "Fa\u00ebr " + "\u00e9" * 95}, open(self.path("s.json"), "w"))
         self.done("forces", "--scene", self.path("s.json"))

@@ -88,7 +88,7 @@ class Doctor(Case):
                 file = self.device(**{key: value})
                 if self.validator.is_valid(json.load(open(file))):
                     continue
-                self.refused(2, "doctor", "--device", file, says=[f"{file}: {key} = "])
+                self.refused(2, "doctor", "--device", file, says=[f"{file}: line 1: {key} = "])
         for key in ("damping_N_s_m", "coulomb_N", "resolution_um", "delay_periods"):
             file = self.device(**{key: 0})
             self.validator.validate(json.load(open(file)))
