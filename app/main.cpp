@@ -43,6 +43,16 @@ int refused(const std::string& why, ExitCode code) {
   return code;
 }
 
+// The option that was given again, though it takes one value; null: none was.
+const CLI::Option* given_again(const CLI::App& app) {
+  for (const CLI::App* verb : app.get_subcommands())
+    for (const CLI::Option* option : verb->get_options())
+      if (option->get_items_expected_max() == 1 && option->count() > 1 &&
+          option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw)
+        return option;
+  return nullptr;
+}
+
 // Empty: a verb was chosen. Otherwise the program's exit code.
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   const auto is_verb = [&](const std::string& word) {
@@ -57,6 +67,8 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
+    if (const CLI::Option* option = given_again(app))
+      return refused(option->get_name() + ": is given more than once", kBadInput);
     return refused(std::string(error.what()) + " (see ferrule --help)", kBadInput);
   }
   return std::nullopt;

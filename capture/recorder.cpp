@@ -130,12 +130,13 @@ bool agrees(const Episode& whole, const Episode& journal) {
 
 void recover_claimed(EpisodeClaim& claim, Recovered& result) {
   const std::string text = read_text(claim.journal());
-  const auto line = text.find('\n');
-  if (line == std::string::npos) {
+  if (text.empty()) {
     claim.remove();
-    result.remark = "was killed before its first row: removed";
+    result.remark = "is empty: removed";
     return;
   }
+  const auto line = text.find('\n');
+  if (line == std::string::npos) throw FileTrouble("its first line has no end");
   const Journal journal = parse_journal(text, line, claim.journal());
   const Eigen::Index rows = journal.episode.rows.rows();
   if (journal.damaged > 0) {
@@ -150,8 +151,11 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     return;
   }
   if (rows == 0) {
+    if (!result.damaged && line + 1 < text.size())
+      throw FileTrouble(
+          fmt::format("it ends within its first row, after {} bytes", text.size() - line - 1));
     claim.remove();
-    if (!result.damaged) result.remark = "was killed before its first flush: removed";
+    if (!result.damaged) result.remark = "holds no rows: removed";
     return;
   }
   claim.write(journal.episode);
