@@ -339,8 +339,9 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   for (const std::string& file : a.controllers) {
     if (std::count(a.controllers.begin(), a.controllers.end(), file) > 1)
       throw BadInput("compare: " + file + " is there twice");
-    const GivenController c = given_file(file, a.policy);
-    all.push_back({.name = c.name, .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+    const GivenController c = given_file(file, a.policy, a.seed);
+    all.push_back(
+        {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
     provenance.read(file);
     if (!c.file) continue;
     const TrainedOn& training = trained_on(*c.file);
@@ -356,7 +357,8 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   }
   if (a.policy.command.empty()) return all;
   const GivenController c = given_program(a.policy, a.seed);
-  all.push_back({.name = c.name, .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+  all.push_back(
+      {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
   return all;
 }
 
@@ -653,9 +655,12 @@ int compare_verb(const CompareArguments& a) {
   if (!a.plot.empty() && !interrupted()) {
     draw(a.plot, found.entries, found.learning, starts);
     write_report(a, scene, set, found, starts, provenance);
-    fmt::print(stderr, "plots are in {}, all of them in report.html\n", a.plot);
+    fmt::print(stderr, "plots are in {}, all of them in report.html\n", printable(a.plot));
   }
-  return interrupted() ? kInterrupted : kDone;
+  if (interrupted()) return kInterrupted;
+  const bool failed = std::any_of(found.entries.begin(), found.entries.end(),
+                                  [](const Entry& e) { return all_failed(e.results); });
+  return failed ? kBadInput : kDone;
 }
 
 }  // namespace
@@ -674,12 +679,12 @@ void add_compare(CLI::App& app, Run& run) {
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many, for each")
       ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
+      ->check(whole_number(1, 100000000));
   verb->add_option("--demonstrations", a->demonstrations,
                    "Learn from the first N demonstrations too, for each N")
       ->delimiter(',')
       ->type_name("N,...")
-      ->check(CLI::Range(std::size_t{3}, std::size_t{1000000}));
+      ->check(whole_number(3, 1000000));
   verb->add_option("--transfer", a->transfer, "Try all in these scenes too, without fitting again")
       ->delimiter(',')
       ->type_name("SCENE,...");

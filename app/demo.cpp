@@ -98,7 +98,7 @@ bool record_all(const DemoArguments& a, Report& report) {
       report.recorded.push_back({skill, std::move(recorded)});
       if (interrupted()) {
         tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
-                         episodes_folder(a)));
+                         printable(episodes_folder(a))));
         return false;
       }
       progress(static_cast<std::size_t>(number));
@@ -172,7 +172,8 @@ int demo_verb(const DemoArguments& a) {
     print_json(report_json(report), report.provenance);
   else
     fmt::print("{}{}{}", report.provenance.head(), report_text(report), report.provenance.foot());
-  tell(fmt::format("{:.0f} s in all; open {}", clock.seconds(), fs::absolute(file).string()));
+  tell(fmt::format("{:.0f} s in all; open {}", clock.seconds(),
+                   printable(fs::absolute(file).string())));
   return kDone;
 }
 

@@ -142,7 +142,8 @@ int forces_of_recording(const ForcesArguments& a) {
   if (difference) provenance.read(a.against);
   if (a.output.text())
     fmt::print("{}{}{}{}", provenance.head(), to_text(history),
-               difference ? a.against + ": " + to_text(*difference) : "", provenance.foot());
+               difference ? printable(a.against) + ": " + to_text(*difference) : "",
+               provenance.foot());
   Json result = {
       {"file", a.episode},
       {"scene", scene.name},

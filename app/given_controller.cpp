@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "controller/held_controller.hpp"
@@ -31,20 +32,32 @@ std::uint64_t PolicyArguments::periods() const {
   return static_cast<std::uint64_t>(std::lround(periods));
 }
 
-GivenController given_file(const std::string& file, const PolicyArguments& how) {
+namespace {
+
+// How it is asked in trials under `seed`; what it says goes to stderr.
+ProgramSettings settings(const PolicyArguments& how, std::uint64_t seed) {
+  return {.start_timeout = 6 * how.timeout,
+          .timeout = how.timeout,
+          .control_hz = how.hz,
+          .seed = seed,
+          .stop = interrupted,
+          .said = [](const std::string& text) { fmt::print(stderr, "{}", text); }};
+}
+
+}  // namespace
+
+GivenController given_file(const std::string& file, const PolicyArguments& how,
+                           std::uint64_t seed) {
   if (file.ends_with(".pt"))
-    return {file, held(load_torchscript(file), how.periods()), {}, how.periods()};
+    return {
+        file, held(load_torchscript(file, settings(how, seed)), how.periods()), {}, how.periods()};
   ControllerFile read = read_controller(file);
   MakeController make = maker(read);
   return {file, std::move(make), std::move(read)};
 }
 
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {
-  const MakeController make = program_policy({.command = how.command,
-                                              .start_timeout = 6 * how.timeout,
-                                              .timeout = how.timeout,
-                                              .control_hz = how.hz,
-                                              .seed = seed});
+  const MakeController make = program_policy(how.command, settings(how, seed));
   return {how.command, held(make, how.periods()), {}, how.periods()};
 }
 
@@ -69,6 +82,23 @@ void add_failures(const std::vector<TrialResult>& results, const Output& output,
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results) {
   for (const auto& [why, count] : failures(results))
     fmt::print(stderr, "note: {}: {} of {} trials: {}\n", name, count, results.size(), why);
+}
+
+bool all_failed(const std::vector<TrialResult>& results) {
+  const auto failed = [](const TrialResult& r) {
+    return r.outcome == Outcome::infeasible || !r.why.empty();
+  };
+  return std::all_of(results.begin(), results.end(), failed) && !failures(results).empty();
+}
+
+void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results) {
+  if (!all_failed(results)) return;
+  const auto reasons = failures(results);
+  const auto most =
+      std::max_element(reasons.begin(), reasons.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  throw BadInput(
+      fmt::format("{}: failed in each of {} trials: {}", name, results.size(), most->first));
 }
 
 }  // namespace ferrule

@@ -30,8 +30,8 @@ struct GivenController {
   std::uint64_t periods = 1;           // from one answer of its own to the next
 };
 
-// What fit wrote, or TorchScript (*.pt). Throws FileTrouble, BadInput.
-GivenController given_file(const std::string& file, const PolicyArguments& how);
+// What fit wrote, or TorchScript (*.pt), for trials under `seed`. Throws FileTrouble, BadInput.
+GivenController given_file(const std::string& file, const PolicyArguments& how, std::uint64_t seed);
 // The program of --policy, for trials under `seed`.
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed);
 
@@ -42,5 +42,9 @@ std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& resu
 void add_failures(const std::vector<TrialResult>& results, const Output& output, Json& row);
 // Says it on stderr.
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results);
+// Whether it failed wherever it was asked.
+bool all_failed(const std::vector<TrialResult>& results);
+// Throws BadInput where it did.
+void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results);
 
 }  // namespace ferrule

@@ -74,6 +74,16 @@ std::string unknown_option(const CLI::App& app) {
   return "";
 }
 
+// The option that was given again, though it takes one value; null: none was.
+const CLI::Option* given_again(const CLI::App& app) {
+  for (const CLI::App* verb : app.get_subcommands())
+    for (const CLI::Option* option : verb->get_options())
+      if (option->get_items_expected_max() == 1 && option->count() > 1 &&
+          option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw)
+        return option;
+  return nullptr;
+}
+
 // Empty: a verb was chosen. Otherwise the program's exit code.
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   const std::vector<std::string> known = verbs(app);
@@ -87,6 +97,8 @@ std::optional<int> parse(CLI::App& app, int argc, char** argv) {
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
+    if (const CLI::Option* option = given_again(app))
+      return refused(option->get_name() + ": is given more than once", kBadInput);
     const std::string unknown = unknown_option(app);
     return refused((unknown.empty() ? error.what() : unknown) + " (see ferrule --help)", kBadInput);
   }

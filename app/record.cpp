@@ -53,8 +53,8 @@ constexpr double kMuchMissed = 0.01;  // of the deadlines
 
 void tell(const Recorded& r) {
   fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
-             r.file.empty() ? "discarded" : r.file, name(r.end.outcome), r.end.summary.task_time(),
-             1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
+             r.file.empty() ? "discarded" : printable(r.file), name(r.end.outcome),
+             r.end.summary.task_time(), 1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
              r.end.why.empty() ? "" : "  ", r.end.why);
   if (r.end.summary.unfinished > 0)
     fmt::print("  {} of {} steps ended without a minimum: they lag behind until later ones\n",
@@ -289,14 +289,16 @@ int recover_verb(const RecoverArguments& a) {
                     {"rows", r.rows},
                     {"outcome", r.file.empty() ? Json(nullptr) : Json(name(r.outcome))},
                     {"remark", r.remark}});
+    if (r.damaged) fmt::print(stderr, "{} {}\n", printable(r.journal), printable(r.remark));
     if (!a.output.text()) continue;
-    if (r.file.empty())
-      fmt::print("{} {}\n", r.journal, r.remark);
-    else
-      fmt::print("{} -> {}: {} rows, outcome {}\n", r.journal, r.file, r.rows, name(r.outcome));
+    if (!r.file.empty())
+      fmt::print("{} -> {}: {} rows, outcome {}\n", printable(r.journal), printable(r.file), r.rows,
+                 name(r.outcome));
+    else if (!r.damaged)
+      fmt::print("{} {}\n", printable(r.journal), printable(r.remark));
   }
   if (left) provenance.partial(fmt::format("{} journals are left as they are", left));
-  if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", a.folder);
+  if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", printable(a.folder));
   if (a.output.text()) fmt::print("{}", provenance.foot());
   print_result(a.output, {{"recovered", list}}, "recovered", provenance);
   if (left) return kInterrupted;
@@ -326,7 +328,7 @@ void add_record(CLI::App& app, Run& run) {
       ->check(number_between(0, 1));
   verb->add_option("--episodes", a->episodes, "How many")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+      ->check(whole_number(1, 1000000));
   add_seed(*verb, a->seed, "Seed of starts and operator");
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
   verb->add_flag("--supervise", a->supervise,

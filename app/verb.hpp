@@ -100,7 +100,9 @@ Scene planned_with_progress(const Scene& scene);
 
 // One of these texts; of another one it names the nearest.
 CLI::Validator one_of(const std::vector<std::string>& choices);
-// A finite number within bounds.
+// A whole number within bounds, in decimal.
+CLI::Validator whole_number(std::uint64_t low, std::uint64_t high);
+// A finite number within bounds, in decimal.
 CLI::Validator number_between(double low, double high);
 
 // The one JSON document of --json, on stdout.
@@ -118,9 +120,19 @@ Json json_list(const Rows& rows, const Of& of) {
 std::string number_or(const char* otherwise, const char* format, double x);
 
 // Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
-// the second ends the program at once.
+// and ends the program where the verb does not hear it within a second, by asking interrupted(); the
+// second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;  // from any thread
+// While one of these lives, the first signal is heard at the end of a case, however long that
+// takes, and says so: for verbs that keep the results of the cases before.
+class EndsBetweenCases {
+ public:
+  EndsBetweenCases();
+  ~EndsBetweenCases();
+  EndsBetweenCases(const EndsBetweenCases&) = delete;
+  EndsBetweenCases& operator=(const EndsBetweenCases&) = delete;
+};
 // What ended it: "Ctrl-C", "SIGTERM" ...
 const char* stopped_by() noexcept;
 // Ctrl-C ends the program at once again.

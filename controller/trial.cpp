@@ -35,8 +35,8 @@ TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexc
 }
 
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period,
-                      const OnTick& on_tick) {
+                      std::uint64_t seed, std::uint64_t trial, double period, const OnTick& on_tick,
+                      const std::function<bool()>& stop) {
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
   const auto with_supervision = [&](TrialResult result) {
     if (const Supervision* supervision = controller.supervision())
@@ -49,9 +49,9 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),
                       scaling.motion * scene.sensor.entrance_error);
-  const InsertionEnd end =
-      run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-                    {.scaling = scaling, .period = period, .past_success = false}, on_tick);
+  const InsertionEnd end = run_insertion(
+      scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+      {.scaling = scaling, .period = period, .past_success = false, .stop = stop}, on_tick);
   TrialResult result = with_supervision(trial_result(end.outcome, end.summary));
   result.why = controller.failure();
   return result;

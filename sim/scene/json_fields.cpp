@@ -123,7 +123,7 @@ std::string read_text(const std::string& file) {
   if (!in) throw FileTrouble(file + ": cannot be read: " + std::strerror(errno));
   std::ostringstream text;
   text << in.rdbuf();
-  if (in.bad()) throw FileTrouble(file + ": cannot be read");
+  if (in.bad() || text.bad()) throw FileTrouble(file + ": cannot be read");
   return text.str();
 }
 

@@ -1,5 +1,7 @@
 #include "controller/campaign.hpp"
 
+#include <atomic>
+
 #include "capture/episode.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/random.hpp"
@@ -104,6 +106,28 @@ TEST(Campaign, IsTheSameForAnyNumberOfThreads) {
       EXPECT_EQ(one[k].summary.time, many[k].summary.time);
     }
   }
+}
+
+// One of ten minutes too; what ran then is not among the results.
+TEST(Campaign, IsStoppedWithinATrial) {
+  Scene scene = testing::paper({"limits.time_s=3600"});
+  class Waits : public Controller {
+   public:
+    explicit Waits(std::atomic<int>& asked) : asked_(asked) {}
+    HandTwist command(const Observation&) noexcept override {
+      ++asked_;
+      return HandTwist::Zero();
+    }
+
+   private:
+    std::atomic<int>& asked_;
+  };
+  std::atomic<int> asked = 0;
+  const auto results = run_campaign(
+      scene, scene_scaling(scene), [&](std::uint64_t) { return std::make_unique<Waits>(asked); }, 7,
+      100, 2, {}, [&] { return asked > 1000; });
+  EXPECT_TRUE(results.empty());
+  EXPECT_LT(asked, 10'000);
 }
 
 TEST(Campaign, SummaryCountsEveryTrialOnce) {

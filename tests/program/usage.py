@@ -74,6 +74,23 @@ class Usage(Case):
             self.assertIn(verb, words)
         self.assertEqual(len(words), 23)
 
+    def test_an_option_that_is_given_twice_is_named(self):
+        for again in (["forces", "--scene", "demo", "--scene", "paper"],
+                      ["forces", "--gap-nm", 1, "--gap-nm", 2],
+                      ["evaluate", "--trials=2", "--trials=2"]):
+            name = again[1].split("=")[0]
+            self.refused(2, *again, says=[f"ferrule: {name}: is given more than once\n"])
+        self.done("forces", "--set", "laws.adhesion=null", "--set", "laws.friction=null")
+
+    def test_numbers_are_decimal(self):
+        for option, value in (("--trials", "0x10"), ("--trials", "010"), ("--trials", "1e3"),
+                              ("--threads", "0x10"), ("--threads", "1.5"), ("--threads", "-1"),
+                              ("--threads", "4097"), ("--policy-hz", "0x10")):
+            self.refused(2, "evaluate", "--baseline", "constant-velocity", f"{option}={value}",
+                         says=[f"ferrule: {option}: must be a", f"not {value} "])
+        self.refused(2, "forces", "--gap-nm", "0x10", says=["--gap-nm 0x10"])
+        self.refused(2, "view", "--port", 70000, says=["--port", "65535"])
+
     def test_help_and_version(self):
         text = self.done("--help").stdout
         for verb in ("demo", "scene", "forces", "contact", "release", "limits", "plan", "record", "recover", "replay",
