@@ -16,7 +16,8 @@ case "$*" in
   --version) cat {folder}/version ;;
   "bench recording --json")
     echo x >> {folder}/runs
-    echo '{{"rows": [{{"scene": "bench", "rows": 1234, "us_per_row": 3, "us_per_row_written": 17, "kB_per_s": 500}}]}}' ;;
+    echo '{{"rows": [{{"scene": "bench", "rows": 1234, "us_per_row": 3,'
+    echo '"us_per_row_written": 17, "kB_per_s": 500}}]}}' ;;
   "bench sensors --trials 60 --json") echo asleep >&2; exec sleep 60 2>/dev/null ;;
   *) echo "no such thing" >&2; exit 3 ;;
 esac
