@@ -27,7 +27,8 @@ import traceback
 from pathlib import Path
 from typing import NamedTuple
 
-from results_tables import ROOT, TABLES, NotMade, Result, Table
+from results_layouts import ROOT, NotMade, Result
+from results_tables import TABLES, Table
 
 DOCUMENT = ROOT / "docs/results.md"
 LEARNERS = ROOT / "build/learners-env/bin/python"
