@@ -13,7 +13,7 @@ Json with(const std::vector<std::string>& settings) {
   return document;
 }
 
-std::string complaint(const std::vector<std::string>& settings) {
+std::string said_of(const std::vector<std::string>& settings) {
   try {
     with(settings);
   } catch (const BadInput& error) {
@@ -63,30 +63,29 @@ TEST(Setting, TheLastToleranceOfAPartHolds) {
 TEST(Setting, ADiameterSaysWhatItMayBe) {
   for (const char* wrong : {"wide", "125+-", "a+-1", "126+--0.1", "127..126", "..126", "126+1",
                             "126+1/0", "126-1/+0", "126+1/--1", "125...126"})
-    EXPECT_EQ(complaint({std::string("ferrule.bore_diameter_um=") + wrong}),
+    EXPECT_EQ(said_of({std::string("ferrule.bore_diameter_um=") + wrong}),
               std::string("--set ferrule.bore_diameter_um=") + wrong +
                   ": must be a number, or a tolerance as 126+-0.3, 125.5+1/-0 or 125.2..126.5");
 }
 
 TEST(Setting, NothingElseHasATolerance) {
   for (const char* text : {"72+-1", "72+1/-0", "70..72"})
-    EXPECT_EQ(complaint({std::string("fibre.young_GPa=") + text}),
+    EXPECT_EQ(said_of({std::string("fibre.young_GPa=") + text}),
               std::string("--set fibre.young_GPa=") + text +
                   ": only fibre.diameter_um and ferrule.bore_diameter_um take a tolerance");
-  EXPECT_EQ(complaint({"name=from..to"}), "");
+  EXPECT_EQ(said_of({"name=from..to"}), "");
 }
 
 TEST(Setting, ANumberBesideATolerance) {
-  EXPECT_NE(complaint({"fibre.diameter_um=124..125", "fibre.diameter_um=125"})
+  EXPECT_NE(said_of({"fibre.diameter_um=124..125", "fibre.diameter_um=125"})
                 .find("the scene draws it from tolerance.fibre_diameter_um"),
             std::string::npos);
-  EXPECT_NE(complaint({"fibre.diameter_um=125+-0.3", "ferrule.bore_diameter_um=127"})
+  EXPECT_NE(said_of({"fibre.diameter_um=125+-0.3", "ferrule.bore_diameter_um=127"})
                 .find("the scene draws it from tolerance.bore_diameter_um"),
             std::string::npos);
   // The mean of what is normal.
-  EXPECT_EQ(complaint({"fibre.diameter_um=125+-0.3", "fibre.diameter_um=124"}), "");
-  EXPECT_EQ(complaint({"fibre.diameter_um=124..125", "tolerance=null", "fibre.diameter_um=125"}),
-            "");
+  EXPECT_EQ(said_of({"fibre.diameter_um=125+-0.3", "fibre.diameter_um=124"}), "");
+  EXPECT_EQ(said_of({"fibre.diameter_um=124..125", "tolerance=null", "fibre.diameter_um=125"}), "");
 }
 
 }  // namespace
