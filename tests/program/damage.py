@@ -278,7 +278,6 @@ class Damage(Case):
                 ("identify", out, "--parameters", "laws.friction.burgers_nm"),
                 ("limits", "--scene", scene), ("scene", "--scene", scene),
                 ("plan", "--scene", scene, "--tolerance", 0.1, "--out", odd + "/planned.json"),
-                ("view", out + "/episode_0001.h5", "--export", odd + "/view.html"),
                 ("demo", *short, "--out", odd + "/demo"), ("recover", out)):
             if arguments[0] == "recover":
                 open(journal, "w").close()

@@ -183,7 +183,8 @@ class Foreign(Case):
         with open(victim, "w") as out:
             out.write("of somebody")
         file = self.path("hostile.pt")
-        arguments = ("evaluate", file, "--scene", "bench", "--trials", 2, "--policy-timeout", 5)
+        arguments = ("evaluate", file, "--scene", "bench", "--trials", 2, "--policy-timeout", 5,
+                     "--policy-hz", 20)
         for module, says in ((Crashes(), "signal 8"), (TakesAll(), "memory"),
                              (Hangs(), "did not answer within")):
             torch.jit.script(module).save(file)
