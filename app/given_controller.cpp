@@ -20,7 +20,7 @@ void PolicyArguments::add_to(CLI::App& verb) {
       ->capture_default_str()
       ->check(number_between(1, 1000));
   verb.add_option("--policy-timeout", timeout,
-                  "What it may take for an answer [s], six times that to begin with")
+                  "What either may take for an answer [s], six times that to begin with")
       ->capture_default_str()
       ->check(number_between(1e-3, 3600));
 }
