@@ -658,9 +658,8 @@ int compare_verb(const CompareArguments& a) {
     fmt::print(stderr, "plots are in {}, all of them in report.html\n", printable(a.plot));
   }
   if (interrupted()) return kInterrupted;
-  const bool failed = std::any_of(found.entries.begin(), found.entries.end(),
-                                  [](const Entry& e) { return all_failed(e.results); });
-  return failed ? kBadInput : kDone;
+  for (const Entry& e : found.entries) refuse_if_all_failed(e.candidate.name, e.results);
+  return kDone;
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ void PolicyArguments::add_to(CLI::App& verb) {
       ->capture_default_str()
       ->check(number_between(1, 1000));
   verb.add_option("--policy-timeout", timeout,
-                  "What it may take for an answer [s], six times that to begin with")
+                  "What either may take for an answer [s], six times that to begin with")
       ->capture_default_str()
       ->check(number_between(1e-3, 3600));
 }
@@ -84,16 +84,12 @@ void tell_failures(const std::string& name, const std::vector<TrialResult>& resu
     fmt::print(stderr, "note: {}: {} of {} trials: {}\n", name, count, results.size(), why);
 }
 
-bool all_failed(const std::vector<TrialResult>& results) {
+void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results) {
   const auto failed = [](const TrialResult& r) {
     return r.outcome == Outcome::infeasible || !r.why.empty();
   };
-  return std::all_of(results.begin(), results.end(), failed) && !failures(results).empty();
-}
-
-void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results) {
-  if (!all_failed(results)) return;
   const auto reasons = failures(results);
+  if (reasons.empty() || !std::all_of(results.begin(), results.end(), failed)) return;
   const auto most =
       std::max_element(reasons.begin(), reasons.end(),
                        [](const auto& a, const auto& b) { return a.second < b.second; });

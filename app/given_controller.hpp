@@ -42,9 +42,7 @@ std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& resu
 void add_failures(const std::vector<TrialResult>& results, const Output& output, Json& row);
 // Says it on stderr.
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results);
-// Whether it failed wherever it was asked.
-bool all_failed(const std::vector<TrialResult>& results);
-// Throws BadInput where it did.
+// Throws BadInput where it failed wherever it was asked.
 void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results);
 
 }  // namespace ferrule

@@ -1,6 +1,7 @@
 #include "app/verb.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <signal.h>
 #include <sys/time.h>
 #include <unistd.h>
@@ -39,9 +40,11 @@ static_assert(std::atomic<int>::is_always_lock_free);  // for the signal handler
   ::_exit(kInterrupted);
 }
 
-// In a signal handler.
+// In a signal handler: unless that would wait for a reader.
 void say_at_once(std::string_view text) {
-  write_all(STDERR_FILENO, text.data(), text.size());
+  pollfd error{STDERR_FILENO, POLLOUT, 0};
+  if (::poll(&error, 1, 0) == 1 && (error.revents & POLLOUT))
+    write_all(STDERR_FILENO, text.data(), text.size());
 }
 
 constexpr itimerval kPatience = {{}, {0, 800000}}, kNoAlarm = {};

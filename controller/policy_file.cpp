@@ -162,22 +162,26 @@ std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
   return widths;
 }
 
-// Removes weights that were made for `file` and that no controller file beside it names any more.
+// Removes weights that were made for `file` and that no controller file beside it names any more,
+// and those that killed runs left half-written.
 void remove_old_weights(const std::string& file) {
   std::error_code error;
   const std::string stem = fs::path(file).stem().string() + ".";
-  const fs::path folder = fs::path(file).parent_path();
+  const auto are_weights = [&](const std::string& name) {
+    const bool sized = name.size() == stem.size() + kHashDigits + kWeights.size();
+    return sized && name.starts_with(stem) && name.ends_with(kWeights) &&
+           name.find_first_not_of("0123456789abcdef", stem.size()) == stem.size() + kHashDigits;
+  };
+  const fs::path parent = fs::path(file).parent_path(), folder = parent.empty() ? "." : parent;
+  remove_half_written(folder.string(), are_weights);
   std::vector<fs::path> old;
   std::string controllers;
-  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     if (!entry.is_regular_file(error)) continue;
     if (name.ends_with(".json") || name == fs::path(file).filename())
       controllers += read_text(entry.path().string());
-    const bool sized = name.size() == stem.size() + kHashDigits + kWeights.size();
-    if (sized && name.starts_with(stem) && name.ends_with(kWeights) &&
-        name.find_first_not_of("0123456789abcdef", stem.size()) == stem.size() + kHashDigits)
-      old.push_back(entry.path());
+    if (are_weights(name)) old.push_back(entry.path());
   }
   for (const fs::path& weights : old)
     if (controllers.find(weights.filename().string()) == controllers.npos)

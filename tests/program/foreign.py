@@ -183,7 +183,8 @@ class Foreign(Case):
         with open(victim, "w") as out:
             out.write("of somebody")
         file = self.path("hostile.pt")
-        arguments = ("evaluate", file, "--scene", "bench", "--trials", 2, "--policy-timeout", 5)
+        arguments = ("evaluate", file, "--scene", "bench", "--trials", 2, "--policy-timeout", 5,
+                     "--policy-hz", 20)
         for module, says in ((Crashes(), "signal 8"), (TakesAll(), "memory"),
                              (Hangs(), "did not answer within")):
             torch.jit.script(module).save(file)
@@ -217,6 +218,13 @@ class Foreign(Case):
         alone, _ = self.evaluate(STEP + LOOP, "--trials", "4")
         for key in ("outcomes", "time_s", "peak_force_uN"):
             self.assertEqual(rows[command][key], alone[key])
+        run = ferrule("compare", folder, "--learners", "linear", "--policy", "exit 3", "--trials", 2,
+                      "--json")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("exit 3: failed in each of 2 trials: the policy ended",
+                      run.stderr.splitlines()[-1])
+        rows = {row["controller"]: row for row in json.loads(run.stdout)["rows"]}
+        self.assertEqual(rows["exit 3"]["outcomes"], {"invalid_output": 2})
         self.refused(2, "compare", folder, tuned, tuned, says=("twice",))
         self.refused(3, "compare", folder, self.path("nowhere.json"), says=("nowhere.json",))
 

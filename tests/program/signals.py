@@ -73,6 +73,25 @@ class Signals(Case):
             self.assertIn(b"stopped before the end", process.stderr.read())
             process.stdout.close()
 
+    # Nor does it wait for a reader itself.
+    def test_a_full_standard_error_does_not_keep_it(self):
+        full, end = os.pipe()
+        self.addCleanup(os.close, full)
+        self.addCleanup(os.close, end)
+        os.set_blocking(end, False)
+        with self.assertRaises(BlockingIOError):
+            while True:
+                os.write(end, b"x" * 65536)
+        os.set_blocking(end, True)
+        process = subprocess.Popen([PROGRAM, "forces", "--gap-nm", "1:400:20000", "--json"],
+                                   stdout=subprocess.PIPE, stderr=end)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        process.stdout.read(1)
+        time.sleep(0.5)
+        process.send_signal(signal.SIGINT)
+        self.assertEqual(process.wait(timeout=20), 130)
+
     # The command that a test runs, and the processes of it once two are there.
     def stubborn(self):
         program = self.path("stubborn.py")

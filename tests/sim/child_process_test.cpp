@@ -7,33 +7,19 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <chrono>
 #include <csignal>
-#include <fstream>
+#include <filesystem>
 #include <memory>
 #include <thread>
 
 #include "sim/scene/json_fields.hpp"
+#include "tests/processes.hpp"
 #include "tests/temporary_folder.hpp"
 
 namespace ferrule {
 namespace {
 
-// Whether it runs: what is gone, or ended and not waited for, does not.
-bool runs(const std::string& process) {
-  std::ifstream file("/proc/" + process + "/stat");
-  std::string text;
-  std::getline(file, text);
-  return !text.empty() && text.substr(text.rfind(')') + 2, 1) != "Z";
-}
-
-// Calls it until it is true, some ten seconds long.
-template <class Is>
-bool comes(const Is& is) {
-  for (int n = 0; n < 1000 && !is(); ++n)
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-  return is();
-}
+using testing::comes, testing::runs;
 
 int exit_code_of(const std::function<void()>& work, std::vector<int> keep = {}) {
   ChildProcess child(std::move(keep), work);
@@ -78,11 +64,7 @@ TEST(ChildProcess, IsKilledWithAllThatItStarted) {
   auto child = std::make_unique<ChildProcess>(std::vector<int>(), [&] {
     execute({"sh", "-c", "sleep 600 & echo $! > " + (folder / "sleeper") + "; wait"}, -1, -1, -1);
   });
-  const auto sleeper = [&] {
-    std::ifstream file(folder / "sleeper");
-    std::string number;
-    return std::getline(file, number) ? number : std::string("none");
-  };
+  const auto sleeper = [&] { return testing::told_in(folder / "sleeper"); };
   ASSERT_TRUE(comes([&] { return runs(sleeper()); }));
   EXPECT_FALSE(child->ended());
   child.reset();
@@ -124,7 +106,8 @@ TEST(ChildProcess, TakesNoMoreMemoryAndTimeThanItMay) {
   const auto takes = [](std::size_t bytes) {
     be_quiet();
     limit_memory(64 << 20);
-    std::unique_ptr<char[]>(new char[bytes])[bytes / 2] = 1;
+    const std::string text(bytes, 'x');
+    ::_exit(text.find('y') == text.npos ? 0 : 2);
   };
   EXPECT_EQ(exit_code_of([&] { takes(16 << 20); }), 0);
   EXPECT_EQ(exit_code_of([&] { takes(256 << 20); }), 1);
