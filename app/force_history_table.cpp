@@ -64,28 +64,27 @@ std::string to_text(const ForceHistory& history) {
 }
 
 std::string to_html(const std::vector<NamedHistory>& histories) {
-  std::string rows;
-  for (const auto& [name, forces] : histories) {
-    if (forces.insertions == 0) continue;
-    rows += fmt::format("<tr><th colspan={}>{}<br><small>{}</small></th></tr>\n",
-                        1 + kHistoryColumns.size(), escaped(name), felt_text(forces));
-    for (const TermActivity& term : forces.terms) {
-      rows += fmt::format("<tr><td>{}</td>", info(term.term).label);
-      for (const HistoryColumn& column : kHistoryColumns)
-        rows += fmt::format("<td class=n>{}</td>", column.cell(term));
-      rows += "</tr>\n";
-    }
-  }
-  if (rows.empty()) return "";
-  std::string heading = "<h2>Which force acted when</h2>\n<table><tr><th>force</th>";
+  std::vector<HtmlTable::Column> columns = {{"force", false}};
   for (const HistoryColumn& column : kHistoryColumns) {
     std::string words = column.heading;
     std::replace(words.begin(), words.end(), '_', ' ');
-    heading += "<th>" + words + "</th>";
+    columns.push_back({words});
   }
-  return heading + "</tr>\n" + rows +
+  HtmlTable table(columns);
+  for (const auto& [name, forces] : histories) {
+    if (forces.insertions == 0) continue;
+    table.title(escaped(name) + "<br><small>" + felt_text(forces) + "</small>");
+    for (const TermActivity& term : forces.terms) {
+      std::vector<std::string> cells = {info(term.term).label};
+      for (const HistoryColumn& column : kHistoryColumns) cells.push_back(column.cell(term));
+      table.row(cells);
+    }
+  }
+  const std::string rows = table.html();
+  if (rows.empty()) return "";
+  return "<h2>Which force acted when</h2>\n" + rows +
          fmt::format(
-             "</table>\n<p>Share of the time in which each force acts: of all, while nothing "
+             "<p>Share of the time in which each force acts: of all, while nothing "
              "touches, while end or side do; when it acts first and last, median and largest of "
              "its magnitude then; its share that reaches the hand, its share of what is felt, and "
              "the share of the time in which a hand would notice it ({:g} N, and {:g} % of what is "

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "app/plot.hpp"
 
@@ -11,6 +12,28 @@ namespace ferrule {
 std::string escaped(const std::string& text);
 // The beginning of a page, up to what is in its body.
 std::string html_head(const std::string& title);
+// A table. Headings, titles and cells are HTML. On a narrow screen every row is a list of its cells,
+// each beside its heading.
+class HtmlTable {
+ public:
+  struct Column {
+    std::string heading;  // without tags
+    bool number = true;   // its cells are aligned to the right
+  };
+  explicit HtmlTable(std::vector<Column> columns);
+
+  // A cell for every column.
+  void row(const std::vector<std::string>& cells);
+  // Over the rows that follow.
+  void title(const std::string& title);
+  // Empty where it has no rows.
+  std::string html() const;
+
+ private:
+  std::vector<Column> columns_;
+  std::string rows_;
+};
+
 // A plot, drawn, over its caption, which is HTML. Throws as draw_svg.
 std::string figure(const Plot& plot, const std::string& caption);
 

@@ -54,54 +54,54 @@ Plot start_map(const Report& r, const std::vector<TrialResult>& results, const c
 }
 
 std::string gains_table(const LawFile& c) {
-  std::string html =
-      "<table><tr><th>gain</th><th></th><th>value</th><th>95 % interval</th><th>unit</th></tr>\n";
+  HtmlTable table(
+      {{"gain", false}, {"symbol", false}, {"value"}, {"95 % interval"}, {"unit", false}});
   for (std::size_t i = 0; i < kGains; ++i) {
     const FittedGain& g = c.gains[i];
     const std::string interval = std::isfinite(g.low)
                                      ? fmt::format("{:.4g} to {:.4g}", g.low, g.high)
                                      : std::string("open: at its bound");
-    html += fmt::format(
-        "<tr><td>{}</td><td>{}</td><td class=n>{:.4g}</td><td class=n>{}</td><td>{}</td></tr>\n",
-        kGainTable[i].name, kGainTable[i].symbol, g.value, interval, kGainTable[i].unit);
+    table.row({kGainTable[i].name, kGainTable[i].symbol, fmt::format("{:.4g}", g.value), interval,
+               kGainTable[i].unit});
   }
-  return html + "</table>\n";
+  return table.html();
 }
 
 std::string success_table(const CampaignSummary& learned, const CampaignSummary& baseline) {
-  std::string html =
-      "<table><tr><th></th><th>inserted</th><th>success</th><th>95 % (Wilson)</th><th>time [s], "
-      "median / p95</th><th>peak force [uN], median / p95</th><th>joint loss [dB], median / "
-      "p95</th></tr>\n";
+  HtmlTable table({{"", false},
+                   {"inserted"},
+                   {"success"},
+                   {"95 % (Wilson)"},
+                   {"time [s], median / p95"},
+                   {"peak force [uN], median / p95"},
+                   {"joint loss [dB], median / p95"}});
   for (const auto& [who, s] : {std::pair<const char*, const CampaignSummary&>{"learned", learned},
                                {"constant velocity", baseline}}) {
     const auto pair = [](const Spread& x, double unit, const char* format) {
       return number_or("&ndash;", format, unit * x.median) + " / " +
              number_or("&ndash;", format, unit * x.p95);
     };
-    html += fmt::format(
-        "<tr><td>{}</td><td class=n>{} of {}</td><td class=n>{:.1f} %</td><td class=n>{:.1f} to "
-        "{:.1f} %</td><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td></tr>\n",
-        who, s.successes, s.trials, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high,
-        pair(s.time, 1, "{:.1f}"), pair(s.peak_force, 1e6, "{:.2f}"), pair(s.loss_dB, 1, "{:.3f}"));
+    table.row({who, fmt::format("{} of {}", s.successes, s.trials),
+               fmt::format("{:.1f} %", 100 * s.success_rate),
+               fmt::format("{:.1f} to {:.1f} %", 100 * s.wilson.low, 100 * s.wilson.high),
+               pair(s.time, 1, "{:.1f}"), pair(s.peak_force, 1e6, "{:.2f}"),
+               pair(s.loss_dB, 1, "{:.3f}")});
   }
-  return html + "</table>\n";
+  return table.html();
 }
 
 std::string outcome_table(const CampaignSummary& learned, const CampaignSummary& baseline) {
-  std::string html =
-      "<table><tr><th>how a trial ended</th><th>learned</th><th>constant velocity</th></tr>\n";
+  HtmlTable table({{"how a trial ended", false}, {"learned"}, {"constant velocity"}});
   for (std::size_t i = 0; i < kOutcomes; ++i)
     if (learned.outcomes[i] + baseline.outcomes[i] > 0)
-      html += fmt::format("<tr><td>{}</td><td class=n>{}</td><td class=n>{}</td></tr>\n",
-                          name(static_cast<Outcome>(i)), learned.outcomes[i], baseline.outcomes[i]);
-  return html + "</table>\n";
+      table.row({name(static_cast<Outcome>(i)), std::to_string(learned.outcomes[i]),
+                 std::to_string(baseline.outcomes[i])});
+  return table.html();
 }
 
 std::string recorded_table(const Report& r) {
-  std::string html =
-      "<table><tr><th>skill</th><th>episodes</th><th>inserted</th><th>median time [s]</th>"
-      "<th>median peak force [uN]</th></tr>\n";
+  HtmlTable table(
+      {{"skill"}, {"episodes"}, {"inserted"}, {"median time [s]"}, {"median peak force [uN]"}});
   for (std::size_t i = 0; i < r.recorded.size();) {
     const double skill = r.recorded[i].skill;
     std::size_t episodes = 0, inserted = 0;
@@ -112,12 +112,11 @@ std::string recorded_table(const Report& r) {
       time.push_back(one.end.summary.task_time());
       force.push_back(1e6 * one.end.summary.peak_force);
     }
-    html += fmt::format(
-        "<tr><td class=n>{}</td><td class=n>{}</td><td class=n>{}</td><td class=n>{:.1f}</td>"
-        "<td class=n>{:.2f}</td></tr>\n",
-        skill, episodes, inserted, quantile(time, 0.5), quantile(force, 0.5));
+    table.row({fmt::format("{}", skill), std::to_string(episodes), std::to_string(inserted),
+               fmt::format("{:.1f}", quantile(time, 0.5)),
+               fmt::format("{:.2f}", quantile(force, 0.5))});
   }
-  return html + "</table>\n";
+  return table.html();
 }
 
 std::string summary_section(const Report& r, const CampaignSummary& learned,
@@ -177,17 +176,16 @@ std::string inputs_section(const Report& r) {
   if (of.changes.empty())
     return html + fmt::format("All inputs are those of the shipped scene <code>{}</code>.</p>\n",
                               escaped(of.from));
-  html += fmt::format(
-      "All inputs are those of the shipped scene <code>{}</code>, but for these:</p>\n<table><tr>"
-      "<th>key</th><th>here</th><th>in {}</th></tr>\n",
-      escaped(of.from), escaped(of.from));
+  html +=
+      fmt::format("All inputs are those of the shipped scene <code>{}</code>, but for these:</p>\n",
+                  escaped(of.from));
+  HtmlTable table({{"key", false}, {"here", false}, {"in " + escaped(of.from), false}});
   const auto text = [](const Json& value) {
     return value.is_null() ? std::string("none") : escaped(value.dump());
   };
   for (const SceneChange& c : of.changes)
-    html += fmt::format("<tr><td><code>{}</code></td><td>{}</td><td>{}</td></tr>\n", escaped(c.key),
-                        text(c.value), text(c.shipped));
-  return html + "</table>\n";
+    table.row({"<code>" + escaped(c.key) + "</code>", text(c.value), text(c.shipped)});
+  return html + table.html();
 }
 
 std::string forces_section(const Scene& scene) {

@@ -50,7 +50,7 @@ class Case(unittest.TestCase):
         """The table of which force acted when: name of the runs -> force -> column -> text."""
         with open(file) as report:
             section = report.read().split("<h2>Which force acted when</h2>")[1].split("</table>")[0]
-        names, *rows = re.findall(r"<tr>(.*?)</tr>", section)
+        names, *rows = re.findall(r"<tr.*?>(.*?)</tr>", section)
         names = re.findall("<th>(.*?)</th>", names)
         found = {}
         for row in rows:
