@@ -18,11 +18,12 @@ std::string status_text(const RowVector& row, const Scene& scene) {
   const double force = holder_force(scene.world, now.forces).norm();
   const double share = std::clamp(force / scene.limits.force, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(std::lround(share * kBar));
-  return fmt::format("{:6.1f} s  depth {:7.2f} um  gap {:8.3f} um  force {:7.3f} of {:g} uN [{}{}]",
-                     row[kTime.begin], 1e6 * now.state.inserted_length(),
-                     1e6 * smallest_gap(scene.world, now.state), 1e6 * force,
-                     1e6 * scene.limits.force, std::string(filled, '#'),
-                     std::string(kBar - filled, ' '));
+  const double gap = smallest_gap(scene.world, now.state), depth = now.state.inserted_length();
+  const char* const gap_is = gap >= 0 ? "gap" : depth > 0 ? "pressed in" : "beside";
+  return fmt::format(
+      "{:6.1f} s  depth {:7.2f} um  {:<10} {:8.3f} um  force {:7.3f} of {:g} uN [{}{}]",
+      row[kTime.begin], 1e6 * depth, gap_is, 1e6 * std::abs(gap), 1e6 * force,
+      1e6 * scene.limits.force, std::string(filled, '#'), std::string(kBar - filled, ' '));
 }
 
 StatusLine::StatusLine(const Scene& scene) noexcept

@@ -22,7 +22,8 @@ class StatusLine {
   double next_ = 0;  // [s]
 };
 
-// The line: "  3.2 s  depth  12.34 um  gap  0.412 um  force  2.31 of 10 uN [##        ]".
+// The line: "  3.2 s  depth  12.34 um  gap  0.412 um  force  2.31 of 10 uN [##        ]". Where the
+// gap is none it says by how much the end is beside the bore, or is pressed in.
 std::string status_text(const RowVector& row, const Scene& scene);
 
 }  // namespace ferrule

@@ -144,9 +144,10 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
 
 TEST(HapticLoop, WhatEndsAnEpisodeAfterTheGoalLeavesItInserted) {
   using Event = PushingHand::Event;
-  const Scene scene = testing::quick({"start.lateral_sd_um=0", "start.lateral_mean_um=[0,0]",
-                                      "start.tilt_sd_mrad=0", "success.depth_um=2"});
-  constexpr int kAt = 8000;  // 16 um on, of 12
+  const Scene scene =
+      testing::paper({"start.distance_um=2", "success.depth_um=1", "limits.speed_um_s=20",
+                      "start.lateral_sd_um=0", "start.lateral_mean_um=[0,0]"});
+  constexpr int kAt = 2000;  // 4 um on, of 3
   for (const auto& [event, why] : {std::pair{Event::jump, "jumped"},
                                    {Event::silence, "too old"},
                                    {Event::loss, "lost"},

@@ -171,7 +171,7 @@ class Devices(Case):
         process, terminal = pty.fork()
         if process == 0:
             os.execv(PROGRAM, [PROGRAM, *map(str, arguments)])
-        seen, keys = "", list(keys)
+        seen, self.shown, keys = "", "", list(keys)
         before = termios.tcgetattr(terminal)[:4]
         while True:
             try:
@@ -181,6 +181,7 @@ class Devices(Case):
             if not part:
                 break
             seen += part
+            self.shown += part
             while keys and keys[0][0] in seen:
                 text, key = keys.pop(0)
                 seen = seen[seen.index(text) + len(text):]
@@ -204,6 +205,8 @@ class Devices(Case):
             "record", "--scene", "demo", "--device", "fake:pid", "--episodes", 9, "--out", out)
         self.assertEqual(code, 0)
         self.assertIn("0 of 2 episodes inserted", self.rest)  # the discarded ones are no failures
+        self.assertIn("beside", self.shown)  # the bore, where the gap would be negative
+        self.assertNotRegex(self.shown, r"\b(gap|beside) +-")
         files = sorted(os.listdir(out))
         self.assertEqual(files, ["episode_0001.h5", "episode_0002.h5"])  # discarded ones again
         with h5py.File(out + "/episode_0001.h5") as f:
@@ -214,6 +217,23 @@ class Devices(Case):
             self.assertNotIn("rating", f.attrs)
         for file in files:
             self.done("replay", out + "/" + file, "--verify")
+
+    def test_a_person_stops_at_the_goal_or_goes_on(self):
+        rows = {}
+        for option in ([], ["--go-on-after-goal"]):
+            out = self.path("out" + "".join(option))
+            self.done("record", "--scene", "demo", "--set", "start.distance_um=8", "--set",
+                      "success.depth_um=5", "--device", "fake:spacemouse", "--episodes", 1,
+                      "--out", out, *option)
+            with h5py.File(out + "/episode_0001.h5") as f:
+                self.assertEqual(f.attrs["outcome"], b"inserted")
+                rows[bool(option)] = -1e6 * f["data/demo_0/states"][:, 0]
+            self.done("replay", out, "--verify")
+        deep = numpy.flatnonzero(rows[False] >= 5)
+        self.assertEqual(list(deep), [len(rows[False]) - 1])
+        self.assertGreater(len(rows[True]), len(rows[False]))
+        self.refused(2, "record", "--go-on-after-goal", "--out", self.path("none"),
+                     says=["--go-on-after-goal", "--device"])
 
     def test_the_recording_ends_before_it_began(self):
         for key in ("\x03", "q"):
