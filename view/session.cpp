@@ -573,6 +573,7 @@ void Session::say_state() {
                            {"scene", scene_json(*shown.scene)},
                            {"device", settings_.device ? settings_.device->name : kBrowser},
                            {"trainee", settings_.trainee},
+                           {"goes_on", settings_.goes_on},
                            {"can_insert", static_cast<bool>(controller_)},
                            {"can_rate", kept_.has_value()}});
 }

@@ -9,7 +9,7 @@
 
 export {};
 
-const kAgain = 30;     // a moving hand is said so often at least [ms]: the program stops one that is silent for 100
+const kAgain = 20;     // a moving hand is said so often at least [ms]: the program stops one that is silent for 100
 const kHangs = 400;    // [ms]
 const kGoingAway = 1001;
 const kFull = 65536;   // bytes that may wait to be sent
@@ -62,4 +62,4 @@ setInterval(() => {
   if (!hand || now - hand.said < kAgain || now - hand.heard > kHangs) return;
   hand.said = now;
   send(hand.text);
-}, kAgain / 3);
+}, kAgain / 2);

@@ -19,6 +19,7 @@ export class Session {
     this.rests = false;
     this.fits = false;
     this.canInsert = false;
+    this.goesOn = false;  // after the goal
     this.folder = '';
     this.saved = '';      // file of the last try
     this.name = '';       // of the person
@@ -58,6 +59,7 @@ export class Session {
 
   /** @param {boolean} is @param {number} code of its end */
   connected(is, code) {
+    if (!is && !this.online) return;  // said already
     this.online = is;
     this.connection.textContent = is ? 'connected' : code === kGoingAway ? 'the program has ended' : 'not connected: trying again';
     this.connection.dataset.good = String(is);
@@ -76,9 +78,9 @@ export class Session {
     return `The program has ended.${last}`;
   }
 
-  /** The fibre is as deep as was asked for: the person says when it is enough. */
+  /** The fibre is as deep as was asked for: that ends the try, or the person says when it is enough. */
   seated() {
-    if (this.running && !this.said) this.state.textContent = 'inserted: press Stop (Enter)';
+    if (this.running && !this.said) this.state.textContent = this.goesOn ? 'inserted: press Stop (Enter)' : 'inserted';
     this.said = true;
   }
 
@@ -105,6 +107,7 @@ export class Session {
     this.start.dataset.running = String(this.running);
     this.trying = this.running && message.what === 'try';
     this.canInsert = message.can_insert === true;
+    this.goesOn = message.goes_on === true;
     this.who.textContent = String(message.trainee ?? '');
     this.name = this.who.textContent || String(message.device ?? '');
     if (document.activeElement !== this.trainee) this.trainee.value = this.who.textContent;
@@ -169,7 +172,8 @@ export class Session {
       line.append(cell, name, element('td', words(episode.outcome)), element('td', episode.score === null || episode.score === undefined ? '\u2013' : fixed(episode.score, 1)));
       return line;
     }));
-    this.trainees.replaceChildren(...new Set(this.episodes.map((e) => e.trainee).filter(Boolean).map((name) => new Option(name))));
+    const names = new Set(this.episodes.map((e) => e.trainee ?? '').filter(Boolean));
+    this.trainees.replaceChildren(...[...names].map((name) => new Option(name)));
     this.persons.show(this.episodes);
     this.drawCurve();
     this.enable();
