@@ -39,8 +39,9 @@ export async function view(...words) {
   });
   return {
     address,
-    async end() {
-      child.kill('SIGINT');
+    /** @param {'SIGINT' | 'SIGKILL'} [by] */
+    async end(by = 'SIGINT') {
+      child.kill(by);
       await ended;
     },
   };

@@ -165,6 +165,180 @@ check('live: a drag and the wheel move the fibre, and what is let go stands stil
   assert.deepEqual(amiss, []);
 });
 
+const kStraight = ['--set', 'start.lateral_sd_um=0', '--set', 'start.lateral_mean_um=[0,0]', '--set', 'start.tilt_sd_mrad=0'];
+
+check('live: a key that is held moves on while the page is busy, and a page that hangs lets go', async () => {
+  const server = await view('--scene', 'demo', ...kStraight, '--set', 'start.distance_um=150', '--out', join(folder, 'busy'));
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => globalThis.ferrule.session.running);
+  await page.keyboard.down('w');
+  /** How long the hand stood still while the page did nothing for `ms` [s]. @param {number} ms */
+  const still = async (ms) => {
+    await pause(1500);  // at full speed
+    const begin = await page.evaluate((busy) => {
+      const t = globalThis.ferrule.live.newest.read(0)('t_s');
+      for (const since = performance.now(); performance.now() - since < busy;);
+      return t;
+    }, ms);
+    await page.waitForFunction((t) => globalThis.ferrule.live.history.span()[1] > t, begin + ms / 1e3 + 0.3);
+    return page.evaluate(([from, to]) => {
+      const {history} = globalThis.ferrule.live;
+      let rows = 0;
+      for (let row = history.rowAt(from); history.at(row, 't_s') < to; ++row) rows += Number(history.at(row, 'velocity_x_um_s') === 0);
+      return rows / 1e3;
+    }, [begin, begin + ms / 1e3]);
+  };
+  const busy = await still(400), hung = await still(2000);
+  assert.ok(busy < 0.15 && hung > 1, `${busy} ${hung}`);
+  await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('velocity_x_um_s') < 0);  // it is held still
+  // A page that is closed says nothing more.
+  await page.close();
+  const other = await open(server.address);
+  await ready(other.page);
+  await pause(500);
+  assert.equal((await row(other.page, 'velocity_x_um_s')).velocity_x_um_s, 0);
+  await other.page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
+});
+
+check('live: without the program the controls are off, and the page says what became of the try', async () => {
+  const out = join(folder, 'gone');
+  for (const [by, said] of /** @type {const} */ ([
+    ['SIGINT', `The program has ended. Your last try is saved as ${out}/episode_0001.h5.`],
+    ['SIGKILL', `The program does not answer. If it was killed, your try is not lost: ferrule recover ${out} brings it back. Your tries are saved in ${out}.`],
+  ])) {
+    const server = await view('--scene', 'demo', '--out', out);
+    const {page} = await open(server.address);
+    await ready(page);
+    await page.waitForFunction((n) => globalThis.ferrule.session.episodes.length === n, by === 'SIGINT' ? 0 : 1);
+    await page.keyboard.press('Enter');
+    await page.waitForFunction(() => globalThis.ferrule.session.running && globalThis.ferrule.live.batches > 5);
+    await page.keyboard.down('w');
+    await server.end(by);
+    await page.waitForSelector('#gone:not([hidden])');
+    assert.equal(await page.locator('#gone').innerText(), said);
+    for (const control of ['start', 'discard', 'fit', 'insert', 'trainee', 'rating'])
+      assert.ok(await page.locator(`#${control}`).evaluate((e) => /** @type {HTMLButtonElement} */ (e).disabled), control);
+    assert.equal(await page.evaluate(() => globalThis.ferrule.hand.keys.size), 0);
+    await page.keyboard.up('w');
+    await page.keyboard.down('ArrowUp');
+    await page.keyboard.press('Enter');
+    assert.deepEqual(await page.evaluate(() => globalThis.ferrule.hand.velocity()), [0, 0, 0]);
+    assert.deepEqual(await violations(page), []);
+    await page.screenshot({path: join(pictures, `gone-${by}.png`)});
+    await page.close();
+  }
+  ferrule('recover', out);
+  assert.deepEqual(readdirSync(out).sort(), ['episode_0001.h5', 'episode_0002.h5']);
+});
+
+check('live: a cue says which way to correct, and nothing is shown as a negative clearance', async () => {
+  const aside = ['--scene', 'easy', ...kStraight, '--set', 'start.lateral_mean_um=[-30,20]', '--set', 'start.distance_um=60'];
+  const green = (/** @type {Page} */ page) => page.evaluate(() => {
+    const canvas = document.querySelector('#axis'), context = canvas.getContext('2d');
+    const {data} = context.getImageData(0, 0, canvas.width, canvas.height);
+    let pixels = 0;
+    for (let i = 0; i < data.length; i += 4) pixels += Number(data[i] === 0 && data[i + 1] === 0x78 && data[i + 2] === 0x5a);
+    return pixels;
+  });
+  const server = await view(...aside, '--out', join(folder, 'cued'));
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  await page.waitForFunction(() => /\d/.test(document.querySelector('#way-text').textContent));
+  // Up and to the right, as it is seen along the axis: from y -30, z 20 um, less what the fibre hangs.
+  assert.match(await page.locator('#way-text').innerText(), /^\u2197 3[56]\.\d\d \u00b5m$/);
+  assert.ok(await green(page) > 200);
+  assert.equal(await page.locator('#numbers').innerText().then((text) => text.includes('beside the bore by')), true);
+  await page.screenshot({path: join(pictures, 'cue.png')});
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => globalThis.ferrule.session.running);
+  /** @type {Set<string>} */
+  const labels = new Set();
+  const away = async () => {
+    const {way_y_um: y, way_z_um: z} = await row(page, 'way_y_um', 'way_z_um');
+    labels.add(await page.locator('#numbers .number').nth(1).innerText());
+    return [y, z];
+  };
+  // Who goes where it says comes to the axis.
+  while (/\d/.test(await page.locator('#way-text').innerText())) {
+    const [y, z] = await away(), which = Math.abs(y) > Math.abs(z) ? 0 : 1, off = which ? z : y;
+    const key = which ? (z > 0 ? 'ArrowLeft' : 'ArrowRight') : (y > 0 ? 'ArrowUp' : 'ArrowDown');
+    await page.keyboard.down(key);
+    if (Math.abs(off) < 4) await pause(60);  // a tap
+    else while (Math.sign(off) * (await away())[which] > 3);
+    await page.keyboard.up(key);
+    await pause(150);
+  }
+  await page.keyboard.down('w');
+  await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('depth_um') > 3);
+  await page.keyboard.down('ArrowUp');  // against the wall
+  while (await page.evaluate(() => globalThis.ferrule.session.running)) await away();
+  await page.keyboard.up('ArrowUp');
+  await page.keyboard.up('w');
+  const shown = [...labels].join(' ').replaceAll('\n', ' ');
+  for (const label of ['beside the bore by', 'clearance', 'contact, pressed in by']) assert.ok(shown.includes(label), shown);
+  assert.ok(!/[\u2212-]\d/.test(shown), shown);
+  await page.close();
+  await server.end();
+  const other = await view(...aside, '--set', 'cue=false', '--out', join(folder, 'uncued'));
+  const plain = await open(other.address);
+  await ready(plain.page);
+  assert.equal(await plain.page.locator('#way').isVisible(), false);
+  assert.ok(await green(plain.page) < 20);
+  await plain.page.close();
+  await other.end();
+  assert.deepEqual([...amiss, ...plain.amiss], []);
+});
+
+check('live: another trainee between tries, and all of them side by side', async () => {
+  const out = join(folder, 'persons');
+  const short = ['--scene', 'demo', ...kStraight, '--set', 'start.distance_um=15', '--set', 'success.depth_um=12', '--out', out];
+  ferrule('record', '--device', 'fake:spacemouse', '--trainee', 'Ben', '--episodes', '3', ...short);
+  const server = await view('--trainee', 'Ada', ...short);
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  const go = async (/** @type {number} */ files) => {
+    await page.keyboard.press('Enter');
+    await page.waitForFunction(() => globalThis.ferrule.session.running);
+    await page.keyboard.down('w');
+    await page.waitForFunction((n) => globalThis.ferrule.session.episodes.length === n, files);
+    await page.keyboard.up('w');
+    await page.waitForFunction(() => !globalThis.ferrule.session.running && !globalThis.ferrule.session.rests);
+  };
+  await page.waitForFunction(() => globalThis.ferrule.session.episodes.length === 3);
+  await go(4);
+  await page.locator('#trainee').fill('Cid');
+  await page.keyboard.press('Enter');
+  await page.waitForFunction(() => document.querySelector('#who').textContent === 'Cid');
+  assert.deepEqual(await page.locator('#trainees option').evaluateAll((all) => all.map((o) => /** @type {HTMLOptionElement} */ (o).value)), ['Ben', 'Ada']);
+  await go(5);
+  await page.locator('#tab-persons').click();
+  const table = await page.locator('#standings tr').evaluateAll((all) => all.map((line) => [...line.children].map((cell) => cell.textContent)));
+  // As score has it.
+  const {episodes: scored} = JSON.parse(ferrule('score', out, '--json'));
+  const middle = (/** @type {number[]} */ numbers) => numbers.sort((a, b) => a - b)[numbers.length >> 1];
+  assert.deepEqual(table.map(([name]) => name), ['Ben', 'Ada', 'Cid']);
+  for (const [name, inserted, time, force, score, trend] of table) {
+    const own = scored.filter((/** @type {any} */ e) => e.operator === name);
+    assert.equal(own.length, name === 'Ben' ? 3 : 1);
+    assert.equal(inserted, `${own.length}/${own.length}`);
+    assert.equal(time, middle(own.map((/** @type {any} */ e) => e.time_s)).toFixed(1));
+    assert.equal(force, middle(own.map((/** @type {any} */ e) => e.peak_force_uN)).toFixed(1));
+    assert.equal(score, middle(own.map((/** @type {any} */ e) => e.score)).toFixed(1));
+    const rise = own.length < 3 ? '\u2013' : (own[2].score - own[0].score) / 2;
+    assert.ok(rise === trend || Math.abs(Number(rise) - Number(trend.replace('\u2212', '-'))) <= 0.051, `${rise} ${trend}`);
+  }
+  assert.ok(await page.locator('#curves svg').isVisible());
+  assert.deepEqual(await violations(page), []);
+  await page.screenshot({path: join(pictures, 'persons.png')});
+  await page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
+});
+
 const kGamepad = `
   const pad = {connected: true, id: 'test', index: 0, mapping: 'standard', timestamp: 0, axes: [0, 0, 0, 0],
     buttons: Array.from({length: 17}, () => ({pressed: false, touched: false, value: 0}))};
@@ -285,6 +459,27 @@ check('a failed trial that is clicked in the map plays and ends with its outcome
   await page.screenshot({path: join(pictures, 'report.png')});
   await page.close();
   assert.deepEqual(amiss, []);
+});
+
+check('reports fit a narrow screen', async () => {
+  const demo = join(folder, 'demo'), trials = join(folder, 'narrow.html');
+  ferrule('demo', '--out', demo);
+  ferrule('evaluate', join(demo, 'controller.json'), '--trials', '20', '--report', trials);
+  for (const file of [join(demo, 'report.html'), trials])
+    for (const width of [390, 1280]) {
+      const {page, amiss} = await open('file://' + file, {width, height: 800});
+      const frame = await (await page.waitForSelector('iframe.replay')).contentFrame();
+      await frame.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
+      for (const each of [page, frame]) {
+        const wide = await each.evaluate(() => [...document.querySelectorAll('body *')].filter((e) => e.checkVisibility() &&
+            (e.getBoundingClientRect().right > innerWidth + 1 || (e.tagName === 'PRE' && e.scrollWidth > e.clientWidth))).map((e) => e.outerHTML.slice(0, 80)));
+        assert.deepEqual(wide, []);
+        assert.ok(await each.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+      }
+      await page.screenshot({path: join(pictures, `${file === trials ? 'trials' : 'demo'}-${width}.png`), fullPage: true});
+      await page.close();
+      assert.deepEqual(amiss, []);
+    }
 });
 
 check('a trial made again ends as the campaign had it, and both are seen', async () => {
