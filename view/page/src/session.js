@@ -144,7 +144,7 @@ export class Session {
     this.ended.hidden = false;
     this.trying = false;
     if (message.file) this.saved = String(message.file);
-    this.rests = true;
+    this.rests = this.running;  // not where a page that is loaded hears of the last one
     setTimeout(() => {
       this.rests = false;
       this.enable();
