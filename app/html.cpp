@@ -59,10 +59,13 @@ iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw,
   margin-left: calc(50% - min(48vw, 700px)) }
 @media (max-width: 40rem) {
   table, tbody { display: block } tr.headings { display: none }
-  tr { display: grid; grid-template-columns: 1fr 1fr; column-gap: 1.5rem; padding: 0.5rem 0; border-bottom: 1px solid #ddd }
-  th, td:first-child { grid-column: 1 / 3; font-weight: 600 } th, td { padding: 0.1rem 0; border: 0; min-width: 0 }
-  td:not(:first-child) { display: flex; flex-wrap: wrap; justify-content: space-between; column-gap: 0.5rem; white-space: normal }
-  td:not(:first-child)::before { content: attr(data-heading); color: #555 } td:first-child { text-align: left }
+  tr { display: grid; column-gap: 1.5rem; padding: 0.5rem 0; border-bottom: 1px solid #ddd }
+  tr:has(td:nth-child(9)) { grid-template-columns: 1fr 1fr }
+  th, td { padding: 0.1rem 0; border: 0; min-width: 0 }
+  th, td:first-child { grid-column: 1 / -1; font-weight: 600; text-align: left }
+  td.n:first-child::before { content: attr(data-heading) ' ' }
+  td:not(:first-child) { display: grid; grid-template-columns: 1fr auto; column-gap: 1rem; text-align: right; white-space: normal }
+  td:not(:first-child)::before { content: attr(data-heading); color: #555; text-align: left }
   iframe.replay { height: 90vh; aspect-ratio: auto }
 }
 </style></head><body>

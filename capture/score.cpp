@@ -77,8 +77,8 @@ std::string advice(const Measures& m, Part part, std::size_t phase) {
     return fmt::format("you took {:.1f} s, {:.1f} s of it {}: move faster there", all, there,
                        where);
   if (part == Part::corrections)
-    return fmt::format("you stopped or turned back {:.0f} time{} {}: line up first, then push on",
-                       there, there == 1 ? "" : "s", where);
+    return fmt::format("you stopped or turned back {} {}: line up first, then push on",
+                       there == 1 ? "once" : fmt::format("{:.0f} times", there), where);
   if (part == Part::contact_time)
     return fmt::format("the fibre touched for {:.1f} s, {:.1f} s of it {}: line up before that",
                        all, there, where);

@@ -59,6 +59,7 @@ export class Session {
 
   /** @param {boolean} is @param {number} code of its end */
   connected(is, code) {
+    if (!is && !this.online) return;  // said already
     this.online = is;
     this.connection.textContent = is ? 'connected' : code === kGoingAway ? 'the program has ended' : 'not connected: trying again';
     this.connection.dataset.good = String(is);
@@ -143,7 +144,7 @@ export class Session {
     this.ended.hidden = false;
     this.trying = false;
     if (message.file) this.saved = String(message.file);
-    this.rests = true;
+    this.rests = this.running;  // not where a page that is loaded hears of the last one
     setTimeout(() => {
       this.rests = false;
       this.enable();
