@@ -75,10 +75,10 @@ std::optional<double> in_unit_of(const std::string& to, const std::string& from)
 }  // namespace
 
 std::string nearest(const std::string& name, const std::vector<std::string>& known) {
-  constexpr std::size_t kLongest = 200;
-  if (name.empty() || name.size() > kLongest) return "";
+  constexpr std::size_t kLongestName = 200;
+  if (name.empty() || name.size() > kLongestName) return "";
   std::string found;
-  std::size_t least = kLongest;
+  std::size_t least = kLongestName;
   for (const std::string& each : known) {
     const std::size_t far = each.starts_with(name) ? 1 : levenshtein(name, each);
     const std::size_t farthest = std::max<std::size_t>(2, std::max(name.size(), each.size()) / 3);
