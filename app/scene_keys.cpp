@@ -47,7 +47,8 @@ std::string closest(const std::string& key, const std::vector<SceneKey>& keys) {
     whole.push_back(k.key);
     last.push_back(last_name(k.key));
   }
-  const std::string near = nearest(key, whole), named = nearest(last_name(key), last);
+  std::string near = nearest(key, whole);
+  const std::string named = nearest(last_name(key), last);
   if (!near.empty() || named.empty()) return near;
   return whole[static_cast<std::size_t>(std::find(last.begin(), last.end(), named) - last.begin())];
 }

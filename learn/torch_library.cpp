@@ -42,7 +42,7 @@ MakeController load_torchscript(const std::string& file, const ProgramSettings& 
   if (error) throw FileTrouble(file + ": cannot be read: " + error.message());
   if (size > kMost) throw FileTrouble(file + ": is larger than 512 MB");
   torch();  // here, and all processes share it
-  const MakeController make = forked_policy(
+  MakeController make = forked_policy(
       [file, bytes = std::string()](std::uint64_t) mutable {
         if (bytes.empty()) bytes = read_text(file);
         return torchscript_controller(bytes);
