@@ -300,5 +300,6 @@ def test_a_policy_of_the_environment_is_a_program_for_evaluate(tmp_path):
         assert found[trial]["outcome"] == info["outcome"]
         assert float(found[trial]["peak_force_uN"]) == pytest.approx(1e6 * info["peak_force_N"], rel=1e-12)
         observation, info = env.reset()
-    said = run("evaluate", "--scene", "bench", "--policy", f"{command} absolute", "--trials", 1)
+    said = run("evaluate", "--scene", "bench", "--policy", f"{command} absolute", "--trials", 1,
+               code=2)
     assert "relative = False" in said.stderr
