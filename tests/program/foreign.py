@@ -224,7 +224,7 @@ class Foreign(Case):
         self.assertIn("exit 3: failed in each of 2 trials: the policy ended",
                       run.stderr.splitlines()[-1])
         rows = {row["controller"]: row for row in json.loads(run.stdout)["rows"]}
-        self.assertEqual(rows["exit 3"]["outcomes"], {"invalid_output": 2})
+        self.assertEqual(rows["exit 3"]["outcomes"]["invalid_output"], 2)
         self.refused(2, "compare", folder, tuned, tuned, says=("twice",))
         self.refused(3, "compare", folder, self.path("nowhere.json"), says=("nowhere.json",))
 
