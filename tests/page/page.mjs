@@ -191,7 +191,7 @@ check('live: a key that is held moves on while the page is busy, and a page that
     }, [begin, begin + ms / 1e3]);
   };
   const busy = await still(400), hung = await still(2000);
-  assert.ok(busy < 0.15 && hung > 1, `${busy} ${hung}`);
+  assert.ok(busy < 0.1 && hung > 1, `${busy} ${hung}`);
   await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('velocity_x_um_s') < 0);  // it is held still
   // A page that is closed says nothing more.
   await page.close();
