@@ -61,7 +61,8 @@ Provenance provenance_of_steps(const BenchArguments& a, const std::vector<std::s
 
 // Progress of a benchmark, which Ctrl-C ends between two cases.
 GoOn watched(const std::string& what) {
-  return [progress = std::make_shared<Progress>(what, 1)](std::size_t done, std::size_t all) {
+  return [progress = std::make_shared<Progress>(what, 1),
+          ends = std::make_shared<EndsBetweenCases>()](std::size_t done, std::size_t all) {
     (*progress)(done, "", all);
     return !interrupted();
   };
@@ -110,7 +111,7 @@ void draw(const std::string& folder, const std::vector<LawRow>& laws,
                 // What is exact to rounding would only stretch the axis.
                 [](const SteppingRow& r) { return r.tip_error_nm > 1e-6 ? r.tip_error_nm : NAN; },
                 [](const SteppingRow& r) { return r.us_per_simulated_s; }));
-  fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", folder);
+  fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", printable(folder));
 }
 
 Json law_json(const LawRow& r) {
@@ -553,8 +554,8 @@ void add_bench(CLI::App& app, Run& run) {
           "recording: what a row costs; parts: "
           "success with curl, cleave, edge and the like; plans: whether planning pays; "
           "sensors: success against noise and bias of the force sensor")
-      ->check(CLI::IsMember({"hard", "capture", "tail", "events", "turns", "peers", "recording",
-                             "parts", "plans", "sensors"}));
+      ->check(one_of({"hard", "capture", "tail", "events", "turns", "peers", "recording", "parts",
+                      "plans", "sensors"}));
   add_seed(*verb, a->seed,
            "Of the scenes, starts, motions and trials that tail, events, turns, parts, plans and "
            "sensors draw");
@@ -563,13 +564,13 @@ void add_bench(CLI::App& app, Run& run) {
       ->type_name("SCENE");
   verb->add_option("--trials", a->trials,
                    "Of every controller in every scene of parts, plans and sensors")
-      ->check(CLI::Range(1, 1000000))
+      ->check(whole_number(1, 1000000))
       ->capture_default_str();
   verb->add_option(
           "--scenes", a->scenes,
           "How many random scenes, and starts of shipped ones, tail, events and turns draw; "
           "200, and 2 for events, unless given")
-      ->check(CLI::Range(1, 1000000));
+      ->check(whole_number(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
   add_examples(*verb, {"bench --plot pictures", "bench hard --json", "bench peers"});

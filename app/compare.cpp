@@ -7,6 +7,7 @@
 
 #include "app/compare_plot.hpp"
 #include "app/csv.hpp"
+#include "app/damage.hpp"
 #include "app/failures.hpp"
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
@@ -158,19 +159,28 @@ std::string outcome_columns(const CampaignSummary& s) {
 constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
 
 void print_alone(const std::vector<Entry>& entries) {
-  fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9}\n", "", "param", "fit [s]", "held out", "ns",
-             kOutcomeColumns, "loss [dB]");
+  fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9} {:>7} {:>7}\n", "", "param", "fit [s]",
+             "held out", "ns", kOutcomeColumns, "loss [dB]", "to 99 %", "99.9 %");
   for (const Entry& e : entries) {
     const Candidate& c = e.candidate;
     const bool learned = c.parameters > 0;
-    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9}\n", c.name,
+    const auto to_show = [&](double rate) {
+      const auto trials = trials_to_show(rate, e.alone.successes, e.alone.feasible);
+      return trials ? std::to_string(*trials) : "-";
+    };
+    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9} {:>7} {:>7}\n", c.name,
                learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
                cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
-               cell(e.alone.loss_dB.median, 4));
+               cell(e.alone.loss_dB.median, 4), to_show(0.99), to_show(0.999));
   }
   fmt::print(
       "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
-      "time and loss: medians of the inserted, peak force: median of all\n\n");
+      "time and loss: medians of the inserted, peak force: median of all;\n"
+      "to 99 %, 99.9 %: further trials that would show it at this rate; -: none would\n");
+  for (const Entry& e : entries)
+    if (const std::string note = time_limit_note(e.alone); !note.empty())
+      fmt::print("{}: {}\n", e.candidate.name, note);
+  fmt::print("\n");
 }
 
 void print_supervised(const std::vector<Entry>& entries) {
@@ -209,7 +219,7 @@ void print_against_teacher(const std::vector<Entry>& entries) {
   std::fflush(stdout);  // what follows takes long, and may be ended by Ctrl-C
 }
 
-Json to_json(const Entry& e) {
+Json to_json(const Entry& e, const Output& output) {
   const Candidate& c = e.candidate;
   Json row = {{"controller", c.name},
               {"parameters", c.parameters},
@@ -219,10 +229,12 @@ Json to_json(const Entry& e) {
               {"ns_per_action", e.ns},
               {"supervised", to_json(e.supervised)}};
   row.update(to_json(e.alone));
-  if (const auto why = failures(e.results); !why.empty()) row["failures"] = why;
-  if (e.against_teacher) {
+  add_failures(e.results, output, row);
+  if (c.name != kTeacher) {
+    constexpr Interval kNone{NAN, NAN};
+    const Comparison none{NAN, kNone, NAN, {NAN, kNone}, {NAN, kNone}};
     row["against_operator"] = Json::object();
-    add_json(*e.against_teacher, row["against_operator"]);
+    add_json(e.against_teacher.value_or(none), row["against_operator"]);
   }
   row["misalignment"] = Json::array();
   for (const Ring& ring : e.rings)
@@ -327,8 +339,9 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   for (const std::string& file : a.controllers) {
     if (std::count(a.controllers.begin(), a.controllers.end(), file) > 1)
       throw BadInput("compare: " + file + " is there twice");
-    const GivenController c = given_file(file, a.policy);
-    all.push_back({.name = c.name, .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+    const GivenController c = given_file(file, a.policy, a.seed);
+    all.push_back(
+        {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
     provenance.read(file);
     if (!c.file) continue;
     const TrainedOn& training = trained_on(*c.file);
@@ -344,7 +357,8 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   }
   if (a.policy.command.empty()) return all;
   const GivenController c = given_program(a.policy, a.seed);
-  all.push_back({.name = c.name, .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+  all.push_back(
+      {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
   return all;
 }
 
@@ -556,7 +570,8 @@ Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationS
           {"seed", a.seed},
           {"supervisor",
            supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene))},
-          {"rows", json_list(found.entries, row)},
+          {"damage", damage_json(scene)},
+          {"rows", json_list(found.entries, [&](const Entry& e) { return to_json(e, a.output); })},
           {"by_demonstrations", json_list(found.learning, row)},
           {"by_seeds", json_list(found.by_seeds, row)},
           {"transfer", json_list(found.transfer, row)}};
@@ -605,7 +620,7 @@ int compare_verb(const CompareArguments& a) {
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
   std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
   const std::vector<Candidate> brought = given(a, scene, provenance, seen);
-  const std::string notes = trained_starts_note(seen, a.trials) +
+  const std::string notes = trained_starts_note(seen, a.trials) + damage_note(scene) +
                             supervisor_note(supervisor_limits(scene, scene_scaling(scene)));
 
   std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
@@ -640,9 +655,11 @@ int compare_verb(const CompareArguments& a) {
   if (!a.plot.empty() && !interrupted()) {
     draw(a.plot, found.entries, found.learning, starts);
     write_report(a, scene, set, found, starts, provenance);
-    fmt::print(stderr, "plots are in {}, all of them in report.html\n", a.plot);
+    fmt::print(stderr, "plots are in {}, all of them in report.html\n", printable(a.plot));
   }
-  return interrupted() ? kInterrupted : kDone;
+  if (interrupted()) return kInterrupted;
+  for (const Entry& e : found.entries) refuse_if_all_failed(e.candidate.name, e.results);
+  return kDone;
 }
 
 }  // namespace
@@ -661,18 +678,18 @@ void add_compare(CLI::App& app, Run& run) {
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many, for each")
       ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
+      ->check(whole_number(1, 100000000));
   verb->add_option("--demonstrations", a->demonstrations,
                    "Learn from the first N demonstrations too, for each N")
       ->delimiter(',')
       ->type_name("N,...")
-      ->check(CLI::Range(std::size_t{3}, std::size_t{1000000}));
+      ->check(whole_number(3, 1000000));
   verb->add_option("--transfer", a->transfer, "Try all in these scenes too, without fitting again")
       ->delimiter(',')
       ->type_name("SCENE,...");
   verb->add_option("--learners", a->learners, "Only these; all unless given")
       ->delimiter(',')
-      ->check(CLI::IsMember(learner_keys()));
+      ->check(one_of(learner_keys()));
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()
       ->check(number_between(0, 1));

@@ -14,6 +14,13 @@ std::string csv_field(const std::string& text) {
   return all + "\"";
 }
 
+// A text that spreadsheets would compute is marked as one, with the apostrophe that they take.
+std::string as_text(const std::string& text) {
+  const bool formula =
+      !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
+  return (formula ? "'" : "") + text;
+}
+
 void add_fields(const Json& value, const std::string& name, Fields& fields) {
   if (value.is_structured()) {
     std::size_t i = 0;
@@ -25,7 +32,7 @@ void add_fields(const Json& value, const std::string& name, Fields& fields) {
     return;
   }
   fields.emplace_back(name, value.is_null()     ? ""
-                            : value.is_string() ? value.get<std::string>()
+                            : value.is_string() ? as_text(value.get<std::string>())
                                                 : value.dump());
 }
 
@@ -47,7 +54,8 @@ std::string csv_text(const Json& rows, const Provenance& provenance) {
       if (find(names, field.first) == names.end()) names.emplace_back(field.first, "");
   }
   for (const auto& column : provenance.columns())
-    if (find(names, column.first) == names.end()) names.push_back(column);
+    if (find(names, column.first) == names.end())
+      names.emplace_back(column.first, as_text(column.second));
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) text += (i ? "," : "") + csv_field(names[i].first);
   text += "\r\n";

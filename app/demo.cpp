@@ -4,6 +4,7 @@
 #include <chrono>
 #include <filesystem>
 
+#include "app/damage.hpp"
 #include "app/recording.hpp"
 #include "app/report.hpp"
 #include "app/verb.hpp"
@@ -97,7 +98,7 @@ bool record_all(const DemoArguments& a, Report& report) {
       report.recorded.push_back({skill, std::move(recorded)});
       if (interrupted()) {
         tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
-                         episodes_folder(a)));
+                         printable(episodes_folder(a))));
         return false;
       }
       progress(static_cast<std::size_t>(number));
@@ -149,6 +150,7 @@ std::string shown(const Report& report) {
 int demo_verb(const DemoArguments& a) {
   const ChosenScene chosen = a.scene.choose();
   const Scene& scene = chosen.scene;
+  fmt::print(stderr, "{}", damage_note(scene));
   make_folder(a.out);
   const Stopwatch clock;
   Report report;
@@ -170,7 +172,8 @@ int demo_verb(const DemoArguments& a) {
     print_json(report_json(report), report.provenance);
   else
     fmt::print("{}{}{}", report.provenance.head(), report_text(report), report.provenance.foot());
-  tell(fmt::format("{:.0f} s in all; open {}", clock.seconds(), fs::absolute(file).string()));
+  tell(fmt::format("{:.0f} s in all; open {}", clock.seconds(),
+                   printable(fs::absolute(file).string())));
   return kDone;
 }
 

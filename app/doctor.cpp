@@ -167,7 +167,14 @@ int doctor(const DoctorArguments& a) {
   Provenance provenance;
   provenance.in(chosen);
   Findings f{a.gain, chosen.scene, at_gain(load_device_profile(a.device), a.gain), {}, {}, {}};
-  f.felt = rendering(f.scene, f.device);
+  {
+    Progress progress("looking at states", 1);
+    f.felt = rendering(f.scene, f.device, [&](std::size_t done, std::size_t all) {
+      progress(done, "", all);
+      return !interrupted();
+    });
+  }
+  end_if_interrupted();
   f.loop = time_loop(f.scene, f.felt.tip.stiffest, f.device.period, a.seconds, interrupted);
   end_if_interrupted();
   f.connected = find_devices();

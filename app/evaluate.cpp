@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "app/csv.hpp"
+#include "app/damage.hpp"
 #include "app/failures.hpp"
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
@@ -67,10 +68,11 @@ Json to_json(const EvaluateArguments& a, const Scene& scene,
   if (a.supervise)
     json["supervisor"] =
         supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene));
-  json["rows"] = json_list(all, [](const Tried& tried) {
+  json["damage"] = damage_json(scene);
+  json["rows"] = json_list(all, [&](const Tried& tried) {
     Json row = {{"controller", tried.name}};
     row.update(ferrule::to_json(summarise(tried.results)));
-    if (const auto found = failures(tried.results); !found.empty()) row["failures"] = found;
+    add_failures(tried.results, a.output, row);
     return row;
   });
   if (all.size() < 2) return json;
@@ -83,7 +85,7 @@ Json to_json(const EvaluateArguments& a, const Scene& scene,
 std::vector<Tried> to_try(const EvaluateArguments& a, const std::optional<GivenController>& given,
                           const Scene& scene) {
   std::vector<Tried> all;
-  if (given) all.push_back({given->name, given->file ? given->name : "", given->make});
+  if (given) all.push_back({printable(given->name), given->file ? given->name : "", given->make});
   const double speed = scene_scaling(scene).motion * scene.limits.speed;
   if (!a.baseline.empty())
     all.push_back(
@@ -121,7 +123,7 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
                            escaped(text) + "</pre>\n" + to_html(forces) + "<p>" +
                            escaped(provenance.head()) + "</p>\n<p>" + escaped(provenance.foot()) +
                            "</p>\n</body></html>\n");
-  fmt::print(stderr, "the report is {}\n", a.report);
+  fmt::print(stderr, "the report is {}\n", printable(a.report));
 }
 
 // What is to be tried beside the baseline.
@@ -133,7 +135,7 @@ std::optional<GivenController> given(const EvaluateArguments& a) {
   if (!a.controller.empty() && !a.policy.command.empty())
     throw BadInput("evaluate: give a controller file or --policy, not both");
   a.policy.periods();
-  if (!a.controller.empty()) return given_file(a.controller, a.policy);
+  if (!a.controller.empty()) return given_file(a.controller, a.policy, a.seed);
   if (!a.policy.command.empty()) return given_program(a.policy, a.seed);
   return std::nullopt;
 }
@@ -158,14 +160,17 @@ int evaluate_verb(const EvaluateArguments& a) {
                          a.other_scaling);
   if (!a.controller.empty()) provenance.read(a.controller);  // it names its weights by their hash
   const std::string notes =
-      trained_starts_note(trained.value_or(0), a.trials) +
+      trained_starts_note(trained.value_or(0), a.trials) + damage_note(scene) +
       (a.supervise ? supervisor_note(supervisor_limits(scene, scene_scaling(scene))) : "");
   if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
   std::fflush(stdout);  // the trials take long
 
   std::vector<Tried> all = to_try(a, controller, scene);
-  for (Tried& tried : all) run(a, scene, tried);
+  for (Tried& tried : all) {
+    run(a, scene, tried);
+    if (!interrupted()) refuse_if_all_failed(tried.name, tried.results);
+  }
   for (const Tried& tried : all) tell_failures(tried.name, tried.results);
   if (interrupted()) {
     std::string done;
@@ -201,11 +206,11 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many")
       ->capture_default_str()
-      ->check(CLI::Range(std::size_t{1}, std::size_t{100000000}));
+      ->check(whole_number(1, 100000000));
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
   verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
-      ->check(CLI::IsMember({"constant-velocity"}));
+      ->check(one_of({"constant-velocity"}));
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");

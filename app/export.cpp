@@ -41,7 +41,7 @@ int export_verb(const ExportArguments& a) {
   if (a.json) {
     print_json({{"controller", a.controller}, {"written", written}}, provenance);
   } else {
-    for (const auto& file : written) fmt::print("wrote {}\n", file.get<std::string>());
+    for (const auto& file : written) fmt::print("wrote {}\n", printable(file.get<std::string>()));
     fmt::print("{}", provenance.foot());
   }
   return kDone;

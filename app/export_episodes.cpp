@@ -21,7 +21,9 @@ struct ExportEpisodesArguments {
 
 // What its `python3 -c` runs.
 constexpr const char* kScript =
-    "import sys\n"
+    "import os, signal, sys\n"
+    "for ending in (signal.SIGINT, signal.SIGTERM):\n"  // until main() handles them
+    "  signal.signal(ending, lambda *_: os._exit(130))\n"
     "try:\n"
     "  from ferrule.export_episodes import main\n"
     "except ImportError as error:\n"
@@ -53,6 +55,7 @@ int export_episodes_verb(const ExportEpisodesArguments& a) {
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
   stop_watching_for_interrupt();  // from here on it is Python's
+  end_if_interrupted();
   ::execvp(arguments[0], arguments.data());
   throw FileTrouble(python + ": cannot be run: " + std::strerror(errno));
 }

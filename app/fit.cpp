@@ -52,9 +52,9 @@ void add_options(CLI::App& verb, const Learner& learner,
     if (option.most == LearnerOption::kSeed)
       added->type_name("UINT")->check(seed_rule());
     else if (option.choices.empty())
-      added->type_name("UINT")->check(CLI::Range(option.least, option.most));
+      added->type_name("UINT")->check(whole_number(option.least, option.most));
     else
-      added->check(CLI::IsMember(option.choices));
+      added->check(one_of(option.choices));
   }
 }
 
@@ -80,7 +80,7 @@ void draw(const std::string& file, const DemonstrationSet& set, const Learned& r
     write_svg(file, training_plot(result.curves));
   else if (const auto* law = std::get_if<LawFile>(&result.controller))
     write_svg(file, law_plot(set, *law));
-  fmt::print(stderr, "wrote {}\n", file);
+  fmt::print(stderr, "wrote {}\n", printable(file));
 }
 
 // The line before the fit: which scenes the episodes are of.
@@ -201,11 +201,11 @@ int fit_verb(const FitArguments& a) {
   provenance.seed("split and fit", a.seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
   const std::vector<OverSeeds> spread = over_seeds(learner, set, a);
-  if (partial) provenance.partial("the best of the fit so far, in " + out);
+  if (partial) provenance.partial("the best of the fit so far, in " + printable(out));
   if (!partial && interrupted()) provenance.partial("the first of --seeds");
   if (a.output.text()) {
     fmt::print("{}{}{}{}{}wrote {}\n{}", scenes_told(set), provenance.head(), result.report,
-               to_text(spread), notes, out, provenance.foot());
+               to_text(spread), notes, printable(out), provenance.foot());
   } else {
     Json json = parse_json(read_text(out), out);
     for (const auto& [name, unit, values] : spread) json["over_seeds"][name] = values;
@@ -225,7 +225,7 @@ void add_fit(CLI::App& app, Run& run) {
       ->type_name("DIR|FILE...");
   verb->add_option("--method", a->method, "How: a law with Ceres, or a policy with libtorch")
       ->capture_default_str()
-      ->check(CLI::IsMember(methods()));
+      ->check(one_of(methods()));
   for (const Learner& learner : learners()) add_options(*verb, learner, a->options);
   add_plot(*verb, a->plot, "The law over the data; with torch: the training curve");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");

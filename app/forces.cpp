@@ -9,6 +9,7 @@
 #include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
 #include "app/verb.hpp"
+#include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {
@@ -141,7 +142,8 @@ int forces_of_recording(const ForcesArguments& a) {
   if (difference) provenance.read(a.against);
   if (a.output.text())
     fmt::print("{}{}{}{}", provenance.head(), to_text(history),
-               difference ? a.against + ": " + to_text(*difference) : "", provenance.foot());
+               difference ? printable(a.against) + ": " + to_text(*difference) : "",
+               provenance.foot());
   Json result = {
       {"file", a.episode},
       {"scene", scene.name},
@@ -224,7 +226,7 @@ void add_forces(CLI::App& app, Run& run) {
   a->scene.add_to(*verb);
   a->length = "100";
   verb->add_option("--form", a->form, "Form of all laws, instead of the scene's")
-      ->check(CLI::IsMember({"printed", "corrected"}));
+      ->check(one_of({"printed", "corrected"}));
   const char* range = "VALUE|FROM:TO:COUNT[:log]";
   verb->add_option("--gap-nm", a->gap, "Smallest gap; 10 unless given")->type_name(range);
   verb->add_option("--length-um", a->length, "Inserted length")

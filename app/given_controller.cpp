@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
-#include "app/verb.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
 #include "learn/torch_policy.hpp"
@@ -20,7 +20,7 @@ void PolicyArguments::add_to(CLI::App& verb) {
       ->capture_default_str()
       ->check(number_between(1, 1000));
   verb.add_option("--policy-timeout", timeout,
-                  "What it may take for an answer [s], six times that to begin with")
+                  "What either may take for an answer [s], six times that to begin with")
       ->capture_default_str()
       ->check(number_between(1e-3, 3600));
 }
@@ -32,20 +32,32 @@ std::uint64_t PolicyArguments::periods() const {
   return static_cast<std::uint64_t>(std::lround(periods));
 }
 
-GivenController given_file(const std::string& file, const PolicyArguments& how) {
+namespace {
+
+// How it is asked in trials under `seed`; what it says goes to stderr.
+ProgramSettings settings(const PolicyArguments& how, std::uint64_t seed) {
+  return {.start_timeout = 6 * how.timeout,
+          .timeout = how.timeout,
+          .control_hz = how.hz,
+          .seed = seed,
+          .stop = interrupted,
+          .said = [](const std::string& text) { fmt::print(stderr, "{}", text); }};
+}
+
+}  // namespace
+
+GivenController given_file(const std::string& file, const PolicyArguments& how,
+                           std::uint64_t seed) {
   if (file.ends_with(".pt"))
-    return {file, held(load_torchscript(file), how.periods()), {}, how.periods()};
+    return {
+        file, held(load_torchscript(file, settings(how, seed)), how.periods()), {}, how.periods()};
   ControllerFile read = read_controller(file);
   MakeController make = maker(read);
   return {file, std::move(make), std::move(read)};
 }
 
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {
-  const MakeController make = program_policy({.command = how.command,
-                                              .start_timeout = 6 * how.timeout,
-                                              .timeout = how.timeout,
-                                              .control_hz = how.hz,
-                                              .seed = seed});
+  const MakeController make = program_policy(how.command, settings(how, seed));
   return {how.command, held(make, how.periods()), {}, how.periods()};
 }
 
@@ -56,9 +68,33 @@ std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& resu
   return reasons;
 }
 
+void add_failures(const std::vector<TrialResult>& results, const Output& output, Json& row) {
+  const auto found = failures(results);
+  std::string text;
+  for (const auto& [why, count] : found)
+    text += fmt::format("{}{} of {}: {}", text.empty() ? "" : "; ", count, results.size(), why);
+  if (output.csv)
+    row["failures"] = text;
+  else if (!found.empty())
+    row["failures"] = found;
+}
+
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results) {
   for (const auto& [why, count] : failures(results))
     fmt::print(stderr, "note: {}: {} of {} trials: {}\n", name, count, results.size(), why);
+}
+
+void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results) {
+  const auto failed = [](const TrialResult& r) {
+    return r.outcome == Outcome::infeasible || !r.why.empty();
+  };
+  const auto reasons = failures(results);
+  if (reasons.empty() || !std::all_of(results.begin(), results.end(), failed)) return;
+  const auto most =
+      std::max_element(reasons.begin(), reasons.end(),
+                       [](const auto& a, const auto& b) { return a.second < b.second; });
+  throw BadInput(
+      fmt::format("{}: failed in each of {} trials: {}", name, results.size(), most->first));
 }
 
 }  // namespace ferrule

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "app/verb.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/trial.hpp"
 
@@ -29,14 +30,19 @@ struct GivenController {
   std::uint64_t periods = 1;           // from one answer of its own to the next
 };
 
-// What fit wrote, or TorchScript (*.pt). Throws FileTrouble, BadInput.
-GivenController given_file(const std::string& file, const PolicyArguments& how);
+// What fit wrote, or TorchScript (*.pt), for trials under `seed`. Throws FileTrouble, BadInput.
+GivenController given_file(const std::string& file, const PolicyArguments& how, std::uint64_t seed);
 // The program of --policy, for trials under `seed`.
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed);
 
 // Why trials ended in which somebody else's failed, and how many of each.
 std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& results);
-// Says that on stderr.
+// Adds that to a row of JSON, where there are any; of CSV, whose columns are always the same, as one
+// text.
+void add_failures(const std::vector<TrialResult>& results, const Output& output, Json& row);
+// Says it on stderr.
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results);
+// Throws BadInput where it failed wherever it was asked.
+void refuse_if_all_failed(const std::string& name, const std::vector<TrialResult>& results);
 
 }  // namespace ferrule

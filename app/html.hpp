@@ -34,7 +34,8 @@ class HtmlTable {
   std::string rows_;
 };
 
-// A plot, drawn, over its caption, which is HTML. Throws as draw_svg.
+// A plot over its caption, which is HTML. Where it cannot be drawn, as without gnuplot, the page says
+// so, and a note on stderr.
 std::string figure(const Plot& plot, const std::string& caption);
 
 }  // namespace ferrule

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
+#include <poll.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -9,32 +12,39 @@
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "haptic/trouble.hpp"
+#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 namespace {
 
+// Groups of --help, each with what is added after it.
 void add_verbs(CLI::App& app, Run& run) {
+  app.group("The job");
   add_demo(app, run);
-  add_scene(app, run);
-  add_forces(app, run);
-  add_contact(app, run);
-  add_release(app, run);
-  add_limits(app, run);
-  add_plan(app, run);
   add_view(app, run);
   add_record(app, run);
-  add_recover(app, run);
-  add_replay(app, run);
-  add_score(app, run);
   add_fit(app, run);
-  add_identify(app, run);
   add_evaluate(app, run);
   add_compare(app, run);
   add_export(app, run);
-  add_export_episodes(app, run);
+  app.group("Answers for an engineer");
+  add_limits(app, run);
+  add_release(app, run);
+  add_identify(app, run);
+  app.group("Physics");
+  add_scene(app, run);
+  add_forces(app, run);
+  add_contact(app, run);
+  add_plan(app, run);
   add_bench(app, run);
+  app.group("Devices");
   add_devices(app, run);
   add_doctor(app, run);
+  app.group("Data");
+  add_score(app, run);
+  add_replay(app, run);
+  add_recover(app, run);
+  add_export_episodes(app, run);
 }
 
 int refused(const std::string& why, ExitCode code) {
@@ -43,23 +53,65 @@ int refused(const std::string& why, ExitCode code) {
   return code;
 }
 
+std::vector<std::string> verbs(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* verb : app.get_subcommands({})) names.push_back(verb->get_name());
+  return names;
+}
+
+// Names the first option that the chosen verb does not have; empty: there is none. Whatever else is
+// wrong may follow from it.
+std::string unknown_option(const CLI::App& app) {
+  const CLI::App& verb = app.get_subcommands().empty() ? app : *app.get_subcommands().front();
+  std::vector<std::string> known;
+  for (const CLI::Option* option : verb.get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& word : app.remaining(true)) {
+    const std::string name = word.substr(0, word.find('='));
+    if (name.starts_with("--") && name.size() > 2)
+      return fmt::format("unknown option \"{}\"{}", name, did_you_mean(name, known));
+  }
+  return "";
+}
+
+// The option that was given again, though it takes one value; null: none was.
+const CLI::Option* given_again(const CLI::App& app) {
+  for (const CLI::App* verb : app.get_subcommands())
+    for (const CLI::Option* option : verb->get_options())
+      if (option->get_items_expected_max() == 1 && option->count() > 1 &&
+          option->get_multi_option_policy() == CLI::MultiOptionPolicy::Throw)
+        return option;
+  return nullptr;
+}
+
 // Empty: a verb was chosen. Otherwise the program's exit code.
 std::optional<int> parse(CLI::App& app, int argc, char** argv) {
-  const auto is_verb = [&](const std::string& word) {
-    for (const CLI::App* verb : app.get_subcommands({}))
-      if (verb->get_name() == word) return true;
-    return false;
-  };
-  if (argc > 1 && argv[1][0] != '-' && !is_verb(argv[1]))
-    return refused(fmt::format("unknown verb \"{}\" (see ferrule --help)", argv[1]), kBadInput);
+  const std::vector<std::string> known = verbs(app);
+  if (argc > 1 && argv[1][0] != '-' &&
+      std::find(known.begin(), known.end(), argv[1]) == known.end())
+    return refused(fmt::format("unknown verb \"{}\"{} (see ferrule --help)", argv[1],
+                               did_you_mean(argv[1], known)),
+                   kBadInput);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
-    return refused(std::string(error.what()) + " (see ferrule --help)", kBadInput);
+    if (const CLI::Option* option = given_again(app))
+      return refused(option->get_name() + ": is given more than once", kBadInput);
+    const std::string unknown = unknown_option(app);
+    return refused((unknown.empty() ? error.what() : unknown) + " (see ferrule --help)", kBadInput);
   }
   return std::nullopt;
+}
+
+// Quiet where the reader of a pipe went away, as `head` does.
+int unwritten_output(const std::string& why) {
+  pollfd out{STDOUT_FILENO, POLLOUT, 0};
+  const bool nobody_reads = ::poll(&out, 1, 0) == 1 && (out.revents & POLLERR);
+  if (nobody_reads && !interrupted()) return kNobodyReads;
+  return refused("standard output cannot be written" + why,
+                 interrupted() ? kInterrupted : kFileTrouble);
 }
 
 int exit_code(const Run& run) {
@@ -67,9 +119,7 @@ int exit_code(const Run& run) {
     watch_for_interrupt();
     const int code = run();
     std::cout.flush();
-    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout))
-      return refused("standard output cannot be written",
-                     interrupted() ? kInterrupted : kFileTrouble);
+    if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout)) return unwritten_output("");
     return code;
   } catch (const Stopped& stopped) {
     return refused("stopped before the end: " + stopped.kept, kInterrupted);
@@ -80,8 +130,7 @@ int exit_code(const Run& run) {
   } catch (const std::filesystem::filesystem_error& error) {
     return refused(error.what(), kFileTrouble);
   } catch (const std::system_error& error) {  // of fmt, which prints; a closed terminal ends it too
-    return refused(fmt::format("standard output cannot be written: {}", error.code().message()),
-                   interrupted() ? kInterrupted : kFileTrouble);
+    return unwritten_output(": " + error.code().message());
   } catch (const std::bad_alloc&) {
     return refused("out of memory", kFileTrouble);
   } catch (const std::exception& error) {  // FileTrouble, and what nobody foresaw

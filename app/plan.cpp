@@ -139,7 +139,7 @@ void add_plan(CLI::App& app, Run& run) {
   verb->add_option("--tolerance-of", a->tolerance_of,
                    "The motion's, or that of every step, which leaves a success rate as it is")
       ->capture_default_str()
-      ->check(CLI::IsMember({"motion", "success"}));
+      ->check(one_of({"motion", "success"}));
   verb->add_option("--out", a->out, "Write the planned scene to a file")->type_name("FILE");
   add_output(*verb, a->output);
   add_examples(*verb, {"plan --scene bench --tolerance 0.05",

@@ -1,16 +1,18 @@
 #include "app/plot.hpp"
 
+#include <fcntl.h>
 #include <fmt/format.h>
-#include <stdlib.h>
+#include <sys/mman.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cmath>
-#include <cstdio>
+#include <cstring>
 #include <filesystem>
-#include <memory>
 
+#include "sim/child_process.hpp"
 #include "sim/scene/json_fields.hpp"
 
 namespace ferrule {
@@ -96,24 +98,25 @@ std::string script(const Plot& plot) {
 }  // namespace
 
 std::string draw_svg(const Plot& plot) {
-  std::string name = "/tmp/ferrule-plot-XXXXXX";
-  const int fd = ::mkstemp(name.data());
-  if (fd < 0) throw FileTrouble(name + ": cannot be made");
-  ::close(fd);
-  struct Remove {
-    const std::string& name;
-    ~Remove() { ::unlink(name.c_str()); }
-  } const remove{name};
-  write_text(name, script(plot));
+  const std::string text = script(plot);
+  const int in = ::memfd_create("plot", MFD_CLOEXEC);
+  int ends[2] = {-1, -1};
+  if (in < 0 || write_all(in, text.data(), text.size()) != 0 || ::lseek(in, 0, SEEK_SET) != 0 ||
+      ::pipe2(ends, O_CLOEXEC) != 0) {
+    ::close(in);
+    throw FileTrouble(std::string("gnuplot cannot be started: ") + std::strerror(errno));
+  }
+  ChildProcess gnuplot({in, ends[1]}, [&] { execute({"gnuplot"}, in, ends[1], -1); });
+  ::close(in);
+  ::close(ends[1]);
   std::string svg;
-  const auto close = [](FILE* f) { ::pclose(f); };
-  std::unique_ptr<FILE, decltype(close)> pipe(
-      ::popen(("gnuplot " + name + " 2>/dev/null").c_str(), "r"), close);
-  if (!pipe) throw FileTrouble("gnuplot cannot be started");
   std::array<char, 65536> part;
-  for (std::size_t n; (n = std::fread(part.data(), 1, part.size(), pipe.get())) > 0;)
-    svg.append(part.data(), n);
-  if (const int status = ::pclose(pipe.release()); status != 0 || svg.find("</svg>") == svg.npos)
+  for (ssize_t n = 1; n > 0 || (n < 0 && errno == EINTR);) {
+    n = ::read(ends[0], part.data(), part.size());
+    if (n > 0) svg.append(part.data(), static_cast<std::size_t>(n));
+  }
+  ::close(ends[0]);
+  if (gnuplot.wait() != 0 || svg.find("</svg>") == svg.npos)
     throw FileTrouble("gnuplot could not draw the plot (is the package gnuplot-nox installed?)");
   return svg;
 }
@@ -124,7 +127,7 @@ void write_svg(const std::string& file, const Plot& plot) {
 
 void write_plot(const std::string& file, const Plot& plot) {
   write_svg(file, plot);
-  fmt::print(stderr, "wrote {}\n", file);
+  fmt::print(stderr, "wrote {}\n", printable(file));
 }
 
 void make_plot_folder(const std::string& folder) {

@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::size_t kMostChanges = 8, kMostFiles = 3;  // in a line
 constexpr std::size_t kShort = 10;                       // digits of a hash in a line
+constexpr std::size_t kMostText = 10'000;                // bytes of a scene with its changes
 
 std::string g_command;  // set once, before any verb runs
 
@@ -152,7 +153,7 @@ std::string Provenance::hash_of_all() const {
 }
 
 std::string Provenance::head() const {
-  std::string text = scene_text_;
+  std::string text = printable(scene_text_, kMostText);
   for (const auto& [of, value] : seeds_)
     text += fmt::format("{}seed of {} {}", text.empty() ? "" : "; ", of, value);
   if (!text.empty()) text += "\n";
@@ -166,11 +167,12 @@ std::string Provenance::foot() const {
   for (std::size_t i = 0; i < read_.size(); ++i) {
     const auto& [file, hash] = read_[i];
     if (read_.size() <= kMostFiles)
-      text += fmt::format("; read {} (SHA-1 {})", file, hash.substr(0, kShort));
+      text += fmt::format("; read {} (SHA-1 {})", printable(file), hash.substr(0, kShort));
   }
   if (read_.size() > kMostFiles)
     text += fmt::format("; read {} files, {} to {} (SHA-1 of their SHA-1s {})", read_.size(),
-                        read_.front().first, read_.back().first, hash_of_all().substr(0, kShort));
+                        printable(read_.front().first), printable(read_.back().first),
+                        hash_of_all().substr(0, kShort));
   return text + "\n";
 }
 

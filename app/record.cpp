@@ -6,6 +6,7 @@
 #include <exception>
 #include <utility>
 
+#include "app/damage.hpp"
 #include "app/device_arguments.hpp"
 #include "app/recording.hpp"
 #include "app/trained.hpp"
@@ -41,8 +42,8 @@ Json episode_json(const Recorded& r) {
                {"peak_force_uN", 1e6 * r.end.summary.peak_force},
                {"depth_um", 1e6 * r.end.summary.depth},
                {"steps", r.end.summary.steps},
-               {"unfinished_steps", r.end.summary.unfinished}};
-  if (!r.end.why.empty()) json["why"] = r.end.why;
+               {"unfinished_steps", r.end.summary.unfinished},
+               {"why", r.end.why}};
   if (r.rating) json["rating"] = r.rating;
   if (r.timing) json["loop"] = loop_json(*r.timing, r.period);
   return json;
@@ -52,8 +53,8 @@ constexpr double kMuchMissed = 0.01;  // of the deadlines
 
 void tell(const Recorded& r) {
   fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
-             r.file.empty() ? "discarded" : r.file, name(r.end.outcome), r.end.summary.task_time(),
-             1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
+             r.file.empty() ? "discarded" : printable(r.file), name(r.end.outcome),
+             r.end.summary.task_time(), 1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
              r.end.why.empty() ? "" : "  ", r.end.why);
   if (r.end.summary.unfinished > 0)
     fmt::print("  {} of {} steps ended without a minimum: they lag behind until later ones\n",
@@ -118,7 +119,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
 struct Recordings {
   Json list = Json::array();
   std::size_t kept = 0;  // not discarded
-  std::size_t inserted = 0, infeasible = 0;
+  std::size_t inserted = 0, timeouts = 0, infeasible = 0;
   bool lost = false;           // the device
   std::exception_ptr trouble;  // with the device, after the first episode
 };
@@ -149,6 +150,7 @@ void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.lost = r.end.lost;
   all.kept += !r.file.empty();
   all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
+  all.timeouts += !r.file.empty() && r.end.outcome == Outcome::timeout;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
   all.list.push_back(episode_json(r));
   if (a.output.text()) tell(r);
@@ -228,7 +230,8 @@ int record_verb(const RecordArguments& a) {
   provenance.in(chosen).seed("starts and operator", a.seed);
   const Holding who = holding(a, toleranced, controller);
   const std::string note =
-      a.supervise ? supervisor_note(supervisor_limits(toleranced, who.scaling)) : "";
+      damage_note(toleranced) +
+      (a.supervise ? supervisor_note(supervisor_limits(toleranced, who.scaling)) : "");
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +
@@ -242,6 +245,8 @@ int record_verb(const RecordArguments& a) {
     provenance.partial(fmt::format("{} of {} episodes", all.list.size(), a.episodes));
   if (a.output.text()) {
     fmt::print("{} of {} episodes inserted\n", all.inserted, all.kept);
+    if (const auto late = time_limit_note(all.timeouts, all.kept - all.inserted); !late.empty())
+      fmt::print("{}\n", late);
     if (all.infeasible > 0)
       fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
     fmt::print("{}", provenance.foot());
@@ -249,6 +254,7 @@ int record_verb(const RecordArguments& a) {
   print_result(a.output,
                {{"scene", toleranced.name},
                 {"operator", who.name},
+                {"damage", damage_json(toleranced)},
                 {"episodes", all.list},
                 {"infeasible_pairs", all.infeasible}},
                "episodes", provenance);
@@ -283,14 +289,16 @@ int recover_verb(const RecoverArguments& a) {
                     {"rows", r.rows},
                     {"outcome", r.file.empty() ? Json(nullptr) : Json(name(r.outcome))},
                     {"remark", r.remark}});
+    if (r.damaged) fmt::print(stderr, "{} {}\n", printable(r.journal), printable(r.remark));
     if (!a.output.text()) continue;
-    if (r.file.empty())
-      fmt::print("{} {}\n", r.journal, r.remark);
-    else
-      fmt::print("{} -> {}: {} rows, outcome {}\n", r.journal, r.file, r.rows, name(r.outcome));
+    if (!r.file.empty())
+      fmt::print("{} -> {}: {} rows, outcome {}\n", printable(r.journal), printable(r.file), r.rows,
+                 name(r.outcome));
+    else if (!r.damaged)
+      fmt::print("{} {}\n", printable(r.journal), printable(r.remark));
   }
   if (left) provenance.partial(fmt::format("{} journals are left as they are", left));
-  if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", a.folder);
+  if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", printable(a.folder));
   if (a.output.text()) fmt::print("{}", provenance.foot());
   print_result(a.output, {{"recovered", list}}, "recovered", provenance);
   if (left) return kInterrupted;
@@ -320,7 +328,7 @@ void add_record(CLI::App& app, Run& run) {
       ->check(number_between(0, 1));
   verb->add_option("--episodes", a->episodes, "How many")
       ->capture_default_str()
-      ->check(CLI::Range(1, 1000000));
+      ->check(whole_number(1, 1000000));
   add_seed(*verb, a->seed, "Seed of starts and operator");
   verb->add_option("--out", a->out, "Folder for the episodes")->required()->type_name("DIR");
   verb->add_flag("--supervise", a->supervise,

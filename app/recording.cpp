@@ -72,13 +72,7 @@ Recorded record_one(const Scene& scene, const State& start, Device& device, Epis
   const EpisodeInfo info = info_of(scene, device, place);
   const auto recorder = std::make_shared<Recorder>(std::move(place.claim), info);
   const InsertionEnd end =
-      run_insertion(scene, start, device, ForceSensor(scene.sensor, place.seed, place.trial),
-                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
-                    [&](const Tick& tick) {
-                      recorder->add(make_row(tick), tick.sample.counts);
-                      return !interrupted();
-                    });
-  recorder->info().why = end.why;
+      record_insertion(scene, start, device, *recorder, [] { return !interrupted(); });
   Recorded recorded{{}, end, info.period};
   recorded.written = std::async(std::launch::async, [recorder, outcome = end.outcome] {
                        return recorder->finish(outcome);

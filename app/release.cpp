@@ -100,7 +100,7 @@ void add_release(CLI::App& app, Run& run) {
   verb->add_option("--places", a->places,
                    "Places of contact: 1, the end or the side alone; 2, both")
       ->capture_default_str()
-      ->check(CLI::IsMember({1, 2}));
+      ->check(whole_number(1, 2));
   verb->add_option("--speed-um-s", a->speed_um_s, "Speed of sliding, for drag")
       ->capture_default_str()
       ->check(number_between(0, 1e9));

@@ -172,7 +172,7 @@ Json to_json(const ReplayArguments& a, const Replayed& r) {
 
 void print(const ReplayArguments& a, const Replayed& r) {
   const EpisodeInfo& info = r.episode.info;
-  fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s of {:.2f} s\n", r.file,
+  fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s of {:.2f} s\n", printable(r.file),
              printable(r.scene.name, 60), printable(info.operator_, 100), name(info.outcome),
              r.episode.rows.rows(), r.time, recorded_time(r.episode));
   if (a.verify) fmt::print("{}\n", verdict(r.compared, r.episode));

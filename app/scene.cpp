@@ -54,7 +54,7 @@ int scene_verb(const SceneVerbArguments& a) {
         fmt::print("\n# {}\n", row["about"].get<std::string>());
       about = row["about"];
       fmt::print("{:<42} {}\n", row["key"].get<std::string>(),
-                 row["value"].is_null() ? "-" : row["value"].dump());
+                 row["value"].is_null() ? "-" : printable(row["value"].dump()));
     }
     fmt::print("{}", provenance.foot());
   }

@@ -3,10 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
-#include <numeric>
-#include <optional>
+
+#include "sim/scene/setting.hpp"
+#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 namespace {
@@ -36,46 +36,21 @@ void add_keys(const Json& schema, const Json& object, const std::string& path,
   }
 }
 
-// Levenshtein's distance.
-std::size_t distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0]++;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t exchanged = diagonal + (a[i] != b[j]);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({exchanged, row[j] + 1, diagonal + 1});
-    }
-  }
-  return row.back();
-}
-
 std::string last_name(const std::string& key) {
   return key.substr(key.rfind('.') + 1);  // npos + 1 is 0
 }
 
-// By the whole key, or by its last name alone: some write "bore_diameter".
+// By the whole key, or by its last name alone: some write "bore_diameter". Empty: none is near.
 std::string closest(const std::string& key, const std::vector<SceneKey>& keys) {
-  const auto far = [&](const SceneKey& k) {
-    const std::string mine = last_name(key), its = last_name(k.key);
-    return std::min(2 * distance(key, k.key),
-                    (its.starts_with(mine) ? 1 : 2 * distance(mine, its)) + 1);
-  };
-  return std::min_element(keys.begin(), keys.end(),
-                          [&](const SceneKey& a, const SceneKey& b) {
-                            return std::pair(far(a), distance(key, a.key)) <
-                                   std::pair(far(b), distance(key, b.key));
-                          })
-      ->key;
-}
-
-std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size())
-    return std::nullopt;
-  return value;
+  std::vector<std::string> whole, last;
+  for (const SceneKey& k : keys) {
+    whole.push_back(k.key);
+    last.push_back(last_name(k.key));
+  }
+  std::string near = nearest(key, whole);
+  const std::string named = nearest(last_name(key), last);
+  if (!near.empty() || named.empty()) return near;
+  return whole[static_cast<std::size_t>(std::find(last.begin(), last.end(), named) - last.begin())];
 }
 
 }  // namespace
@@ -99,37 +74,10 @@ void refuse_unknown_key(const std::string& setting) {
   const std::vector<SceneKey> keys = scene_keys();
   const auto same = [&](const SceneKey& k) { return k.key == key; };
   if (keys.empty() || std::any_of(keys.begin(), keys.end(), same)) return;
-  throw BadInput("--set " + key + " = " + setting.substr(key.size() + 1) +
-                 ": unknown key; did you mean " + closest(key, keys) +
-                 "? (\"ferrule scene\" lists all)");
-}
-
-void apply_with_tolerance(Json& document, const std::string& setting) {
-  const auto equals = setting.find('='), sign = setting.find("+-");
-  const std::string key = setting.substr(0, equals);
-  const bool fibre = key == "fibre.diameter_um", bore = key == "ferrule.bore_diameter_um";
-  if (equals == setting.npos || sign == setting.npos || sign < equals) {
-    // Parts that are drawn are drawn from the tolerance: a bore beside it would say nothing.
-    if (bore && document.contains("tolerance") && !document["tolerance"].is_null())
-      throw BadInput("--set " + setting +
-                     ": the scene draws its bores from tolerance.bore_diameter_um; set that, or a "
-                     "tolerance as 126+-0.5, or tolerance=null before it");
-    return apply_setting(document, setting);
-  }
-  const auto nominal = number(setting.substr(equals + 1, sign - equals - 1));
-  const auto half = number(setting.substr(sign + 2));
-  if (!(fibre || bore) || !nominal || !half || !(*half >= 0))
-    throw BadInput(
-        "--set " + setting +
-        ": a tolerance is fibre.diameter_um or ferrule.bore_diameter_um = NUMBER+-NUMBER");
-  apply_setting(document, fmt::format("{}={}", key, *nominal));
-  Json& tolerance = document["tolerance"];
-  if (!tolerance.is_object()) {
-    const Json width = document["ferrule"]["bore_diameter_um"];
-    tolerance = {{"fibre_diameter_sd_um", 0}, {"bore_diameter_um", {width, width}}};
-  }
-  if (fibre) tolerance["fibre_diameter_sd_um"] = *half / 3;
-  if (bore) tolerance["bore_diameter_um"] = {*nominal - *half, *nominal + *half};
+  const std::string meant = closest(key, keys);
+  const std::string value = setting.substr(key.size() + 1);
+  const std::string why = meant.empty() ? "unknown key" : unknown_key(key, value_of(value), meant);
+  throw BadInput("--set " + key + " = " + value + ": " + why + " (\"ferrule scene\" lists all)");
 }
 
 }  // namespace ferrule

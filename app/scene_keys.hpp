@@ -21,9 +21,4 @@ std::vector<SceneKey> scene_keys();
 // have been meant.
 void refuse_unknown_key(const std::string& setting);
 
-// "126+-0.3" of a diameter, in um, is a tolerance: what --set makes of it, and of any other setting
-// the setting itself. Of the bore uniform from 125.7 to 126.3; of the fibre normal, with 0.3 three
-// standard deviations. Throws BadInput where something else has a "+-".
-void apply_with_tolerance(Json& document, const std::string& setting);
-
 }  // namespace ferrule

@@ -4,20 +4,8 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <cmath>
-
-#include "insertion/scene_scaling.hpp"
 
 namespace ferrule {
-namespace {
-
-constexpr double kSame = 1e-9;  // relative
-
-bool differ(double a, double b) {
-  return std::abs(a - b) > kSame * std::abs(b);
-}
-
-}  // namespace
 
 BroughtScene brought_by(const TrainedOn& trained, const std::string& file) {
   const std::string who = trained.partial ? file + " (whose fit was stopped)" : file;
@@ -57,14 +45,8 @@ void add_other_scaling(CLI::App& verb, bool& allowed) {
 
 void refuse_other_scaling(const std::optional<Scaling>& scaling, const std::string& who,
                           const Scene& scene, bool allowed) {
-  if (allowed || !scaling) return;
-  const Scaling here = scene_scaling(scene);
-  if (!differ(here.motion, scaling->motion) && !differ(here.force, scaling->force)) return;
-  throw BadInput(fmt::format(
-      "{}: {} scales the hand otherwise (alpha_x {:.6g}, alpha_f {:.6g}) than what it learned from "
-      "({:.6g}, {:.6g}): what was learned there means nothing here; --other-scaling does it "
-      "all the same",
-      who, scene.name, here.motion, here.force, scaling->motion, scaling->force));
+  const std::string trouble = allowed ? "" : scaling_trouble(scaling, who, scene);
+  if (!trouble.empty()) throw BadInput(trouble + "; --other-scaling does it all the same");
 }
 
 std::size_t trained_starts(const TrainedOn& trained, std::uint64_t seed, std::size_t trials) {

@@ -1,10 +1,14 @@
 #include "app/verb.hpp"
 
 #include <fmt/format.h>
+#include <poll.h>
 #include <signal.h>
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstring>
@@ -18,6 +22,8 @@
 #include "app/scene_keys.hpp"
 #include "sim/elementary.hpp"
 #include "sim/plan/plan.hpp"
+#include "sim/scene/setting.hpp"
+#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 namespace {
@@ -26,24 +32,57 @@ namespace {
 constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
 std::atomic<int> g_interrupted = 0;                    // the signal
+std::atomic<int> g_between_cases = 0;                  // how many EndsBetweenCases there are
 static_assert(std::atomic<int>::is_always_lock_free);  // for the signal handler
 
+[[noreturn]] void end_at_once() {
+  restore_terminal();
+  ::_exit(kInterrupted);
+}
+
+// In a signal handler: unless that would wait for a reader.
+void say_at_once(std::string_view text) {
+  pollfd error{STDERR_FILENO, POLLOUT, 0};
+  if (::poll(&error, 1, 0) == 1 && (error.revents & POLLOUT))
+    write_all(STDERR_FILENO, text.data(), text.size());
+}
+
+constexpr itimerval kPatience = {{}, {0, 800000}}, kNoAlarm = {};
+
 void on_interrupt(int which) {
-  if (g_interrupted) {
-    restore_terminal();
-    ::_exit(kInterrupted);
-  }
+  if (g_interrupted) end_at_once();
+  if (g_between_cases)
+    say_at_once("ferrule: stops after this case; another signal ends it at once\n");
+  else
+    ::setitimer(ITIMER_REAL, &kPatience, nullptr);
   g_interrupted = which;
 }
 
+// No verb has asked interrupted() in the meantime.
+void on_alarm(int) {
+  say_at_once("ferrule: stopped before the end: nothing more of it is kept\n");
+  end_at_once();
+}
+
+// What `text` is in decimal, and nothing else; empty: no such number.
+template <class Number>
+std::optional<Number> decimal(std::string_view text) {
+  Number value{};
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const char* const end = text.data() + text.size();
+  const auto [rest, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc() && rest == end ? std::optional(value) : std::nullopt;
+}
+
+// CLI11 would read 010 as 8, and 0x10 as 16.
+std::optional<std::uint64_t> whole(std::string_view text) {
+  const bool octal = text.size() > 1 && text[0] == '0';
+  return octal ? std::nullopt : decimal<std::uint64_t>(text);
+}
+
 double parse_number(const std::string& text, const std::string& option) {
-  std::size_t used = 0;
-  double value = NAN;
-  try {
-    value = std::stod(text, &used);
-  } catch (const std::exception&) {
-  }
-  if (used != text.size() || !std::isfinite(value))
+  const double value = decimal<double>(text).value_or(NAN);
+  if (!std::isfinite(value))
     throw BadInput(option + " " + text + ": must be a number or from:to:count[:log]");
   return value;
 }
@@ -69,13 +108,7 @@ std::string SceneArguments::given() const {
 
 Scene SceneArguments::load() const {
   for (const std::string& setting : settings) refuse_unknown_key(setting);
-  if (settings.empty()) return load_scene(name());
-  const std::string file = scene_file(name());
-  Json document = parse_json(read_text(file), file);
-  for (const std::string& setting : settings) apply_with_tolerance(document, setting);
-  Scene changed = parse_scene(document, file + " with --set");
-  refuse_contradictions(changed, file + " with --set");
-  return changed;
+  return load_scene(name(), settings);
 }
 
 namespace {
@@ -100,7 +133,7 @@ ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
     for (const std::string& setting : settings) refuse_unknown_key(setting);
     if (!brings) throw BadInput(brought.open + "; choose a scene with --scene");
     Json document = brought.document;
-    for (const std::string& setting : settings) apply_with_tolerance(document, setting);
+    for (const std::string& setting : settings) apply_setting(document, setting);
     const std::string source = "the scene that " + brought.how;
     chosen.scene = parse_scene(document, source);
     if (!settings.empty()) refuse_contradictions(chosen.scene, source);
@@ -183,10 +216,11 @@ std::vector<std::uint64_t> parse_seeds(const std::string& text) {
 }
 
 void add_threads(CLI::App& verb, int& threads) {
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  constexpr std::uint64_t kMostThreads = 4096;
+  const std::uint64_t cores = std::max(1u, std::thread::hardware_concurrency());
   const auto at_most_cores = [cores](std::string& text) {
-    int wanted = 0;
-    if (CLI::detail::lexical_cast(text, wanted) && wanted > cores) {
+    const std::uint64_t wanted = whole(text).value_or(0);
+    if (wanted > cores && wanted <= kMostThreads) {
       fmt::print(stderr, "note: --threads {}: this machine has {}, which are used\n", wanted,
                  cores);
       text = std::to_string(cores);
@@ -196,7 +230,7 @@ void add_threads(CLI::App& verb, int& threads) {
   verb.add_option("--threads", threads, "0: all cores; the result does not depend on it")
       ->capture_default_str()
       ->transform(CLI::Validator(at_most_cores, ""))
-      ->check(CLI::Range(0, 4096));
+      ->check(whole_number(0, kMostThreads));
 }
 
 void add_examples(CLI::App& verb, const std::vector<std::string>& examples) {
@@ -230,7 +264,7 @@ void expect_place_for(const std::string& file) {
   if (!folder.empty() && !fs::is_directory(folder, error))
     throw FileTrouble(file + ": cannot be written: there is no folder " + folder.string());
   // A link is followed, a device or pipe written to, and a file renamed into its folder.
-  const fs::path whole = fs::weakly_canonical(file, error);
+  const fs::path whole = fs::weakly_canonical(fs::absolute(file), error);
   const bool device = fs::exists(whole, error) && !fs::is_regular_file(whole, error);
   const fs::path written = device ? whole : whole.parent_path();
   if (::access(written.c_str(), W_OK) != 0)
@@ -250,11 +284,30 @@ Scene planned_with_progress(const Scene& scene) {
   });
 }
 
+CLI::Validator one_of(const std::vector<std::string>& choices) {
+  const std::string all = CLI::detail::generate_set(choices);
+  return CLI::Validator(
+      [choices, all](const std::string& text) {
+        const bool known = std::find(choices.begin(), choices.end(), text) != choices.end();
+        return known ? std::string() : text + " not in " + all + did_you_mean(text, choices);
+      },
+      all);
+}
+
+CLI::Validator whole_number(std::uint64_t low, std::uint64_t high) {
+  const auto inside = [low, high](const std::string& text) {
+    const std::optional<std::uint64_t> value = whole(text);
+    return value && *value >= low && *value <= high
+               ? std::string()
+               : fmt::format("must be a whole number from {} to {}, not {}", low, high, text);
+  };
+  return CLI::Validator(inside, fmt::format("[{} to {}]", low, high));
+}
+
 CLI::Validator number_between(double low, double high) {
   const auto inside = [low, high](const std::string& text) {
-    double value = NAN;
-    const bool number = CLI::detail::lexical_cast(text, value);
-    return number && value >= low && value <= high
+    const double value = decimal<double>(text).value_or(NAN);
+    return value >= low && value <= high
                ? std::string()
                : fmt::format("must be a number from {} to {}, not {}", low, high, text);
   };
@@ -285,13 +338,25 @@ void watch_for_interrupt() {
     if (job && before.sa_handler == SIG_IGN) continue;  // nohup
     sigaction(which, &action, nullptr);
   }
+  action.sa_handler = on_alarm;
+  sigaction(SIGALRM, &action, nullptr);
   // A reader that went away, and a file beyond the limit, are errors of writing.
   ::signal(SIGPIPE, SIG_IGN);
   ::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupted() noexcept {
-  return g_interrupted != 0;
+  if (!g_interrupted) return false;
+  ::setitimer(ITIMER_REAL, &kNoAlarm, nullptr);
+  return true;
+}
+
+EndsBetweenCases::EndsBetweenCases() {
+  ++g_between_cases;
+}
+
+EndsBetweenCases::~EndsBetweenCases() {
+  --g_between_cases;
 }
 
 const char* stopped_by() noexcept {
@@ -308,6 +373,7 @@ void stop_watching_for_interrupt() {
     sigaction(which, nullptr, &now);
     if (now.sa_handler == on_interrupt) ::signal(which, SIG_DFL);
   }
+  ::setitimer(ITIMER_REAL, &kNoAlarm, nullptr);
 }
 
 namespace {

@@ -11,14 +11,16 @@
 namespace ferrule {
 
 // Exit codes (README): 0 done, 1 a stated criterion failed, 2 bad usage or input, 3 file trouble,
-// 4 device trouble, 130 stopped by Ctrl-C or another signal.
+// 4 device trouble, 130 stopped by Ctrl-C or another signal, 141 (as by SIGPIPE) stopped because
+// nobody reads standard output any more.
 enum ExitCode {
   kDone = 0,
   kFailed = 1,
   kBadInput = 2,
   kFileTrouble = 3,
   kDeviceTrouble = 4,
-  kInterrupted = 130
+  kInterrupted = 130,
+  kNobodyReads = 141
 };
 
 // What the chosen verb does; set when the command line is parsed.
@@ -96,7 +98,11 @@ void print_result(const Output& output, Json document, const char* table,
 // `scene`, or where it states an accuracy the planned one, with progress. Throws Stopped.
 Scene planned_with_progress(const Scene& scene);
 
-// A finite number within bounds.
+// One of these texts; of another one it names the nearest.
+CLI::Validator one_of(const std::vector<std::string>& choices);
+// A whole number within bounds, in decimal.
+CLI::Validator whole_number(std::uint64_t low, std::uint64_t high);
+// A finite number within bounds, in decimal.
 CLI::Validator number_between(double low, double high);
 
 // The one JSON document of --json, on stdout.
@@ -114,9 +120,19 @@ Json json_list(const Rows& rows, const Of& of) {
 std::string number_or(const char* otherwise, const char* format, double x);
 
 // Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
-// the second ends the program at once.
+// and ends the program where the verb does not hear it within a second, by asking interrupted(); the
+// second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;  // from any thread
+// While one of these lives, the first signal is heard at the end of a case, however long that
+// takes, and says so: for verbs that keep the results of the cases before.
+class EndsBetweenCases {
+ public:
+  EndsBetweenCases();
+  ~EndsBetweenCases();
+  EndsBetweenCases(const EndsBetweenCases&) = delete;
+  EndsBetweenCases& operator=(const EndsBetweenCases&) = delete;
+};
 // What ended it: "Ctrl-C", "SIGTERM" ...
 const char* stopped_by() noexcept;
 // Ctrl-C ends the program at once again.

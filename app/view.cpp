@@ -5,6 +5,7 @@
 #include <chrono>
 #include <thread>
 
+#include "app/damage.hpp"
 #include "app/device_arguments.hpp"
 #include "app/recorded_view.hpp"
 #include "app/recording.hpp"
@@ -96,6 +97,7 @@ int live_verb(const ViewArguments& a) {
   SessionSettings settings;
   const ChosenScene chosen = a.scene.choose();
   settings.scene = chosen.scene;
+  fmt::print(stderr, "{}", damage_note(settings.scene));
   settings.seed = a.seed;
   settings.out = a.out;
   settings.trainee = a.device.trainee;
@@ -149,9 +151,9 @@ void add_recorded(CLI::App& verb, ViewArguments& a) {
       ->type_name("FILE.h5|DIR|FILE.json");
   auto* trial = verb.add_option("--trial", r.trial,
                                 "Make this trial of a campaign under --seed again, and replay it")
-                    ->check(CLI::Range(std::uint64_t{0}, (std::uint64_t{1} << 53)));
+                    ->check(whole_number(0, std::uint64_t{1} << 53));
   verb.add_option("--against", r.against, "The same trial by another, over it")
-      ->check(CLI::IsMember({"constant-velocity", "operator"}))
+      ->check(one_of({"constant-velocity", "operator"}))
       ->needs(trial);
   verb.add_option("--skill", r.skill, "Skill of that operator")
       ->capture_default_str()
@@ -177,7 +179,8 @@ void add_view(CLI::App& app, Run& run) {
       ->type_name("DIR");
   add_seed(*verb, a->seed, "Seed of the starts");
   verb->add_option("--port", a->port, "Port on 127.0.0.1; 0: one that is free")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(whole_number(0, 65535));
   verb->add_flag("--no-open", a->no_open, "Print the address, and open no browser");
   add_examples(*verb, {"view --scene demo --trainee Ada --out ada", "view --device auto --no-open",
                        "view episodes", "view episodes/episode_0001.h5 --export episode.html",

@@ -6,9 +6,14 @@
 #include <Eigen/Cholesky>
 #include <memory>
 #include <stdexcept>
+#include <type_traits>
 
 #include "bench/reference.hpp"
 #include "sim/potential.hpp"
+
+#ifndef SUN_COMM_NULL  // before SUNDIALS 7
+#define SUN_COMM_NULL nullptr
+#endif
 
 namespace ferrule {
 namespace {
@@ -83,9 +88,10 @@ std::vector<Pose> trajectory(const World& world, const State& start,
   Problem problem{world, start, hand, world.dynamics == Dynamics::inertial};
   const sunindextype size = problem.inertial ? 10 : 5;
   SUNContext raw_context = nullptr;
-  check(SUNContext_Create(nullptr, &raw_context), "SUNContext_Create");
+  check(SUNContext_Create(SUN_COMM_NULL, &raw_context), "SUNContext_Create");
   const auto free_context = [](SUNContext c) { SUNContext_Free(&c); };
-  const std::unique_ptr<_SUNContext, decltype(free_context)> context(raw_context, free_context);
+  const std::unique_ptr<std::remove_pointer_t<SUNContext>, decltype(free_context)> context(
+      raw_context, free_context);
   const std::unique_ptr<_generic_N_Vector, decltype(&N_VDestroy)> y(
       N_VNew_Serial(size, context.get()), N_VDestroy);
   Eigen::Map<Eigen::VectorXd> values(N_VGetArrayPointer(y.get()), size);

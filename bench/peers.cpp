@@ -160,7 +160,7 @@ void measure_let_in(Held& fibre, PeerRow& row) {
         return Hand{-x, {offset * kClearance, 0}, angle}.pose();
       };
       fibre.reset(hand(0));
-      Pose tip;
+      Pose tip = hand(0);
       for (long n = 0; n < steps; ++n) tip = fibre.step(hand(n), hand(n + 1), row.step_s);
       ++row.outside;
       row.let_in += !(tip[0] > -kWentIn);
@@ -231,7 +231,7 @@ PeerBench bench_peers(const GoOn& go_on) {
               "mujoco of PyPI (docs/building.md)"}}) {
     try {
       const auto list = *static_cast<const peers::Peers*>(
-          loaded_symbol(known.library, known.symbol, known.package));
+          loaded_symbol(known.library, known.symbol, built_with(known.name, known.package)));
       for (const peers::Peer& peer : list())
         add_case(cases, [peer] {
           Theirs theirs(peer.make());

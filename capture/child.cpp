@@ -1,16 +1,12 @@
 #include "capture/child.hpp"
 
 #include <fcntl.h>
-#include <sys/prctl.h>
-#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include "sim/scene/json_fields.hpp"
@@ -21,34 +17,9 @@ namespace {
 // What a child sends first.
 enum Answer : char { kDone = 'D', kBadInput = 'B', kFileTrouble = 'F' };
 
-// Of the address space [bytes].
-std::size_t memory_now() {
-  std::size_t pages = 0;
-  std::ifstream("/proc/self/statm") >> pages;
-  return pages * static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-}
-
-void limit(__rlimit_resource what, rlim_t most) noexcept {
-  rlimit now{};
-  if (::getrlimit(what, &now) != 0) return;
-  now.rlim_cur = std::min(most, now.rlim_max);
-  ::setrlimit(what, &now);
-}
-
-// Crashes are quiet: the default actions, no core, and what libraries print goes nowhere.
-void be_quiet() noexcept {
-  for (const int crash : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU})
-    ::signal(crash, SIG_DFL);
-  ::signal(SIGPIPE, SIG_IGN);
-  limit(RLIMIT_CORE, 0);
-  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0)
-    ::dup2(nowhere, STDERR_FILENO);
-}
-
-[[noreturn]] void run(int fd, pid_t parent, const std::function<void(Child::Parent&)>& work) {
-  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (::getppid() != parent) ::_exit(1);
+void run(int fd, const std::function<void(Child::Parent&)>& work) {
   be_quiet();
+  only_read_files();
   Child::Parent sender(fd);
   try {
     Child::Parent::allow(0, 0);
@@ -57,10 +28,7 @@ void be_quiet() noexcept {
     sender.refuse(kBadInput, error.what());
   } catch (const FileTrouble& error) {
     sender.refuse(kFileTrouble, error.what());
-  } catch (...) {  // out of memory, and what nobody foresaw
-    ::_exit(1);
-  }
-  ::_exit(0);
+  }  // what else is thrown, out of memory and what nobody foresaw, ends the child
 }
 
 // How a child ended that had not sent everything.
@@ -83,34 +51,34 @@ void Child::Parent::refuse(char answer, const std::string& why) noexcept {
 }
 
 void Child::Parent::allow(std::size_t memory, std::size_t time) noexcept {
-  limit(RLIMIT_AS, memory_now() + kMemory + memory);
-  limit(RLIMIT_CPU, kTime + time);
+  limit_memory(kMemory + memory);
+  limit_time(kTime + time);
 }
 
 Child::Child(std::string file, const std::function<void(Parent&)>& work) : file_(std::move(file)) {
   int ends[2];
-  const pid_t parent = ::getpid();
   if (::pipe2(ends, O_CLOEXEC) != 0)
     throw FileTrouble(file_ + ": cannot be read: " + std::strerror(errno));
-  child_ = ::fork();
-  if (child_ == 0) {
+  fd_ = ends[0];
+  try {
+    process_.emplace(std::vector{ends[1]}, [&] { run(ends[1], work); });
+  } catch (const FileTrouble& error) {
     ::close(ends[0]);
-    run(ends[1], parent, work);
+    ::close(ends[1]);
+    throw FileTrouble(file_ + ": cannot be read: " + error.what());
   }
   ::close(ends[1]);
-  fd_ = ends[0];
   try {
     first_answer();
   } catch (...) {
-    end();
+    ::close(fd_);
     throw;
   }
 }
 
 void Child::first_answer() {
   char answer = 0;
-  if (child_ < 0) throw FileTrouble(file_ + ": cannot be read: " + std::strerror(errno));
-  if (take(&answer, 1) == 0) throw FileTrouble(file_ + ": damaged: " + ended(end()));
+  if (take(&answer, 1) == 0) damaged();
   if (answer == kDone) return;
   std::string why(1 << 16, '\0');
   why.resize(take(why.data(), why.size()));
@@ -119,17 +87,7 @@ void Child::first_answer() {
 }
 
 Child::~Child() {
-  end();
-}
-
-int Child::end() noexcept {
-  int status = 0;
-  ::close(std::exchange(fd_, -1));
-  const pid_t child = std::exchange(child_, -1);
-  if (child > 0)
-    while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-    }
-  return status;
+  ::close(fd_);
 }
 
 std::size_t Child::take(void* data, std::size_t size) noexcept {
@@ -144,7 +102,11 @@ std::size_t Child::take(void* data, std::size_t size) noexcept {
 }
 
 void Child::receive(void* data, std::size_t size) {
-  if (take(data, size) != size) throw FileTrouble(file_ + ": damaged: " + ended(end()));
+  if (take(data, size) != size) damaged();
+}
+
+void Child::damaged() {
+  throw FileTrouble(file_ + ": damaged: " + ended(process_->wait()));
 }
 
 }  // namespace ferrule

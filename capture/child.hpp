@@ -2,14 +2,14 @@
 // memory, that is a FileTrouble of one line here, and nothing else happens.
 //
 // A library that was not written for hostile files (HDF5) can be brought to any of the three by
-// some changed bytes. The child is forked without exec: it only computes, and ends by _exit. It
-// ends with the thread that made it.
+// some changed bytes. The child only reads files and computes.
 #pragma once
 
-#include <sys/types.h>
-
 #include <functional>
+#include <optional>
 #include <string>
+
+#include "sim/child_process.hpp"
 
 namespace ferrule {
 
@@ -46,11 +46,11 @@ class Child {
  private:
   void first_answer();
   std::size_t take(void* data, std::size_t size) noexcept;
-  int end() noexcept;  // its status
+  [[noreturn]] void damaged();
 
   std::string file_;
-  pid_t child_ = -1;
   int fd_ = -1;
+  std::optional<ChildProcess> process_;
 };
 
 }  // namespace ferrule

@@ -3,6 +3,8 @@
 // through a file. HDF5's own messages on stderr are off.
 #pragma once
 
+// HDF5 1.12 and later keep the functions of 1.10 under this name.
+#define H5_USE_110_API
 #include <hdf5.h>
 
 #include <Eigen/Core>

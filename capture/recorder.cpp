@@ -139,12 +139,13 @@ Outcome outcome_of(const Episode& episode, const std::string& file) {
 
 void recover_claimed(EpisodeClaim& claim, Recovered& result) {
   const std::string text = read_text(claim.journal());
-  const auto line = text.find('\n');
-  if (line == std::string::npos) {
+  if (text.empty()) {
     claim.remove();
-    result.remark = "was killed before its first row: removed";
+    result.remark = "is empty: removed";
     return;
   }
+  const auto line = text.find('\n');
+  if (line == std::string::npos) throw FileTrouble("its first line has no end");
   Journal journal = parse_journal(text, line, claim.journal());
   const Eigen::Index rows = journal.episode.rows.rows();
   if (journal.damaged > 0) {
@@ -159,8 +160,11 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     return;
   }
   if (rows == 0) {
+    if (!result.damaged && line + 1 < text.size())
+      throw FileTrouble(
+          fmt::format("it ends within its first row, after {} bytes", text.size() - line - 1));
     claim.remove();
-    if (!result.damaged) result.remark = "was killed before its first flush: removed";
+    if (!result.damaged) result.remark = "holds no rows: removed";
     return;
   }
   result.outcome = journal.episode.info.outcome = outcome_of(journal.episode, claim.journal());
@@ -332,6 +336,20 @@ void Recorder::rate(int stars) {
 
 void Recorder::discard() noexcept {
   claim_.remove();
+}
+
+InsertionEnd record_insertion(const Scene& scene, const State& start, Device& device,
+                              Recorder& recorder, const std::function<bool()>& go_on) {
+  EpisodeInfo& info = recorder.info();
+  InsertionEnd end =
+      run_insertion(scene, start, device, ForceSensor(scene.sensor, info.seed, info.trial),
+                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
+                    [&](const Tick& tick) {
+                      recorder.add(make_row(tick), tick.sample.counts);
+                      return !go_on || go_on();
+                    });
+  info.why = end.why;
+  return end;
 }
 
 std::vector<Recovered> recover(const std::string& folder,

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "capture/episode.hpp"
+#include "insertion/loop.hpp"
 
 namespace ferrule {
 
@@ -93,6 +94,13 @@ class Recorder {
   std::size_t flushed_ = 0;
 };
 
+// Records one insertion from `start` with `device`, as fast as it goes, and past success until the
+// hand is finished. Seed, trial and period are those of recorder.info(). `go_on` is asked in every
+// tick; false ends the insertion as `interrupted`. Recorder::finish is left to the caller. Throws
+// what `device`, `recorder` and `go_on` throw.
+InsertionEnd record_insertion(const Scene& scene, const State& start, Device& device,
+                              Recorder& recorder, const std::function<bool()>& go_on = {});
+
 // Name of an episode file, and the first number that is free in a folder. Throws BadInput where the
 // folder has a number above kMostNumber.
 inline constexpr int kMostNumber = 999'999'999;
@@ -105,16 +113,17 @@ struct Recovered {
   std::size_t rows = 0;
   Outcome outcome = Outcome::interrupted;
   std::string remark;
-  bool damaged = false;  // it, or rows of it, could not be read; what could not was kept
+  bool damaged = false;  // it, or rows of it, could not be read; what could not is kept
 };
 
 // Turns every journal in `folder` that nobody is writing to into an episode of the rows before the
 // first that is damaged; such a journal is kept as NAME.part.damaged. The outcome is what the rows
 // show, `inserted` once the success depth was reached, or else `interrupted`. Where an episode of
 // its name is there already, the journal is removed if header and rows agree with it, and else
-// becomes an episode of the next number. Also removes half-written files of recordings that were
-// killed. `go_on` is called before each journal with those that are done, and all; false leaves the
-// others as they are. Throws FileTrouble.
+// becomes an episode of the next number. A journal that is empty or ends with its header is
+// removed; one of which nothing can be read is left as it is. Also removes half-written files of
+// recordings that were killed. `go_on` is called before each journal with those that are done, and
+// all; false leaves the others as they are. Throws FileTrouble.
 std::vector<Recovered> recover(
     const std::string& folder,
     const std::function<bool(std::size_t done, std::size_t all)>& go_on = {});

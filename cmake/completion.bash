@@ -5,7 +5,7 @@ _ferrule() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]} choices='' help shared
   if [[ $COMP_CWORD -eq 1 ]]; then
     choices="--help --version $("$program" --help 2>/dev/null |
-      sed -n '/^Subcommands:/,$s/^  \([a-z-]*\) .*/\1/p')"
+      sed -n 's/^  \([a-z][a-z-]*\) .*/\1/p')"
   else
     help=$("$program" "$verb" --help 2>/dev/null)
     shared=$(dirname "$(dirname "$(readlink -f "$(type -P "$program")")")")/share/ferrule

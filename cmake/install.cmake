@@ -39,7 +39,7 @@ if(FERRULE_HELP2MAN)
     DEPENDS ferrule_app cmake/man_pages.cmake VERBATIM)
   add_custom_target(man_pages ALL DEPENDS ${man}/made)
   install(DIRECTORY ${man}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
-    FILES_MATCHING PATTERN "*.1.gz")
+    OPTIONAL FILES_MATCHING PATTERN "*.1.gz")
 endif()
 
 # ferrule; libferrule-dev; and what loads libtorch and CVODE, which are large, each on its own.

@@ -5,8 +5,7 @@ execute_process(COMMAND ${PROGRAM} --version OUTPUT_VARIABLE version COMMAND_ERR
 string(REGEX MATCH "[0-9.]+" version "${version}")
 execute_process(COMMAND ${PROGRAM} --help OUTPUT_VARIABLE help COMMAND_ERROR_IS_FATAL ANY)
 string(REPLACE ";" "," help "${help}") # of a CMake list
-string(REGEX REPLACE ".*\nSubcommands:\n" "" verbs "\n${help}")
-string(REGEX MATCHALL "(^|\n)  [a-z-]+ +[^\n]+" verbs "${verbs}")
+string(REGEX MATCHALL "\n  [a-z][a-z-]* +[^\n]+" verbs "${help}")
 
 function(page name command brief)
   # help2man runs one word: a small script that asks for the help of a verb.

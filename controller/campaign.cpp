@@ -3,6 +3,7 @@
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <stdexcept>
@@ -15,21 +16,25 @@ std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop) {
   std::vector<TrialResult> results(trials);
-  std::atomic<std::size_t> next = 0, done = 0;
-  // Trials are begun in their order, and what is begun is ended: so those done are the first ones.
+  std::vector<char> done(trials, false);
+  std::atomic<std::size_t> next = 0, count = 0;
+  // Trials are begun in their order. What stops them ends those that run, too.
   const auto work = [&](int) {
     while (!stop || !stop()) {
       const std::size_t k = next++;
       if (k >= trials) return;
-      results[k] = run_trial(scene, scaling, *make(k), seed, k);
-      const std::size_t so_far = ++done;
+      results[k] = run_trial(scene, scaling, *make(k), seed, k, 1e-3, {}, stop);
+      if (stop && stop()) return;
+      done[k] = true;
+      const std::size_t so_far = ++count;
       if (progress) progress(so_far);
     }
   };
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute(
       [&] { tbb::parallel_for(0, arena.max_concurrency(), work, tbb::simple_partitioner()); });
-  results.resize(done);
+  results.resize(
+      static_cast<std::size_t>(std::find(done.begin(), done.end(), false) - done.begin()));
   return results;
 }
 
@@ -56,12 +61,12 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
   std::vector<double> time, force, loss;
   for (const TrialResult& r : results) {
     ++s.outcomes[static_cast<std::size_t>(r.outcome)];
+    if (r.supervision) count(*r.supervision, s.interventions);
     if (r.outcome == Outcome::infeasible) continue;
     ++s.feasible;
     s.steps += r.summary.steps;
     s.unfinished += r.summary.unfinished;
     force.push_back(r.summary.peak_force);
-    if (r.supervision) count(*r.supervision, s.interventions);
     if (r.outcome != Outcome::inserted) continue;
     time.push_back(r.summary.time);
     loss.push_back(r.loss_dB);

@@ -15,7 +15,7 @@ Json to_json(const InterventionSummary& s) {
   Json kinds = Json::object(), gave_up = Json::object();
   for (std::size_t i = 0; i < kInterventions; ++i) {
     kinds[kInterventionNames[i]] = {{"count", s.kinds[i].count}, {"trials", s.kinds[i].trials}};
-    if (s.gave_up[i] > 0) gave_up[kInterventionNames[i]] = s.gave_up[i];
+    gave_up[kInterventionNames[i]] = s.gave_up[i];
   }
   return {{"interventions", kinds}, {"trials_with_interventions", s.trials}, {"gave_up", gave_up}};
 }
@@ -25,15 +25,21 @@ Json to_json(const InterventionSummary& s) {
 Json to_json(const CampaignSummary& s) {
   Json outcomes = Json::object();
   for (int i = 0; i < kOutcomes; ++i)
-    if (s.outcomes[static_cast<std::size_t>(i)] > 0)
-      outcomes[name(static_cast<Outcome>(i))] = s.outcomes[static_cast<std::size_t>(i)];
+    outcomes[name(static_cast<Outcome>(i))] = s.outcomes[static_cast<std::size_t>(i)];
+  const auto to_show = [&](double rate) {
+    const auto trials = trials_to_show(rate, s.successes, s.feasible);
+    return trials ? Json(*trials) : Json();
+  };
   Json json = {{"trials", s.trials},
                {"feasible", s.feasible},
                {"successes", s.successes},
                {"success_rate", number_or_null(s.success_rate)},
                {"wilson_low", s.wilson.low},
                {"wilson_high", s.wilson.high},
+               {"trials_to_show_99", to_show(0.99)},
+               {"trials_to_show_99_9", to_show(0.999)},
                {"outcomes", outcomes},
+               {"time_limit_decides", !time_limit_note(s).empty()},
                {"time_s", spread_json(s.time, 1)},
                {"peak_force_uN", spread_json(s.peak_force, 1e6)},
                {"loss_dB", spread_json(s.loss_dB, 1)},
@@ -44,10 +50,10 @@ Json to_json(const CampaignSummary& s) {
 }
 
 void add_json(const Comparison& c, Json& json) {
-  json["difference"] = c.difference;
-  json["difference_low"] = c.interval.low;
-  json["difference_high"] = c.interval.high;
-  json["mcnemar_p"] = c.mcnemar_p;
+  json["difference"] = number_or_null(c.difference);
+  json["difference_low"] = number_or_null(c.interval.low);
+  json["difference_high"] = number_or_null(c.interval.high);
+  json["mcnemar_p"] = number_or_null(c.mcnemar_p);
   const auto paired = [](const PairedMedian& p, double unit) {
     return Json{{"median", number_or_null(unit * p.median)},
                 {"low", number_or_null(unit * p.interval.low)},
@@ -57,15 +63,44 @@ void add_json(const Comparison& c, Json& json) {
   json["peak_force_difference_uN"] = paired(c.peak_force, 1e6);
 }
 
+namespace {
+
+// "99 %: 381 more trials without a failure; 99.9 %: ..."
+std::string to_show_text(const CampaignSummary& s) {
+  const auto text = [&](double rate) -> std::string {
+    const auto trials = trials_to_show(rate, s.successes, s.feasible);
+    return !trials                     ? "not reachable at this rate"
+           : *trials == 0              ? "shown"
+           : s.successes == s.feasible ? fmt::format("{} more trials without a failure", *trials)
+                                       : fmt::format("about {} more trials at this rate", *trials);
+  };
+  const std::string one = text(0.99), other = text(0.999);
+  return one == other ? "99 % and 99.9 %: " + one : "99 %: " + one + "; 99.9 %: " + other;
+}
+
+}  // namespace
+
+std::string time_limit_note(std::size_t timeouts, std::size_t failures) {
+  if (2 * timeouts <= failures) return "";
+  return fmt::format("the time limit (limits.time_s) ended {} of {} failures", timeouts, failures);
+}
+
+std::string time_limit_note(const CampaignSummary& s) {
+  return time_limit_note(s.outcomes[static_cast<std::size_t>(Outcome::timeout)],
+                         s.feasible - s.successes);
+}
+
 std::string to_text(const std::string& who, const CampaignSummary& s) {
   std::string text = fmt::format("{}: {} of {} inserted", who, s.successes, s.feasible);
   if (s.feasible > 0)
     text += fmt::format(", {:.1f} % (95 % {:.1f} to {:.1f})", 100 * s.success_rate,
                         100 * s.wilson.low, 100 * s.wilson.high);
   text += "\n";
+  if (s.feasible > 0) text += fmt::format("  {:<14} {}\n", "to show", to_show_text(s));
   for (int i = 1; i < kOutcomes; ++i)
     if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
       text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);
+  if (const std::string note = time_limit_note(s); !note.empty()) text += "  " + note + "\n";
   const auto line = [&](const char* what, const Spread& spread, double unit, const char* in) {
     if (std::isfinite(spread.median))
       text += fmt::format("  {:<14} median {:.4g} {}, p95 {:.4g} {}\n", what, unit * spread.median,
@@ -107,8 +142,8 @@ void add_trials(const std::string& controller, const std::vector<TrialResult>& r
                                        {"depth_um", 1e6 * summary.depth},
                                        {"offset_um", 1e6 * summary.offset},
                                        {"tilt_mrad", 1e3 * summary.tilt},
-                                       {"loss_dB", number_or_null(loss_dB)}});
-    if (!why.empty()) row["why"] = why;
+                                       {"loss_dB", number_or_null(loss_dB)},
+                                       {"why", why}});
     if (!supervision) continue;
     row["gave_up"] = supervision->gave_up ? Json(name(*supervision->gave_up)) : Json();
     for (std::size_t i = 0; i < kInterventions; ++i)

@@ -13,6 +13,10 @@ void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);
 std::string to_text(const Comparison& comparison);
 
+// Says where the time limit ended most of the trials that failed; otherwise nothing.
+std::string time_limit_note(std::size_t timeouts, std::size_t failures);
+std::string time_limit_note(const CampaignSummary& summary);
+
 // Appends one row for each trial of a controller: what --trials-out holds.
 void add_trials(const std::string& controller, const std::vector<TrialResult>& results, Json& rows);
 

@@ -2,6 +2,8 @@
 
 #include <iterator>
 
+#include "sim/scene/json_file.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -24,10 +26,11 @@ void write_controller(const std::string& file, const ControllerFile& controller)
 }
 
 ControllerFile read_controller(const std::string& file) {
-  const Json json = parse_json(read_text(file), file);
   std::vector<std::string> methods;
   for (const Kind& kind : kKinds) methods.push_back(kind.method);
-  return kKinds[JsonFields(json, file).choice("method", methods)].parse(json, file);
+  return read_json(file, [&](const Json& json) {
+    return kKinds[JsonFields(json, file).choice("method", methods)].parse(json, file);
+  });
 }
 
 MakeController maker(const ControllerFile& controller) {

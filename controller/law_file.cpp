@@ -1,5 +1,7 @@
 #include "controller/law_file.hpp"
 
+#include "sim/scene/json_file.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -89,7 +91,7 @@ void write_controller(const std::string& file, const LawFile& c) {
 }
 
 LawFile read_law(const std::string& file) {
-  return parse_law(parse_json(read_text(file), file), file);
+  return read_json(file, [&](const Json& json) { return parse_law(json, file); });
 }
 
 LawFile parse_law(const Json& json, const std::string& file) {

@@ -6,7 +6,7 @@
 
 #include "controller/safetensors.hpp"
 #include "sim/content_hash.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/scene/json_file.hpp"
 #include "sim/scene/written_file.hpp"
 
 namespace ferrule {
@@ -82,14 +82,14 @@ Json scaled_channel(const Channel& channel, double mean, double scale) {
 
 // Calls `read(fields of entry, index)` for each object of the list at `key`.
 template <class Read>
-void for_each(JsonFields& fields, const std::string& key, const std::string& file,
-              std::size_t least, std::size_t most, Read read) {
+void for_each(JsonFields& fields, const std::string& key, std::size_t least, std::size_t most,
+              Read read) {
   const Json& list = fields.raw(key);
   if (!list.is_array() || list.size() < least || list.size() > most)
     fields.refuse(key, least == most ? fmt::format("must be a list of {} objects", least)
                                      : std::string("must be a list of objects"));
   for (std::size_t i = 0; i < list.size(); ++i) {
-    JsonFields entry(list[i], file, fmt::format("{}[{}]", key, i));
+    JsonFields entry = fields.object(key, i);
     read(entry, i);
     entry.finish();
   }
@@ -100,20 +100,20 @@ std::size_t count(JsonFields& fields, const std::string& key) {
 }
 
 // What a policy takes in and answers, and when.
-void read_signature(JsonFields& fields, Policy& policy, const std::string& file) {
+void read_signature(JsonFields& fields, Policy& policy) {
   policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
   JsonFields history = fields.object("history");
   policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
   policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));
   history.finish();
-  for_each(fields, "inputs", file, kPolicyChannels, kPolicyChannels,
+  for_each(fields, "inputs", kPolicyChannels, kPolicyChannels,
            [&](JsonFields& entry, std::size_t i) {
              entry.choice("name", {kPolicyInputs[i].name});
              entry.choice("unit", {kPolicyInputs[i].unit});
              policy.mean[i] = entry.number("mean", rule::any());
              policy.scale[i] = entry.number("scale", rule::positive());
            });
-  for_each(fields, "outputs", file, kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
+  for_each(fields, "outputs", kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
     entry.choice("name", {kPolicyAnswer[i].name});
     entry.choice("unit", {kPolicyAnswer[i].unit});
     policy.velocity_mean[static_cast<Eigen::Index>(i)] = entry.number("mean", rule::any());
@@ -128,8 +128,8 @@ void read_signature(JsonFields& fields, Policy& policy, const std::string& file)
   limits.finish();
 }
 
-void read_metrics(JsonFields metrics, PolicyFile& p, const std::string& file) {
-  for_each(metrics, "members", file, 0, kMostMembers, [&](JsonFields& entry, std::size_t) {
+void read_metrics(JsonFields metrics, PolicyFile& p) {
+  for_each(metrics, "members", 0, kMostMembers, [&](JsonFields& entry, std::size_t) {
     p.members.push_back({static_cast<int>(entry.integer("epochs", 0, INT32_MAX)),
                          static_cast<int>(entry.integer("best_epoch", 0, INT32_MAX)),
                          entry.number("training_loss", rule::any()),
@@ -137,7 +137,7 @@ void read_metrics(JsonFields metrics, PolicyFile& p, const std::string& file) {
   });
   p.residual = metrics.number("residual_m_s", rule::not_negative());
   p.held_out_residual = metrics.number("held_out_residual_m_s", rule::not_negative());
-  for_each(metrics, "dagger", file, 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
+  for_each(metrics, "dagger", 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
     p.dagger.push_back({count(entry, "trials"), count(entry, "inserted"), count(entry, "rows"),
                         entry.number("held_out_loss", rule::any())});
   });
@@ -162,22 +162,26 @@ std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
   return widths;
 }
 
-// Removes weights that were made for `file` and that no controller file beside it names any more.
+// Removes weights that were made for `file` and that no controller file beside it names any more,
+// and those that killed runs left half-written.
 void remove_old_weights(const std::string& file) {
   std::error_code error;
   const std::string stem = fs::path(file).stem().string() + ".";
-  const fs::path folder = fs::path(file).parent_path();
+  const auto are_weights = [&](const std::string& name) {
+    const bool sized = name.size() == stem.size() + kHashDigits + kWeights.size();
+    return sized && name.starts_with(stem) && name.ends_with(kWeights) &&
+           name.find_first_not_of("0123456789abcdef", stem.size()) == stem.size() + kHashDigits;
+  };
+  const fs::path parent = fs::path(file).parent_path(), folder = parent.empty() ? "." : parent;
+  remove_half_written(folder.string(), are_weights);
   std::vector<fs::path> old;
   std::string controllers;
-  for (const auto& entry : fs::directory_iterator(folder.empty() ? "." : folder, error)) {
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
     if (!entry.is_regular_file(error)) continue;
-    if (name.ends_with(".json") || entry.path() == fs::path(file))
+    if (name.ends_with(".json") || name == fs::path(file).filename())
       controllers += read_text(entry.path().string());
-    const bool sized = name.size() == stem.size() + kHashDigits + kWeights.size();
-    if (sized && name.starts_with(stem) && name.ends_with(kWeights) &&
-        name.find_first_not_of("0123456789abcdef", stem.size()) == stem.size() + kHashDigits)
-      old.push_back(entry.path());
+    if (are_weights(name)) old.push_back(entry.path());
   }
   for (const fs::path& weights : old)
     if (controllers.find(weights.filename().string()) == controllers.npos)
@@ -270,7 +274,7 @@ void write_controller(const std::string& file, const PolicyFile& p) {
 }
 
 PolicyFile read_policy(const std::string& file) {
-  return parse_policy(parse_json(read_text(file), file), file);
+  return read_json(file, [&](const Json& json) { return parse_policy(json, file); });
 }
 
 PolicyFile parse_policy(const Json& json, const std::string& file) {
@@ -281,14 +285,14 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
   fields.choice("method", {"torch"});
   fields.choice("world", {"hand"});
   fields.choice("activation", {"tanh"});
-  read_signature(fields, p.policy, file);
+  read_signature(fields, p.policy);
   p.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   JsonFields training = fields.object("training");
   p.input_noise = training.number("input_noise", rule::not_negative());
   p.weight_decay = training.number("weight_decay", rule::not_negative());
   training.finish();
   p.trained_on = read_trained_on(fields, file);
-  read_metrics(fields.object("metrics"), p, file);
+  read_metrics(fields.object("metrics"), p);
   const auto members = static_cast<std::size_t>(fields.integer("ensemble", 1, kMostMembers));
   const std::vector<std::size_t> widths = read_widths(fields, p.policy);
   const std::string name = fields.text("weights"), hash = fields.text("weights_sha1");

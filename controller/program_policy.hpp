@@ -1,14 +1,16 @@
-// A policy that is a program of somebody else's, asked through a pipe.
+// A policy that is somebody else's, in a process of its own, asked through a pipe.
 //
-// It is run by the shell and talks JSON, a line each, in turns: it gets a line on its standard
+// A program is run by the shell and talks JSON, a line each, in turns: it gets a line on its standard
 // input and answers with one on its standard output.
 //   {"reset": {"trial": k, "seed": s, "control_hz": f}}       before every trial; {} answers
 //   {"wrench": [Fx, Fy, Fz, My, Mz], "depth": d, "time": t}   an observation, in the hand's world
 //                                                             [N, N m], [m], [s]
 //   {"velocity": [vx, vy, vz, tilt_y, tilt_z]}                answers it [m/s, rad/s]
+//   {"error": "why"}                                          answers what it cannot answer
 // One process serves one trial at a time and many after one another, each thread its own. One that
 // ends, is silent for too long, or answers anything else ends its trial, which then says why, and
-// is ended itself; the next trial begins another.
+// is ended itself; the next trial begins another. One that failed in each of its first ten trials is
+// not asked any more: it fails in all. No process outlives this program (sim/child_process.hpp).
 #pragma once
 
 #include <string>
@@ -18,14 +20,24 @@
 namespace ferrule {
 
 struct ProgramSettings {
-  std::string command;        // for /bin/sh -c
   double start_timeout = 60;  // for the answer to a reset [s], > 0
   double timeout = 10;        // for each other answer [s], > 0
   double control_hz = 1000;   // how often it is asked, for it to know
   std::uint64_t seed = 0;     // of the trials, for it to know
+  // Whether an answer is waited for no longer, and its trial fails; asked from any thread.
+  std::function<bool()> stop{};
+  // Gets what it writes to its standard error, some bytes at a time, from any thread: the first
+  // 64 kB of all its processes.
+  std::function<void(const std::string&)> said{};
 };
 
-// A controller that asks such a program; all that it makes share the processes.
-MakeController program_policy(const ProgramSettings& settings);
+// A controller that asks the program `command`, for /bin/sh -c; all that it makes share the
+// processes.
+MakeController program_policy(const std::string& command, const ProgramSettings& settings);
+
+// Controllers of `make`, which runs in forks of this process that only read files, and take no more
+// than `memory` [bytes] beyond what this process has.
+MakeController forked_policy(const MakeController& make, std::size_t memory,
+                             const ProgramSettings& settings);
 
 }  // namespace ferrule

@@ -8,13 +8,32 @@
 
 namespace ferrule {
 
+namespace {
+
+// Of a standard normal variable, that 97.5 % do not exceed.
+double two_sided_z() {
+  return boost::math::quantile(boost::math::normal(), 0.975);
+}
+
+}  // namespace
+
 Interval wilson(std::size_t successes, std::size_t trials) {
-  const double z = boost::math::quantile(boost::math::normal(), 0.975);
+  const double z = two_sided_z();
   const double n = static_cast<double>(trials), p = static_cast<double>(successes) / n;
   const double centre = (p + z * z / (2 * n)) / (1 + z * z / n);
   const double half = z / (1 + z * z / n) * std::sqrt(p * (1 - p) / n + z * z / (4 * n * n));
   return {successes == 0 ? 0.0 : std::max(0.0, centre - half),
           successes == trials ? 1.0 : std::min(1.0, centre + half)};
+}
+
+// The interval is what the score test does not reject: its lower end is `rate` where
+// (p - rate)^2 = z^2 rate (1 - rate)/n.
+std::optional<std::size_t> trials_to_show(double rate, std::size_t successes, std::size_t trials) {
+  const double z = two_sided_z();
+  const double above = static_cast<double>(successes) / static_cast<double>(trials) - rate;
+  if (!(above > 0)) return std::nullopt;
+  const auto all = static_cast<std::size_t>(std::ceil(z * z * rate * (1 - rate) / (above * above)));
+  return all > trials ? all - trials : 0;
 }
 
 double mcnemar_p(std::size_t only_a, std::size_t only_b) {

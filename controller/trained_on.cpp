@@ -1,7 +1,18 @@
 #include "controller/trained_on.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "insertion/scene_scaling.hpp"
+
 namespace ferrule {
 namespace {
+
+bool differ(double a, double b) {
+  constexpr double kSame = 1e-9;  // relative
+  return std::abs(a - b) > kSame * std::abs(b);
+}
 
 std::vector<std::string> read_texts(JsonFields& fields, const std::string& key) {
   const Json& value = fields.raw(key);
@@ -23,13 +34,12 @@ Json to_json(const std::vector<TrainedEpisode>& episodes) {
   return list;
 }
 
-std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string& key,
-                                          const std::string& file) {
+std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string& key) {
   const Json& list = fields.raw(key);
   if (!list.is_array()) fields.refuse(key, "must be a list of objects");
   std::vector<TrainedEpisode> episodes;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    JsonFields entry(list[i], file, "trained_on." + key + "[" + std::to_string(i) + "]");
+    JsonFields entry = fields.object(key, i);
     TrainedEpisode& episode = episodes.emplace_back();
     episode.file = entry.text("file");
     episode.sha1 = entry.text("sha1");
@@ -43,6 +53,17 @@ std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string&
 }
 
 }  // namespace
+
+std::string scaling_trouble(const std::optional<Scaling>& trained, const std::string& who,
+                            const Scene& scene) {
+  if (!trained) return {};
+  const Scaling here = scene_scaling(scene);
+  if (!differ(here.motion, trained->motion) && !differ(here.force, trained->force)) return {};
+  return fmt::format(
+      "{}: {} scales the hand otherwise (alpha_x {:.6g}, alpha_f {:.6g}) than what it learned from "
+      "({:.6g}, {:.6g}): what was learned there means nothing here",
+      who, scene.name, here.motion, here.force, trained->motion, trained->force);
+}
 
 Json to_json(const TrainedOn& t) {
   Json json = {{"scenes", t.scenes},
@@ -63,8 +84,8 @@ TrainedOn read_trained_on(JsonFields& fields, const std::string& file) {
   JsonFields trained = fields.object("trained_on");
   TrainedOn t;
   t.scenes = read_texts(trained, "scenes");
-  t.episodes = read_episodes(trained, "episodes", file);
-  t.held_out = read_episodes(trained, "held_out", file);
+  t.episodes = read_episodes(trained, "episodes");
+  t.held_out = read_episodes(trained, "held_out");
   t.rows = static_cast<std::size_t>(trained.integer("rows", 0, INT64_MAX));
   t.seed = static_cast<std::uint64_t>(trained.integer("seed", 0, INT64_MAX));
   if (trained.present("partial")) {

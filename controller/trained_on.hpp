@@ -36,6 +36,11 @@ struct TrainedOn {
   Json scene{};                      // the document, where all episodes are of one scene; or null
 };
 
+// Empty, or what is wrong: `scene` scales the hand otherwise than `trained`, the scaling of what
+// `who` learned from. One that is not known is not held against it.
+std::string scaling_trouble(const std::optional<Scaling>& trained, const std::string& who,
+                            const Scene& scene);
+
 Json to_json(const TrainedOn& trained_on);
 // From the object "trained_on" of `fields`, whose document is `file`. Throws BadInput.
 TrainedOn read_trained_on(JsonFields& fields, const std::string& file);

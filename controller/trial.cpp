@@ -35,20 +35,24 @@ TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexc
 }
 
 TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period,
-                      const OnTick& on_tick) {
+                      std::uint64_t seed, std::uint64_t trial, double period, const OnTick& on_tick,
+                      const std::function<bool()>& stop) {
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
-  if (!drawn) return trial_result(Outcome::infeasible, {});
+  const auto with_supervision = [&](TrialResult result) {
+    if (const Supervision* supervision = controller.supervision())
+      result.supervision = *supervision;
+    return result;
+  };
+  if (!drawn) return with_supervision(trial_result(Outcome::infeasible, {}));
   const Scene& scene = *drawn;
   const State start = draw_start(scene, seed, trial);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),
                       scaling.motion * scene.sensor.entrance_error);
-  const InsertionEnd end =
-      run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-                    {.scaling = scaling, .period = period, .past_success = false}, on_tick);
-  TrialResult result = trial_result(end.outcome, end.summary);
-  if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
+  const InsertionEnd end = run_insertion(
+      scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+      {.scaling = scaling, .period = period, .past_success = false, .stop = stop}, on_tick);
+  TrialResult result = with_supervision(trial_result(end.outcome, end.summary));
   result.why = controller.failure();
   return result;
 }

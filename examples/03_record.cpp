@@ -5,7 +5,6 @@
 
 #include "capture/recorder.hpp"
 #include "capture/replay.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -23,13 +22,7 @@ std::string record(const Scene& scene, const std::string& folder, int trial) {
   info.seed = seed;
   info.trial = number;
   Recorder recorder(folder, trial, info);
-  const InsertionEnd end =
-      run_insertion(scene, start, *hand, ForceSensor(scene.sensor, seed, number),
-                    {.scaling = scene_scaling(scene), .period = period, .past_success = true},
-                    [&](const Tick& tick) {
-                      recorder.add(make_row(tick));
-                      return true;
-                    });
+  const InsertionEnd end = record_insertion(scene, start, *hand, recorder);
   std::printf("trial %d: %s after %.1f s, peak force %.2f uN\n", trial, name(end.outcome),
               end.summary.time, 1e6 * end.summary.peak_force);
   return recorder.finish(end.outcome);

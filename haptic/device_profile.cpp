@@ -1,6 +1,6 @@
 #include "haptic/device_profile.hpp"
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/scene/json_file.hpp"
 #include "sim/scene/shipped_files.hpp"
 
 namespace ferrule {
@@ -12,11 +12,7 @@ constexpr double kMost = 1e6;  // of any number: more is a slip of units
 const Rule kPositive = {0, kMost, true, false, "must be positive and at most 1e6"};
 const Rule kNotNegative = {0, kMost, false, false, "must be from 0 to 1e6"};
 
-}  // namespace
-
-DeviceProfile load_device_profile(const std::string& name_or_file) {
-  const std::string file = kProfiles.find(name_or_file);
-  const Json document = parse_json(read_text(file), file);
+DeviceProfile parse_profile(const Json& document, const std::string& file) {
   JsonFields f(document, file);
   if (f.present("$schema")) f.text("$schema");
   DeviceProfile profile;
@@ -33,6 +29,13 @@ DeviceProfile load_device_profile(const std::string& name_or_file) {
   profile.delay_periods = static_cast<int>(f.integer("delay_periods", 0, 100));
   f.finish();
   return profile;
+}
+
+}  // namespace
+
+DeviceProfile load_device_profile(const std::string& name_or_file) {
+  const std::string file = kProfiles.find(name_or_file);
+  return read_json(file, [&](const Json& document) { return parse_profile(document, file); });
 }
 
 }  // namespace ferrule

@@ -7,6 +7,7 @@ namespace ferrule {
 namespace {
 
 constexpr const char* kNotFinite = "the hand's pose is not a finite number";
+constexpr std::int64_t kStopEvery = 64;  // ticks
 
 }  // namespace
 
@@ -154,7 +155,8 @@ const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
                                           p.result, p.sensed.absolute(), p.sensed.relative()});
   if (p.over) return p.ends(*p.seen);
   if (next.sample.lost) return p.ends(Outcome::interrupted, "the device was lost", true);
-  if (!go_on) return p.ends(Outcome::interrupted);
+  const bool stopped = p.ticks % kStopEvery == 0 && p.settings.stop && p.settings.stop();
+  if (!go_on || stopped) return p.ends(Outcome::interrupted);
   if (p.settings.past_success && p.time() >= p.scene.limits.time) return p.ends(p.outcome);
   p.velocity = command;
   p.now = next;

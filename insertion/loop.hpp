@@ -46,6 +46,8 @@ struct LoopSettings {
   // Where a person feels the fibre, and holds it, by way of that: what it cannot trust ends the
   // insertion as `interrupted`, with no force and after the ticks before.
   ForceFeedback* feedback = nullptr;
+  // Asked now and then; where it says so, the insertion ends as `interrupted`.
+  std::function<bool()> stop{};
 };
 
 struct InsertionEnd {
@@ -99,7 +101,7 @@ class Insertion {
 // there is none
 //   stopped_short    the hand finished before the success depth
 //   gave_up          the same, and says that this was giving up
-//   interrupted      `on_tick` ended it, the device was lost, or `feedback` did not trust it
+//   interrupted      `on_tick` or `stop` ended it, the device was lost, or `feedback` did not trust it
 //   invalid_output   the hand's pose is not a finite number: no tick any more
 // Where the fibre was in before, each of these leaves it `inserted`.
 // Does not allocate while it runs, after its begin. Throws what `hand` and `on_tick` throw.

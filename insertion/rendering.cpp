@@ -42,10 +42,11 @@ std::string Rendering::set() const {
   return fmt::format("--set scaling.hand_force_N={:g}", largest_hand_force);
 }
 
-Rendering rendering(const Scene& scene, const DeviceProfile& device) {
+Rendering rendering(const Scene& scene, const DeviceProfile& device,
+                    const std::function<bool(std::size_t done, std::size_t all)>& go_on) {
   const Scaling scaling = scene_scaling(scene);
   Rendering r;
-  r.tip = insertion_stiffness(scene, device.period);
+  r.tip = insertion_stiffness(scene, device.period, go_on);
   r.magnified = scaling.force / scaling.motion;
   r.stiffness = r.magnified * r.tip.largest;
   r.damping = r.magnified * r.tip.damping;

@@ -24,7 +24,9 @@ struct Rendering {
   std::string set() const;
 };
 
-Rendering rendering(const Scene& scene, const DeviceProfile& device);
+// `go_on` as in insertion_stiffness().
+Rendering rendering(const Scene& scene, const DeviceProfile& device,
+                    const std::function<bool(std::size_t done, std::size_t all)>& go_on = {});
 
 // The device as the hand's world has it where its grip moves the hand `gain` > 0 times as far: a
 // fibre feels that much stiffer at the grip, which is the same as a device that much less damped.

@@ -10,7 +10,11 @@
 namespace ferrule {
 namespace {
 
-constexpr double kMostTilt = 0.05;  // slopes beyond are not small [rad]
+constexpr double kMostTilt = 0.05;   // slopes beyond are not small [rad]
+constexpr double kMostSteps = 2000;  // of one motion; where it is far they are longer
+constexpr std::size_t kMotions = 37;
+
+using GoOn = std::function<bool(std::size_t done, std::size_t all)>;
 
 Vector3d eigenvalues(const Eigen::Matrix3d& m) noexcept {
   return Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(m, Eigen::EigenvaluesOnly).eigenvalues();
@@ -24,21 +28,34 @@ Pose moved(Pose pose, int coordinate, double by) noexcept {
 // Drives the hand and looks at every state on its way.
 class Probe {
  public:
-  Probe(const Scene& scene, double dt, StiffnessRange& range) noexcept
-      : scene_(scene), dt_(dt), range_(range) {}
+  Probe(const Scene& scene, double dt, const GoOn& go_on, StiffnessRange& range)
+      : scene_(scene), dt_(dt), go_on_(go_on), range_(range) {}
 
   // The end at rest at `tip`.
   void begin(const Pose& tip) noexcept { state_ = at_rest(scene_.world, tip); }
 
-  // In a straight line of steps of up to half a clearance to where the end would be at `goal` in
-  // free air.
-  void drive(const Pose& goal) noexcept {
+  // In a straight line of steps of half a clearance to where the end would be at `goal` in free air.
+  void drive(const Pose& goal) {
+    if (stopped_) return;
+    move(goal);
+    stopped_ = go_on_ && !go_on_(++done_, kMotions);
+  }
+
+  // There and back again.
+  void push(const Pose& from, int coordinate, double by) {
+    drive(moved(from, coordinate, by));
+    drive(from);
+  }
+
+ private:
+  void move(const Pose& goal) noexcept {
     const World& world = scene_.world;
     const double lever = world.profile.lead_in_length + scene_.success.depth;
     const Pose from = state_.command, to = goal - world.holder.sag;
     const double travel = (to - from).head<3>().norm() + lever * (to - from).tail<2>().norm();
     const double stride = 0.5 * world.annulus.clearance();
-    const int steps = std::max(1, static_cast<int>(std::min(1e5, std::ceil(travel / stride))));
+    const int steps =
+        std::max(1, static_cast<int>(std::min(kMostSteps, std::ceil(travel / stride))));
     for (int i = 1; i <= steps; ++i) {
       const double part = static_cast<double>(i) / steps;
       const StepResult result =
@@ -50,13 +67,6 @@ class Probe {
     }
   }
 
-  // There and back again.
-  void push(const Pose& from, int coordinate, double by) noexcept {
-    drive(moved(from, coordinate, by));
-    drive(from);
-  }
-
- private:
   void look() noexcept {
     const bool end = state_.contact[kEnd].closed, side = state_.contact[kSide].closed;
     ++range_.states;
@@ -77,13 +87,16 @@ class Probe {
 
   const Scene& scene_;
   double dt_;
+  const GoOn& go_on_;
+  std::size_t done_ = 0;
+  bool stopped_ = false;
   StiffnessRange& range_;
   State state_;
 };
 
 }  // namespace
 
-StiffnessRange insertion_stiffness(const Scene& scene, double dt) {
+StiffnessRange insertion_stiffness(const Scene& scene, double dt, const GoOn& go_on) {
   const World& world = scene.world;
   const double clearance = world.annulus.clearance(), r = world.annulus.fibre_radius;
   const double depth = scene.success.depth;
@@ -91,7 +104,7 @@ StiffnessRange insertion_stiffness(const Scene& scene, double dt) {
   const double forward = 2 * clearance + scene.limits.force / world.holder.stiffness(0, 0);
 
   StiffnessRange range;
-  Probe probe(scene, dt, range);
+  Probe probe(scene, dt, go_on, range);
   Pose start = Pose::Zero();
   start[0] = scene.start.distance;
   start.segment<2>(1) = scene.start.lateral_mean;

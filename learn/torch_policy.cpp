@@ -191,9 +191,12 @@ Eigen::MatrixXd run(const std::string& bytes, const Eigen::MatrixXd& inputs) {
   return all;
 }
 
-// Its first line, for libtorch adds where it was thrown.
-std::string first_line(const std::string& text) {
-  return text.substr(0, std::min<std::size_t>(text.find('\n'), 200));
+// One line of what libtorch says: the reason below a trace of the script, or else the first, for
+// where it was thrown comes after it.
+std::string reason(const std::string& text) {
+  const std::size_t below = text.rfind("\nRuntimeError: ");
+  const std::size_t begin = below == text.npos ? 0 : below + 1;
+  return text.substr(begin, std::min<std::size_t>(text.find('\n', begin) - begin, 200));
 }
 
 class ScriptController : public Controller {
@@ -223,7 +226,7 @@ class ScriptController : public Controller {
       v.setZero();
       std::copy(t.data_ptr<double>(), t.data_ptr<double>() + t.numel(), v.data());
     } catch (const std::exception& error) {
-      failure_ = "the network failed: " + first_line(error.what());
+      failure_ = "the network failed: " + reason(error.what());
     }
     return v;
   }
@@ -240,7 +243,7 @@ std::unique_ptr<Controller> script_controller(const std::string& bytes) {
     std::istringstream stream(bytes);
     return std::make_unique<ScriptController>(torch::jit::load(stream));
   } catch (const std::exception& error) {
-    throw FileTrouble("cannot be run as TorchScript: " + first_line(error.what()));
+    throw FileTrouble("cannot be run as TorchScript: " + reason(error.what()));
   }
 }
 

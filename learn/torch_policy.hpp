@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "controller/policy.hpp"
+#include "controller/program_policy.hpp"
 
 namespace ferrule {
 
@@ -64,8 +65,10 @@ Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd&
 // trial has a module of its own, so that it may remember; where it has a method `reset`, that is
 // called first. Throws FileTrouble where these bytes are none, and as train_network.
 std::unique_ptr<Controller> torchscript_controller(const std::string& bytes);
-// What makes it for each trial, of a file.
-MakeController load_torchscript(const std::string& file);
+// What makes it for each trial, of a file of a stranger: in processes of their own
+// (controller/program_policy.hpp), for such a module may crash, hang or take all memory. At most
+// 512 MB, and each process 1 GB more than four times the file. Throws as torchscript_controller.
+MakeController load_torchscript(const std::string& file, const ProgramSettings& settings);
 
 // The same functions in the library of their own.
 struct TorchFunctions {

@@ -17,8 +17,8 @@ struct FileTrouble : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-// A text from outside as part of a line: control characters and what is no UTF-8 as \xNN, the
-// middle as ... where it is longer than `most` bytes.
-std::string printable(const std::string& text, std::size_t most);
+// A text from outside, as the name of a file, as part of a line: control characters and what is no
+// UTF-8 as \xNN, the middle as ... where it is longer than `most` bytes.
+std::string printable(const std::string& text, std::size_t most = 1000);
 
 }  // namespace ferrule

@@ -2,23 +2,14 @@
 # package.sh BUILD: makes the Debian packages of a build, installs the program's in a Debian made for
 # this by debootstrap, and inserts a fibre there.
 set -euo pipefail
+. "$(dirname "${BASH_SOURCE[0]}")/fresh_debian.sh"
 build=$1
 cd "$build"
 rm -f ./*.deb
 cpack -G DEB >cpack.log || { cat cpack.log >&2; exit 1; }
-as_root=()
-if [[ $EUID -ne 0 ]]; then as_root=(sudo); fi
-fresh=$(mktemp -d)
-away() {
-  "${as_root[@]}" umount "$fresh/proc" 2>/dev/null || true
-  "${as_root[@]}" rm -rf --one-file-system "$fresh"
-}
-trap away EXIT
-"${as_root[@]}" debootstrap --variant=minbase bookworm "$fresh" >debootstrap.log
-"${as_root[@]}" mount -t proc proc "$fresh/proc"
+fresh_debian bookworm
 "${as_root[@]}" cp ferrule_*.deb libferrule-dev_*.deb "$fresh/tmp"
-inside() { "${as_root[@]}" chroot "$fresh" /usr/bin/env -i PATH=/usr/bin:/bin HOME=/root DEBIAN_FRONTEND=noninteractive "$@"; }
-inside bash -c 'apt-get update -qq && apt-get install -y -qq --no-install-recommends /tmp/ferrule_*.deb' >install.log 2>&1 ||
+inside bash -c 'export DEBIAN_FRONTEND=noninteractive; apt-get update -qq && apt-get install -y -qq --no-install-recommends /tmp/ferrule_*.deb' >install.log 2>&1 ||
   { cat install.log >&2; exit 1; }
 
 fail() { echo "package: $1" >&2; exit 1; }

@@ -1,5 +1,5 @@
 // A fit that runs beside the window: `ferrule fit` as a process of its own, of low priority, so
-// that it never disturbs the loop.
+// that it never disturbs the loop. It ends with the thread that began it, by kill -9 too.
 #pragma once
 
 #include <sys/types.h>

@@ -5,7 +5,9 @@ there. Velocities, wrenches and depths that controllers know are those of the ha
 (Scene.motion_scale, Scene.force_scale times the tip's); states and forces are the tip's.
 
     import ferrule
-    simulator, controller = ferrule.Simulator("bench"), ferrule.load("controller.json")
+    controller = ferrule.fit(ferrule.record("bench", "episodes"))
+    print(ferrule.evaluate(controller).success_rate)
+    simulator = ferrule.Simulator("bench")
     observation = simulator.reset(seed=7, trial=0)
     while not simulator.ended:
         observation = simulator.step(controller(observation))
@@ -50,9 +52,9 @@ Overrides = Union[Mapping[str, Any], Sequence[str], None]
 Policy = Callable[[Observation], Any]
 
 __all__ = [
-    "BadInput", "Controller", "Episode", "Evaluation", "FileTrouble", "Observation", "Scene",
-    "Simulator", "evaluate", "forces", "load", "load_scene", "outcomes", "shipped_scenes", "terms",
-    "validate",
+    "BadInput", "Controller", "Episode", "Evaluation", "FileTrouble", "Observation", "Overrides",
+    "Policy", "Scene", "SceneLike", "Simulator", "compare", "evaluate", "fit", "forces", "load",
+    "load_scene", "outcomes", "plot", "record", "shipped_scenes", "terms", "validate",
 ]
 
 
@@ -165,7 +167,8 @@ def evaluate(
     ``policy``: a controller, its file, "constant-velocity", or any callable from an Observation
     to a velocity (5 numbers [m/s, rad/s], hand's world), called every millisecond of every trial,
     on one thread; what it raises ends the evaluation. ``scene``: None takes that of the
-    controller's training, or ``demo``. ``threads``: 0 for all cores. Ctrl-C ends it.
+    controller's training, or ``demo``; BadInput is raised where it scales the hand otherwise, unless
+    the controller's ``other_scaling`` is set. ``threads``: 0 for all cores. Ctrl-C ends it.
     """
     if isinstance(policy, (str, _os.PathLike)) and policy != "constant-velocity":
         policy = load(_os.fspath(policy))
@@ -209,3 +212,7 @@ def forces(
         name: rows[:, column].reshape(arrays[0].shape)
         for column, name in enumerate([*terms, "squeeze"])
     }
+
+
+from . import plot  # noqa: E402
+from .learning import compare, fit, record  # noqa: E402

@@ -5,7 +5,9 @@ from __future__ import annotations
 import argparse
 import json
 import os
+import re
 import shutil
+import signal
 import sys
 from pathlib import Path
 from typing import Any, Callable
@@ -25,9 +27,36 @@ def _arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
+def _remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        path.unlink(missing_ok=True)
+
+
+def _runs(process: str) -> bool:
+    try:
+        os.kill(int(process), 0)
+    except ProcessLookupError:
+        return False
+    except (OverflowError, PermissionError):
+        pass
+    return True
+
+
+def _remove_left(target: Path) -> None:
+    """What exports of ``target`` that were killed left beside it."""
+    ours = re.compile(re.escape(f".{target.name}.") + r"([1-9][0-9]*)")
+    for path in target.parent.iterdir():
+        found = ours.fullmatch(path.name)
+        if found and not path.is_symlink() and not _runs(found[1]):
+            _remove(path)
+
+
 def _whole(place: str, write: Callable[[str], Any]) -> Any:
     """What ``write`` makes beside ``place``, which gets its name when it is whole."""
     target = Path(place)
+    _remove_left(target)
     beside = target.with_name(f".{target.name}.{os.getpid()}")
     try:
         made = write(str(beside))
@@ -38,10 +67,7 @@ def _whole(place: str, write: Callable[[str], Any]) -> Any:
             raise
         raise FileTrouble(f"{place}: cannot be written: {error.strerror or error}") from error
     finally:
-        if beside.is_dir():
-            shutil.rmtree(beside, ignore_errors=True)
-        else:
-            beside.unlink(missing_ok=True)
+        _remove(beside)
 
 
 def _expect_places(a: argparse.Namespace) -> None:
@@ -103,18 +129,30 @@ def _tell(done: int, of: int) -> None:
         print(f"\rreading {done} of {of}", end="\n" if done == of else "", file=sys.stderr)
 
 
+def _printable(text: object) -> str:
+    """In one line, with what a terminal would act on escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+
+
+def _stop(number: int, frame: object) -> None:
+    raise KeyboardInterrupt("Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name)
+
+
 def main() -> int:
+    for ending in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(ending) != signal.SIG_IGN:
+            signal.signal(ending, _stop)
     a = _arguments()
     try:
         result = _export(a)
     except BadInput as error:
-        print(f"ferrule: {error}", file=sys.stderr)
+        print(f"ferrule: {_printable(error)}", file=sys.stderr)
         return 2
     except (FileTrouble, ImportError) as error:
-        print(f"ferrule: {error}", file=sys.stderr)
+        print(f"ferrule: {_printable(error)}", file=sys.stderr)
         return 3
-    except KeyboardInterrupt:
-        print("ferrule: stopped by Ctrl-C; nothing of it is kept", file=sys.stderr)
+    except KeyboardInterrupt as stopped:
+        print(f"ferrule: stopped by {stopped}; nothing of it is kept", file=sys.stderr)
         return 130
     if a.json:
         print(json.dumps({**result, "provenance": {"version": __version__}}))
@@ -126,7 +164,7 @@ def main() -> int:
             f"out\nactions of 1: {result['action_scale']} (m/s, rad/s at the tip)"
         )
     for place in result["written"]:
-        print(f"wrote {place}")
+        print(f"wrote {_printable(place)}")
     return 0
 
 

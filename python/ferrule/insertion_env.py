@@ -25,7 +25,9 @@ class InsertionEnv(gymnasium.Env):
 
     Observation (7,), float32, what a controller gets to know, in the hand's world: wrench at the
     holder as the force sensor reads it, Fx Fy Fz [N], My Mz [N m]; depth of the hand past the
-    entrance [mm]; time [s].
+    entrance [mm]; time [s]. Its space has the scene's limits (Scene.observation_limits): the force
+    limit, the depth at success, the longest trial. What exceeds them is cut to them: the last
+    observation of an episode that a limit ended, or a rare error of the sensor.
     Action (5,) within [-1, 1], times ``action_scale``; more is cut, and a translation faster than
     the scene's speed limit is slowed to it. One that is not a number ends the episode.
     Reward: the tip's way into the bore, as part of all of it (which adds up to 1); 1 more where it

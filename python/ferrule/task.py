@@ -46,11 +46,7 @@ class Task:
         # Velocities of the hand for actions of 1.
         self.hand_scale = scale * np.array([self.scene.motion_scale] * 3 + [1.0] * 2)
         self.way = self.scene.start_distance + self.scene.success_depth
-        # A hundred times the force limit, at an arm of a metre; as deep as the hand can get in time.
-        force = 100 * self.scene.force_limit * self.scene.force_scale
-        moment = force * self.scene.motion_scale
-        depth = 1e3 * self.scene.motion_scale * self.scene.speed_limit * self.scene.time_limit
-        self._most = np.array([force] * 3 + [moment] * 2 + [depth, 2 * self.scene.time_limit])
+        self._most = self.scene.observation_limits * OBSERVATION_UNITS
         self._least = np.where(np.arange(7) < 5, -self._most, 0.0)
         self.observation_space = spaces.Box(
             self._least.astype(np.float32), self._most.astype(np.float32), dtype=np.float32
@@ -62,7 +58,10 @@ class Task:
         return np.minimum(np.maximum(np.asarray(action, dtype=float), -1), 1) * self.hand_scale
 
     def observation(self, values: np.ndarray, wrench: np.ndarray) -> np.ndarray:
-        """Of (..., 7) in SI units and the wrench that is not relative to rest (..., 5)."""
+        """Of (..., 7) in SI units and the wrench that is not relative to rest (..., 5).
+
+        Cut to the space: what ends an episode may exceed the limits.
+        """
         observed = values * OBSERVATION_UNITS
         if not self.relative:
             observed[..., :5] = wrench

@@ -4,6 +4,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/function.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/shared_ptr.h>
@@ -11,9 +12,12 @@
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <atomic>
+#include <memory>
 #include <string>
+#include <thread>
 
-#include "controller/observation.hpp"
+#include "controller/controller_file.hpp"
 #include "sim/scene/scene.hpp"
 
 namespace ferrule::python {
@@ -21,6 +25,7 @@ namespace ferrule::python {
 namespace nb = nanobind;
 using Array = nb::ndarray<nb::numpy, double>;
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
+using SharedScene = std::shared_ptr<const Scene>;
 
 // How a property returns an array: it has an owner, and is not copied.
 inline constexpr auto kOwned = nb::rv_policy::reference;
@@ -29,6 +34,54 @@ void add_scene(nb::module_& module);
 void add_simulator(nb::module_& module);
 void add_controller(nb::module_& module);
 void add_episode(nb::module_& module);
+void add_learning(nb::module_& module);
+
+// What a controller observes, and the scene it does so in: null where somebody made it.
+struct SceneObservation {
+  Observation observed;
+  SharedScene scene{};
+};
+
+// A controller at work, and what makes it anew for every trial.
+struct LoadedController {
+  // `called`: its file, for messages.
+  LoadedController(ControllerFile file, std::string called)
+      : read(std::move(file)), name(std::move(called)) {
+    reset();
+  }
+  void reset() { at_work = maker(read)(0); }
+  // Throws BadInput, as the program does, where `scene` scales the hand otherwise than those that
+  // it learned from, unless that is allowed.
+  void expect_scaling_of(const Scene& scene) const;
+
+  ControllerFile read;
+  std::string name;
+  bool other_scaling = false;
+  std::string report;                 // of its fit
+  std::vector<std::string> warnings;  // of its fit
+  std::unique_ptr<Controller> at_work;
+};
+
+// Ctrl-C where C++ runs: handled by the thread that called.
+class Interrupts {
+ public:
+  bool operator()() {
+    if (!seen_ && std::this_thread::get_id() == caller_) {
+      const nb::gil_scoped_acquire acquire;
+      seen_ = PyErr_CheckSignals() != 0;
+      if (seen_) raised_ = std::make_exception_ptr(nb::python_error());
+    }
+    return seen_;
+  }
+  void rethrow() const {
+    if (raised_) std::rethrow_exception(raised_);
+  }
+
+ private:
+  std::thread::id caller_ = std::this_thread::get_id();
+  std::atomic<bool> seen_ = false;
+  std::exception_ptr raised_;
+};
 
 // `count` numbers of any sequence or array; ValueError "WHAT: ..." where it is something else.
 Eigen::VectorXd numbers(nb::handle from, Eigen::Index count, const char* what);

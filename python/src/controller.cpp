@@ -1,27 +1,14 @@
 // Controllers and campaigns of them.
-#include <thread>
-
 #include "bindings.hpp"
 #include "controller/campaign_table.hpp"
-#include "controller/controller_file.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 
 namespace ferrule::python {
 namespace {
 
-using SharedScene = std::shared_ptr<const Scene>;
-
 constexpr const char* kAnswer =
     "what the policy answered: a velocity (x, y, z [m/s], tilt_y, tilt_z [rad/s], of the hand)";
-
-// A controller of a file at work, and what makes it anew for every trial.
-struct LoadedController {
-  explicit LoadedController(const std::string& file) : read(read_controller(file)) { reset(); }
-  void reset() { at_work = maker(read)(0); }
-  ControllerFile read;
-  std::unique_ptr<Controller> at_work;
-};
 
 // What the first policy in Python that failed raised; from then on no trial counts.
 struct Failure {
@@ -34,7 +21,8 @@ struct Failure {
 // A Python callable at a controller's place.
 class PythonController : public Controller {
  public:
-  PythonController(nb::handle policy, Failure& failure) : policy_(policy), failure_(failure) {
+  PythonController(nb::handle policy, SharedScene scene, Failure& failure)
+      : policy_(policy), scene_(std::move(scene)), failure_(failure) {
     const nb::gil_scoped_acquire acquire;
     try {
       if (nb::hasattr(policy_, "reset")) policy_.attr("reset")();
@@ -46,7 +34,7 @@ class PythonController : public Controller {
     if (!failure_.raised) {
       const nb::gil_scoped_acquire acquire;
       try {
-        return numbers(policy_(observation), 5, kAnswer);
+        return numbers(policy_(SceneObservation{observation, scene_}), 5, kAnswer);
       } catch (...) {
         failure_.keep();
       }
@@ -56,28 +44,8 @@ class PythonController : public Controller {
 
  private:
   nb::handle policy_;
+  SharedScene scene_;
   Failure& failure_;
-};
-
-// Ctrl-C where C++ runs: handled by the thread that called, which takes part in every campaign.
-class Interrupts {
- public:
-  bool operator()() {
-    if (!seen_ && std::this_thread::get_id() == caller_) {
-      const nb::gil_scoped_acquire acquire;
-      seen_ = PyErr_CheckSignals() != 0;
-      if (seen_) raised_ = std::make_exception_ptr(nb::python_error());
-    }
-    return seen_;
-  }
-  void rethrow() const {
-    if (raised_) std::rethrow_exception(raised_);
-  }
-
- private:
-  std::thread::id caller_ = std::this_thread::get_id();
-  std::atomic<bool> seen_ = false;
-  std::exception_ptr raised_;
 };
 
 nb::tuple evaluate(nb::handle policy, const SharedScene& scene, std::size_t trials,
@@ -86,12 +54,14 @@ nb::tuple evaluate(nb::handle policy, const SharedScene& scene, std::size_t tria
   Failure failure;
   MakeController make;
   if (nb::isinstance<LoadedController>(policy)) {
-    make = maker(nb::cast<const LoadedController&>(policy).read);
+    const auto& controller = nb::cast<const LoadedController&>(policy);
+    controller.expect_scaling_of(*scene);
+    make = maker(controller.read);
   } else if (nb::isinstance<nb::str>(policy)) {
     make = controller_maker(ConstantVelocity(scaling.motion * scene->limits.speed));
   } else {
-    make = [policy, &failure](std::uint64_t) {
-      return std::make_unique<PythonController>(policy, failure);
+    make = [policy, scene, &failure](std::uint64_t) {
+      return std::make_unique<PythonController>(policy, scene, failure);
     };
     threads = 1;
   }
@@ -118,7 +88,40 @@ nb::tuple evaluate(nb::handle policy, const SharedScene& scene, std::size_t tria
                         array(loss.data(), {loss.size()}));
 }
 
+nb::object number_or_none(double x) {
+  return std::isfinite(x) ? nb::object(nb::float_(x)) : nb::none();
+}
+
+// A law's gains by their name; none of a network.
+nb::typed<nb::dict, nb::str, nb::typed<nb::dict, nb::str, nb::any>> gains(
+    const LoadedController& c) {
+  nb::dict all;
+  const auto* law = std::get_if<LawFile>(&c.read);
+  for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
+    const Gain& gain = gain_table(law->kind)[i];
+    nb::dict fitted;
+    fitted["value"] = law->gains[i].value;
+    fitted["low"] = number_or_none(law->gains[i].low);
+    fitted["high"] = number_or_none(law->gains[i].high);
+    fitted["unit"] = gain.unit;
+    all[gain.name] = fitted;
+  }
+  return all;
+}
+
+template <class Of>
+auto of_file(const Of& of) {
+  return [of](const LoadedController& c) { return std::visit(of, c.read); };
+}
+
 }  // namespace
+
+void LoadedController::expect_scaling_of(const Scene& scene) const {
+  if (other_scaling) return;
+  const std::string trouble = scaling_trouble(trained_on(read).scaling, name, scene);
+  if (!trouble.empty())
+    throw BadInput(trouble + "; Controller.other_scaling = True does it all the same");
+}
 
 void add_controller(nb::module_& module) {
   nb::class_<LoadedController>(
@@ -127,10 +130,14 @@ void add_controller(nb::module_& module) {
       "velocity.\nIt remembers what it observed: reset it for every insertion.")
       .def(
           "__call__",
-          [](LoadedController& c, const Observation& o) { return array(c.at_work->command(o)); },
+          [](LoadedController& c, const SceneObservation& o) {
+            if (o.scene) c.expect_scaling_of(*o.scene);
+            return array(c.at_work->command(o.observed));
+          },
           nb::arg("observation"),
           "Velocity of the hand until the next period: x, y, z [m/s], tilt_y, tilt_z [rad/s]; "
-          "shape (5,).")
+          "shape (5,).\nRaises BadInput for an observation of a Simulator whose scene scales the "
+          "hand otherwise than those\nthat the controller learned from: see other_scaling.")
       .def("reset", &LoadedController::reset, "Forgets what it observed.")
       .def_prop_ro(
           "scene_json",
@@ -139,9 +146,35 @@ void add_controller(nb::module_& module) {
             if (scene.is_null()) return std::nullopt;
             return scene.dump();
           },
-          "The scene it was trained on, a JSON text; None where its file holds no single one.");
+          "The scene it was trained on, a JSON text; None where its file holds no single one.")
+      .def_rw("other_scaling", &LoadedController::other_scaling,
+              "Whether it may drive a scene that scales the hand otherwise than those that it "
+              "learned from; False at first.")
+      .def_prop_ro("gains", &gains,
+                   "Of a law, by name: {\"value\", \"low\", \"high\", \"unit\"}, with the 95 % "
+                   "interval, None where the data leave it open. Empty for a network.")
+      .def_prop_ro("residual", of_file([](const auto& c) { return c.residual; }),
+                   "Root mean square error of the velocity on the episodes of its training, "
+                   "hand's world [m/s].")
+      .def_prop_ro("held_out_residual", of_file([](const auto& c) { return c.held_out_residual; }),
+                   "The same on the episodes that were held out [m/s].")
+      .def_ro("report", &LoadedController::report,
+              "The lines of `ferrule fit`, where ferrule.fit made it; else empty.")
+      .def_ro("warnings", &LoadedController::warnings,
+              "What `ferrule fit` warns of, a line each, where ferrule.fit made it; else empty.")
+      .def(
+          "save",
+          [](const LoadedController& c, const std::filesystem::path& file) {
+            write_controller(file.string(), c.read);
+          },
+          nb::arg("file"),
+          "Writes controller.json as `ferrule fit` does; a network's weights go beside it. Raises "
+          "FileTrouble.");
   module.def(
-      "load", [](const std::string& file) { return std::make_unique<LoadedController>(file); },
+      "load",
+      [](const std::filesystem::path& file) {
+        return std::make_unique<LoadedController>(read_controller(file.string()), file.string());
+      },
       nb::arg("file"),
       "The controller of a file that `ferrule fit` wrote. Raises BadInput, FileTrouble.");
   module.def("_evaluate", &evaluate, nb::arg("policy"), nb::arg("scene"), nb::arg("trials"),

@@ -11,11 +11,11 @@
 
 namespace ferrule {
 
-// Beside the module, wherever it was installed.
+// In the package, wherever it was installed.
 std::string data_folder() {
   Dl_info self;
   ::dladdr(reinterpret_cast<const void*>(&data_folder), &self);
-  return (std::filesystem::path(self.dli_fname).parent_path() / "data").string();
+  return (std::filesystem::path(self.dli_fname).parent_path() / "share/ferrule").string();
 }
 
 namespace python {
@@ -102,4 +102,5 @@ NB_MODULE(_core, module) {
   add_simulator(module);
   add_controller(module);
   add_episode(module);
+  add_learning(module);
 }

@@ -3,6 +3,7 @@
 #include "insertion/scene_scaling.hpp"
 #include "sim/gap_forces.hpp"
 #include "sim/plan/plan.hpp"
+#include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule::python {
@@ -47,6 +48,21 @@ Array forces(const Scene& scene, const Numbers& gap_nm, const Numbers& length_um
   return array(values.data(), {rows, width});
 }
 
+Array observation_limits(const Scene& s) {
+  constexpr double kDeviations = 4;  // of the sensor's errors
+  const Holder& holder = s.world.holder;
+  Wrench tip = Wrench::Constant(s.limits.force + holder.weight.head<3>().norm() +
+                                kDeviations * s.sensor.deviation(s.limits.force, s.limits.time));
+  tip.tail<2>() *= s.sensor.arm;
+  // The hand is ahead of the end by what the force bends the holder.
+  const double depth = s.success.depth + s.limits.force / holder.stiffness(0, 0) +
+                       std::abs(s.sensor.entrance_error) + kDeviations * s.sensor.entrance_sd;
+  const Scaling scaling = scene_scaling(s);
+  Eigen::Matrix<double, 7, 1> limits;
+  limits << scaling.wrench_to_hand(tip), scaling.motion * depth, s.limits.time;
+  return array(limits);
+}
+
 std::vector<std::string> term_names() {
   std::vector<std::string> names;
   for (const Term term : kAllTerms) names.emplace_back(info(term).name);
@@ -77,6 +93,12 @@ void add_scene(nb::module_& module) {
       .def_prop_ro(
           "start_distance", [](const Scene& s) { return s.start.distance; },
           "Of the fibre's end from the bore at the start [m].")
+      .def_prop_ro(
+          "observation_limits", &observation_limits, kOwned,
+          "The largest size of what is observed before the scene's limits end an insertion: Fx, "
+          "Fy, Fz [N], My, Mz [N m] (weight and 4 standard deviations of the sensor included, "
+          "moments as that force at the sensor's arm), depth [m], time [s], in the hand's world; "
+          "shape (7,).")
       .def_prop_ro(
           "motion_scale", [](const Scene& s) { return scene_scaling(s).motion; },
           "alpha_x: lengths of the hand's world over those of the tip [-].")

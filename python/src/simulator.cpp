@@ -10,8 +10,6 @@
 namespace ferrule::python {
 namespace {
 
-using SharedScene = std::shared_ptr<const Scene>;
-
 constexpr const char* kVelocity = "velocity (x, y, z [m/s], tilt_y, tilt_z [rad/s], of the hand)";
 
 // A trial that several Python threads may hold: one at a time.
@@ -21,15 +19,15 @@ class Simulator {
     if (!(period > 0 && period <= 1)) throw nb::value_error("period: must be above 0, at most 1 s");
   }
 
-  Observation reset(std::uint64_t seed, std::uint64_t trial, bool feasible) {
+  SceneObservation reset(std::uint64_t seed, std::uint64_t trial, bool feasible) {
     const nb::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     trial_number_ = feasible ? feasible_trial(*scene_, seed, trial).trial : trial;
     trial_ = std::make_unique<SteppedTrial>(scene_, seed, trial_number_, period_);
-    return trial_->observation();
+    return {trial_->observation(), scene_};
   }
 
-  Observation step(nb::handle velocity, std::size_t periods) {
+  SceneObservation step(nb::handle velocity, std::size_t periods) {
     const HandTwist v = numbers(velocity, 5, kVelocity);
     const nb::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
@@ -38,7 +36,7 @@ class Simulator {
       throw std::runtime_error("the trial has ended (" + std::string(name(trial.ended()->outcome)) +
                                "): reset the simulator first");
     for (std::size_t n = 0; n < periods && !trial.ended(); ++n) trial.step(v);
-    return trial.observation();
+    return {trial.observation(), scene_};
   }
 
   // What is asked for between steps.
@@ -201,32 +199,36 @@ class Trials {
 };
 
 void add_observation(nb::module_& module) {
-  nb::class_<Observation>(module, "Observation",
-                          "What a controller observes, in the hand's world (the tip's, scaled up).")
+  using O = SceneObservation;
+  nb::class_<O>(module, "Observation",
+                "What a controller observes, in the hand's world (the tip's, scaled up).")
       .def(
           "__init__",
-          [](Observation* self, nb::handle wrench, double depth, double time) {
-            new (self)
-                Observation{HandWrench(numbers(wrench, 5, "wrench (Fx, Fy, Fz [N], My, Mz [N m])")),
-                            depth, time};
+          [](O* self, nb::handle wrench, double depth, double time) {
+            const HandWrench felt = numbers(wrench, 5, "wrench (Fx, Fy, Fz [N], My, Mz [N m])");
+            new (self) O{{felt, depth, time}};
           },
           nb::arg("wrench"), nb::arg("depth"), nb::arg("time"))
       .def_prop_ro(
-          "wrench", [](const Observation& o) { return array(o.wrench); }, kOwned,
+          "wrench", [](const O& o) { return array(o.observed.wrench); }, kOwned,
           "At the holder, relative to that at rest at the start: Fx, Fy, Fz [N], My, Mz [N m]; "
           "shape (5,).")
-      .def_ro("depth", &Observation::depth, "Of the hand past the bore's entrance [m], >= 0.")
-      .def_ro("time", &Observation::time, "Since the start [s].")
+      .def_prop_ro(
+          "depth", [](const O& o) { return o.observed.depth; },
+          "Of the hand past the bore's entrance [m], >= 0.")
+      .def_prop_ro(
+          "time", [](const O& o) { return o.observed.time; }, "Since the start [s].")
       .def_prop_ro(
           "values",
-          [](const Observation& o) {
+          [](const O& o) {
             std::vector<double> all;
-            for (const ObservationChannel& channel : kObservation) all.push_back(channel.value(o));
+            for (const ObservationChannel& channel : kObservation)
+              all.push_back(channel.value(o.observed));
             return array(all.data(), {all.size()});
           },
           kOwned, "All of it: wrench, depth, time; shape (7,).")
-      .def("__repr__", [](const Observation& o) {
-        return "<ferrule.Observation at " + std::to_string(o.time) + " s>";
+      .def("__repr__", [](const O& o) {
+        return "<ferrule.Observation at " + std::to_string(o.observed.time) + " s>";
       });
 }
 
@@ -254,7 +256,9 @@ void add_simulator(nb::module_& module) {
       .def_prop_ro(
           "observation",
           [](const Simulator& s) {
-            return s.look([](const SteppedTrial& t) { return t.observation(); });
+            return s.look([&](const SteppedTrial& t) {
+              return SceneObservation{t.observation(), s.scene()};
+            });
           },
           "The last one.")
       .def_prop_ro(

@@ -1,6 +1,10 @@
 """Episodes in the formats of others, read back by others."""
 
 import json
+import os
+import signal
+import subprocess
+import time
 
 import gymnasium
 import h5py
@@ -8,7 +12,7 @@ import numpy as np
 import pytest
 
 import ferrule
-from conftest import run
+from conftest import PROGRAM, run
 
 csv = pytest.importorskip("pyarrow.csv")
 pq = pytest.importorskip("pyarrow.parquet")
@@ -164,3 +168,48 @@ def test_others_scenes_are_not_mixed(episodes, tmp_path):
         (both / f"episode_{number:04}.h5").write_bytes(file.read_bytes())
     said = run("export-episodes", both, "--robomimic", tmp_path / "x.h5", code=2)
     assert "another scene" in said.stderr
+
+
+def begun(episodes, folder, name):
+    """An export that has begun to write, and what it writes."""
+    process = subprocess.Popen(
+        [PROGRAM, "export-episodes", episodes, "--csv", folder / name],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )
+    beside = folder / f".{name}.{process.pid}"
+    while not beside.is_dir():
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.001)
+    return process, beside
+
+
+def test_a_killed_export_leaves_nothing_that_the_next_one_does_not_clear(episodes, tmp_path):
+    process, beside = begun(episodes, tmp_path, "tables")
+    process.kill()
+    process.communicate()
+    assert beside.is_dir()
+    others = [f".tables.{os.getpid()}", ".tables.01", ".tables.12x", ".other.1234567", "tables.1234567"]
+    for name in others:
+        (tmp_path / name).mkdir()
+    run("export-episodes", episodes, "--csv", tmp_path / "tables")
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted([*others, "tables"])
+
+
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+def test_a_stopped_export_leaves_nothing(episodes, tmp_path, ending):
+    process, _ = begun(episodes, tmp_path, "tables")
+    process.send_signal(ending)
+    said = process.communicate(timeout=60)[1]
+    assert process.returncode == 130
+    assert said.startswith("ferrule: stopped by ") and said.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_names_are_escaped_where_they_are_shown(episodes, tmp_path):
+    odd = tmp_path / "red \x1b[31m\nline"
+    said = run("export-episodes", episodes, "--csv", odd).stdout
+    assert said == f"wrote {tmp_path}/red \\x1b[31m\\nline\n"
+    said = run("export-episodes", tmp_path / "none" / odd.name, "--csv", tmp_path / "x", code=3).stderr
+    assert said.count("\n") == 1 and "\x1b" not in said
+    said = run("export-episodes", episodes, "--csv", odd, code=3).stderr
+    assert said.count("\n") == 1 and "\x1b" not in said

@@ -2,6 +2,7 @@
 
 import csv
 import http.client
+import itertools
 import os
 import sys
 import time
@@ -29,6 +30,50 @@ def straight(speed=1.0):
 
 def test_gymnasium_has_no_complaint():
     check_env(make(control_hz=50, render_mode="rgb_array"))
+
+
+def test_the_space_is_what_the_scene_lets_happen():
+    for scene, relative in [("bench", True), ("demo", False), ("dry", True)]:
+        env = gymnasium.make(
+            "ferrule/Insertion-v0", scene=scene, control_hz=200, relative=relative
+        ).unwrapped
+        most = np.zeros(7)
+        generator = np.random.default_rng(3)
+        for trial in range(8):
+            env.reset(seed=7, options={"trial": trial})
+            for step in itertools.count():
+                if step % 100 == 0:
+                    action = generator.uniform([-1, -0.4, -0.4, -1, -1], [-0.4, 0.4, 0.4, 1, 1])
+                _, _, terminated, truncated, _ = env.step(action)
+                if terminated or truncated:
+                    break
+                raw = env.simulator.observation.values  # as it is, not cut
+                raw[:5] = raw[:5] if relative else env.simulator.wrench
+                most = np.maximum(most, np.abs(raw * [1, 1, 1, 1, 1, 1e3, 1]))
+        share = most / env.observation_space.high
+        assert (share <= 1).all(), (scene, share)
+        assert share[:3].max() > 0.25 and share[5] > 0.5 and share[6] > 0.05, (scene, share)
+        assert (env.observation_space.low[:5] == -env.observation_space.high[:5]).all()
+
+
+@pytest.mark.filterwarnings("ignore:.*different from the unwrapped version")
+def test_a_wrapper_that_normalises_finds_its_bounds():
+    env = gymnasium.make("ferrule/Insertion-v0", scene="bench", control_hz=50)
+    scaled = gymnasium.wrappers.RescaleObservation(env, np.float32(-1), np.float32(1))
+    check_env(scaled, skip_render_check=True)
+    many = gymnasium.make_vec("ferrule/Insertion-v0", num_envs=4, scene="bench", control_hz=50)
+    low, high = many.single_observation_space.low, many.single_observation_space.high
+    assert np.isfinite([low, high]).all()
+    assert (low == env.observation_space.low).all() and (high == env.observation_space.high).all()
+    many = gymnasium.wrappers.vector.RescaleObservation(many, np.float32(-1), np.float32(1))
+    seen = [many.reset(seed=7)[0]]
+    ended = np.zeros(4, dtype=bool)
+    while not ended.all():
+        observation, _, terminated, truncated, _ = many.step(np.tile(straight(), (4, 1)))
+        seen.append(observation)
+        ended |= terminated | truncated
+    assert np.abs(seen).max() <= 1 + 1e-6
+    assert np.abs(seen)[..., 0].max() > 0.5  # pushed to the force limit
 
 
 def test_straight_in_is_the_baseline_of_the_program():

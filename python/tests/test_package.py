@@ -1,5 +1,6 @@
 """The package against the program: the same messages, trials, bits."""
 
+import importlib.metadata
 import json
 import multiprocessing
 import os
@@ -15,7 +16,7 @@ import numpy as np
 import pytest
 
 import ferrule
-from conftest import run
+from conftest import ROOT, run
 
 
 def test_a_scene_is_refused_with_the_texts_of_the_program():
@@ -62,6 +63,30 @@ def test_an_evaluation_has_the_statistics_of_the_verb(law):
     )
     there = ferrule.evaluate(controller, "tight", trials=6, supervise=True).statistics
     assert there == {key: said[key] for key in there}
+
+
+def test_another_scaling_is_refused_as_the_program_does(law):
+    said = run("evaluate", law, "--scene", "demo", "--trials", 1, code=2).stderr
+    controller, simulator = ferrule.load(law), ferrule.Simulator("demo")
+    observation = simulator.reset()
+
+    def answers(observation):  # a policy of one's own that asks it
+        return 0.5 * controller(observation)
+
+    for drive in [
+        lambda: controller(observation),
+        lambda: controller(simulator.observation),
+        lambda: ferrule.evaluate(law, "demo", trials=1),
+        lambda: ferrule.evaluate(answers, "demo", trials=1),
+    ]:
+        with pytest.raises(ferrule.BadInput, match="other_scaling = True") as raised:
+            drive()
+        assert str(raised.value).split("; ")[0] in said
+    assert controller(ferrule.Observation([0] * 5, 0, 0)).shape == (5,)  # of no scene
+    controller.other_scaling = True
+    assert simulator.step(controller(observation)).time > 0
+    assert len(ferrule.evaluate(answers, "demo", trials=1).outcome) == 1
+    assert len(ferrule.evaluate(controller, "demo", trials=1).outcome) == 1
 
 
 def test_a_stepped_trial_is_the_trial_of_the_campaign(law):
@@ -226,6 +251,24 @@ def test_resets_leak_nothing():
 
     before = resets(2000)
     assert resets(100_000) - before < 2000  # kB: 20 bytes a reset
+
+
+def test_everything_public_is_in_all():
+    assert ferrule.__all__ == sorted(ferrule.__all__)
+    here = {
+        name for name, value in vars(ferrule).items()
+        if not name.startswith("_") and str(getattr(value, "__module__", "")).startswith("ferrule")
+    }
+    assert here <= set(ferrule.__all__) <= set(dir(ferrule))
+
+
+def test_the_metadata_are_those_of_the_citation():
+    cited = (ROOT / "CITATION.cff").read_text()
+    stated = importlib.metadata.metadata("ferrule")
+    assert f'- name: "{stated["Author"]}"' in cited and f"version: {stated['Version']}\n" in cited
+    keywords = stated["Keywords"].split(",")
+    assert keywords and all(f"  - {keyword}\n" in cited for keyword in keywords)
+    assert set(stated.get_all("Provides-Extra")) == {"gym", "data", "plot"}
 
 
 def test_importing_needs_neither_numpy_nor_gymnasium():

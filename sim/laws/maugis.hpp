@@ -1,6 +1,6 @@
 // Adhesive contact of a sphere on a half space, self-consistent: Maugis 1992 (Dugdale stress in a
 // ring around the contact), from DMT (lambda -> 0) to JKR (lambda -> infinity). Equation (6c) of
-// sim/README.md. Dimensionless:
+// docs/theory.md. Dimensionless:
 //
 //   A = a (K/(pi w R_s^2))^(1/3),  P = F/(pi w R_s),  D = delta (K^2/(pi^2 w^2 R_s))^(1/3)
 //   a contact radius, F force (repulsion positive), delta penetration (negative: apart), K reduced

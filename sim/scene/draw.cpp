@@ -12,13 +12,24 @@
 namespace ferrule {
 namespace {
 
+double within(const DiameterRange& range, RandomStream& random) {
+  return range.low + (range.high - range.low) * random.uniform();
+}
+
+// Cut at 3.
+double cut_normal(RandomStream& random) {
+  double deviation = random.normal();
+  while (std::abs(deviation) > 3) deviation = random.normal();
+  return deviation;
+}
+
 // Diameters of a pair of parts, and what a recording states of them; false: they interfere.
 bool draw_diameters(Scene& drawn, RandomStream random) {
   const Tolerance t = *drawn.tolerance;
-  double deviation = random.normal();
-  while (std::abs(deviation) > 3) deviation = random.normal();
-  const double fibre = 2 * drawn.world.annulus.fibre_radius + t.fibre_sd * deviation;
-  const double bore = t.bore_low + (t.bore_high - t.bore_low) * random.uniform();
+  const double fibre = t.fibre
+                           ? within(*t.fibre, random)
+                           : 2 * drawn.world.annulus.fibre_radius + t.fibre_sd * cut_normal(random);
+  const double bore = within(t.bore, random);
   if (fibre >= bore) return false;
   // Nor does a fibre go in that leaves a bore as oval too little room.
   const std::optional<double>& ovality = drawn.parameters.ferrule.ovality_um;

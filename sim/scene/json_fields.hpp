@@ -1,5 +1,6 @@
 // Reading a JSON object strictly: every key is asked for with its rule, unknown keys are refused.
-// Each error is a BadInput of one line: file: key = value: rule.
+// Each error is a BadInput of one line: file: key = value: rule. Where a file was read, json_file.hpp
+// adds the line.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,6 +17,8 @@ using Json = nlohmann::json;
 
 // Text -> JSON. Throws BadInput naming `file` and the line.
 Json parse_json(const std::string& text, const std::string& file);
+// The line of text[position], from 1.
+std::size_t line_at(const std::string& text, std::size_t position);
 // A number, or null where it is not finite.
 Json number_or_null(double x);
 // Throws FileTrouble if the file cannot be read.
@@ -47,6 +50,20 @@ Rule positive(double low, double high);
 Rule not_negative(double high);
 }  // namespace rule
 
+// A key of a document that is refused, or that is missing.
+struct RefusedKey : BadInput {
+  RefusedKey(const std::string& in, Json::json_pointer key, const std::string& reason)
+      : BadInput(in + ": " + reason), file(in), at(std::move(key)), why(reason) {}
+
+  std::string file;
+  Json::json_pointer at;
+  std::string why;                                     // what() without the file
+  enum Kind { wrong, unknown, missing } kind = wrong;  // unknown: nobody asked for it
+  Json value{};                    // that was refused; null of one that is missing
+  std::vector<Json> would_do{};    // of one that is missing: values that are allowed
+  std::vector<RefusedKey> more{};  // of one that is unknown: others of the same object, 19 at most
+};
+
 // A number that was read, and where it is kept: what varies a document's numbers goes by this.
 struct BoundNumber {
   std::string key;          // dotted
@@ -59,8 +76,7 @@ class JsonFields {
  public:
   // `object` must outlive this. Every number read by this or by objects within it is added to
   // `bound` where that is not null. Throws BadInput if it is not an object.
-  JsonFields(const Json& object, std::string file, std::string path = "",
-             std::vector<BoundNumber>* bound = nullptr);
+  JsonFields(const Json& object, std::string file, std::vector<BoundNumber>* bound = nullptr);
 
   double number(const std::string& key, const Rule& rule);
   // Into `value`, times `unit`.
@@ -75,6 +91,8 @@ class JsonFields {
   // One of `choices`; returns its index.
   std::size_t choice(const std::string& key, const std::vector<std::string>& choices);
   JsonFields object(const std::string& key);
+  // The object number `index` of the list at `key`, which has as many.
+  JsonFields object(const std::string& key, std::size_t index);
   const Json& raw(const std::string& key);
   // Is the key there?
   bool present(const std::string& key);
@@ -88,12 +106,17 @@ class JsonFields {
   [[noreturn]] void refuse(const std::string& key, const std::string& rule) const;
 
  private:
-  const Json& get(const std::string& key, const std::string& expected);
-  std::string dotted(const std::string& key) const;
+  JsonFields(const Json& object, std::string file, Json::json_pointer at,
+             std::vector<BoundNumber>* bound);
+  RefusedKey refusal(const std::string& key, const std::string& rule) const;
+  // Throws where it is missing; `would_do` are values that are allowed, where they are known.
+  const Json& get(const std::string& key, const std::string& expected,
+                  std::vector<Json> would_do = {});
   double checked(const std::string& key, const Rule& rule);
 
   const Json& object_;
-  std::string file_, path_;
+  std::string file_;
+  Json::json_pointer at_;
   std::set<std::string> known_;
   std::vector<BoundNumber>* bound_;
 };

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/scene/json_file.hpp"
+#include "sim/scene/setting.hpp"
 #include "sim/scene/shipped_files.hpp"
 #include "sim/scene/terms.hpp"
 #include "sim/scene/units.hpp"
@@ -145,14 +147,24 @@ void read_start(JsonFields f, StartDistribution& start) {
   f.finish();
 }
 
+// The smallest and the largest diameter.
+DiameterRange read_diameters(JsonFields& f, const char* key) {
+  const Vector2d um = f.pair(key);
+  if (!(um[0] >= 1 && um[1] >= um[0] && um[1] <= 1e5))
+    f.refuse(key, "must be the smallest and the largest diameter, both positive, from 1 to 100000");
+  return {micro * um[0], micro * um[1]};
+}
+
 void read_tolerance(JsonFields f, Tolerance& t) {
-  f.number("fibre_diameter_sd_um", not_negative(1e3), t.fibre_sd, micro);
-  const Vector2d bore = f.pair("bore_diameter_um");
-  if (!(bore[0] >= 1 && bore[1] >= bore[0] && bore[1] <= 1e5))
-    f.refuse("bore_diameter_um",
-             "must be the smallest and the largest diameter, both positive, from 1 to 100000");
-  t.bore_low = micro * bore[0];
-  t.bore_high = micro * bore[1];
+  if (f.present("fibre_diameter_um")) {
+    if (f.present("fibre_diameter_sd_um"))
+      f.refuse("fibre_diameter_um",
+               "does not go with fibre_diameter_sd_um: it is one or the other");
+    t.fibre = read_diameters(f, "fibre_diameter_um");
+  } else {
+    f.number("fibre_diameter_sd_um", not_negative(1e3), t.fibre_sd, micro);
+  }
+  t.bore = read_diameters(f, "bore_diameter_um");
   f.finish();
 }
 
@@ -292,7 +304,7 @@ Scene parse_scene(const Json& document, const std::string& file) {
 
 VariableScene::VariableScene(const Scene& scene) : scene_{} {
   std::vector<BoundNumber> bound;
-  JsonFields fields(scene.document, scene.name, "", &bound);
+  JsonFields fields(scene.document, scene.name, &bound);
   read_scene(fields, scene_);
   for (BoundNumber& number : bound) {
     std::string path = number.key;
@@ -323,37 +335,15 @@ bool VariableScene::consistent() const {
          !inconsistency(scene_);
 }
 
-void apply_setting(Json& document, const std::string& setting) {
-  const auto equals = setting.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw BadInput("--set " + setting + ": must be dotted.key=value");
-  const std::string key = setting.substr(0, equals), text = setting.substr(equals + 1);
-  Json value = Json::parse(text, nullptr, false);
-  if (value.is_discarded()) value = text;
-  Json* place = &document;
-  for (std::size_t from = 0;;) {
-    const auto dot = key.find('.', from);
-    const std::string part = key.substr(from, dot == std::string::npos ? dot : dot - from);
-    if (part.empty()) throw BadInput("--set " + setting + ": empty name in the dotted key");
-    if (place->is_null()) *place = Json::object();
-    if (!place->is_object())
-      throw BadInput("--set " + setting + ": \"" + key.substr(0, from ? from - 1 : 0) +
-                     "\" is not an object");
-    place = &(*place)[part];
-    if (dot == std::string::npos) break;
-    from = dot + 1;
-  }
-  *place = value;
-}
-
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
   const std::string file = kScenes.find(name_or_file);
-  Json document = parse_json(read_text(file), file);
-  for (const auto& setting : settings) apply_setting(document, setting);
   const std::string source = settings.empty() ? file : file + " with --set";
-  Scene scene = parse_scene(document, source);
-  refuse_contradictions(scene, source);
-  return scene;
+  return read_json(file, source, [&](Json document) {
+    for (const auto& setting : settings) apply_setting(document, setting);
+    Scene scene = parse_scene(document, source);
+    refuse_contradictions(scene, source);
+    return scene;
+  });
 }
 
 void refuse_contradictions(const Scene& scene, const std::string& file) {

@@ -38,12 +38,18 @@ struct Success {
   double depth;  // inserted length [m], > 0
 };
 
+// Diameters [m], 0 < low <= high.
+struct DiameterRange {
+  double low, high;
+};
+
 // Pairs of parts as they come: the fibre's diameter is normally distributed about
-// fibre.diameter_um, cut at three standard deviations (where sorting ends); the bore's is uniform
-// over its tolerance band.
+// fibre.diameter_um, cut at three standard deviations (where sorting ends), or uniform over its
+// tolerance band; the bore's is uniform over its own.
 struct Tolerance {
-  double fibre_sd;             // of the diameter [m], >= 0
-  double bore_low, bore_high;  // diameters [m], 0 < low <= high
+  double fibre_sd;                     // of the diameter [m], >= 0
+  std::optional<DiameterRange> fibre;  // empty: normal
+  DiameterRange bore;
 };
 
 // Ranges of (14) and (15) of the paper.
@@ -85,8 +91,7 @@ struct Scene {
 Scene parse_scene(const Json& document, const std::string& file);
 
 // `name_or_file`: a file, or the bare name of a scene that ships with the program. `settings` are
-// "dotted.key=value" with JSON values (bare words are texts); null removes a law. Throws BadInput,
-// FileTrouble.
+// "dotted.key=value" (sim/scene/setting.hpp). Throws BadInput, FileTrouble.
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 
 // Refuses what a scene that is written must not be, though a recording of before may: a success
@@ -96,9 +101,6 @@ void refuse_contradictions(const Scene& scene, const std::string& file);
 
 // The file of a scene, `name_or_file` as above. Throws FileTrouble.
 std::string scene_file(const std::string& name_or_file);
-
-// One of those settings. Throws BadInput.
-void apply_setting(Json& document, const std::string& setting);
 
 // Names of the scenes that ship with the program, sorted.
 std::vector<std::string> shipped_scenes();

@@ -5,6 +5,7 @@
 
 #include "sim/scene/data_folder.hpp"
 #include "sim/scene/json_fields.hpp"
+#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 
@@ -24,7 +25,7 @@ std::string ShippedFiles::find(const std::string& name_or_file) const {
   std::string message =
       name_or_file + ": no such " + file + ", and no shipped " + one + " of that name:";
   for (const auto& name : names()) message += " " + name;
-  throw FileTrouble(message);
+  throw FileTrouble(message + did_you_mean(name_or_file, names()));
 }
 
 std::vector<std::string> ShippedFiles::names() const {

@@ -253,6 +253,29 @@ TEST(Recover, TakesTheRowsBeforeADamagedOneAndKeepsTheJournal) {
   EXPECT_FALSE(fs::exists(journal));
 }
 
+TEST(Recover, RemovesNothingThatItCannotBringBack) {
+  const testing::TemporaryFolder folder;
+  leave_a_journal(folder.path(), 500);
+  const std::string journal = folder / "episode_0001.part", whole = read_text(journal);
+  const std::size_t header = whole.find('\n') + 1;
+  for (const std::size_t size : {std::size_t{1}, header - 1, header + 1, header + 100}) {
+    fs::resize_file(journal, 0);
+    std::ofstream(journal, std::ios::binary) << whole.substr(0, size);
+    const auto recovered = recover(folder.path());
+    ASSERT_EQ(recovered.size(), 1u);
+    EXPECT_TRUE(recovered[0].damaged) << size;
+    EXPECT_EQ(read_text(journal), whole.substr(0, size));
+  }
+  for (const std::size_t size : {std::size_t{0}, header}) {
+    std::ofstream(journal, std::ios::binary) << whole.substr(0, size);
+    const auto recovered = recover(folder.path());
+    ASSERT_EQ(recovered.size(), 1u);
+    EXPECT_FALSE(recovered[0].damaged) << size;
+    EXPECT_NE(recovered[0].remark.find("removed"), std::string::npos);
+    EXPECT_FALSE(fs::exists(journal));
+  }
+}
+
 TEST(NextEpisodeNumber, DoesNotOverflow) {
   const testing::TemporaryFolder folder;
   std::ofstream(folder / "episode_0041.h5") << "";

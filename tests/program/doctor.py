@@ -51,6 +51,10 @@ class Doctor(Case):
             more = f"scaling.hand_force_N={1.02 * d['largest_hand_force_N']}"
             self.doctor(1, "--scene", scene, "--device", device, "--set", more)
 
+    def test_it_looks_at_no_more_states_where_a_force_limit_is_far(self):
+        d = self.doctor(0, "--scene", "film", "--set", "limits.force_uN=1e10")
+        self.assertLess(d["tip"]["states"], 100000)
+
     def test_text_says_refused_and_why(self):
         run = ferrule("doctor", "--scene", "bench", "--seconds", 0.02)
         self.assertEqual(run.returncode, 1, run.stderr)
@@ -88,7 +92,7 @@ class Doctor(Case):
                 file = self.device(**{key: value})
                 if self.validator.is_valid(json.load(open(file))):
                     continue
-                self.refused(2, "doctor", "--device", file, says=[f"{file}: {key} = "])
+                self.refused(2, "doctor", "--device", file, says=[f"{file}: line 1: {key} = "])
         for key in ("damping_N_s_m", "coulomb_N", "resolution_um", "delay_periods"):
             file = self.device(**{key: 0})
             self.validator.validate(json.load(open(file)))

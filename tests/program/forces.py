@@ -7,7 +7,7 @@ import os
 import h5py
 import numpy
 
-from case import SOURCE, Case, main
+from case import QUICK, SOURCE, Case, main
 
 
 FORCES = ["forces", "--scene", "paper"]
@@ -275,6 +275,22 @@ class Forces(Case):
             "limits", "--scene", "bench", "--csv", "--edge-um", 2, "--stress-GPa", 1.4).stdout)))
         self.assertEqual([(float(row["edge_um"]), float(row["stress_GPa"])) for row in rows],
                          [(2, 1.4)] * 4)
+
+    def test_a_limit_that_lets_the_fibre_be_damaged_is_said(self):
+        rows = json.loads(self.done("limits", "--scene", "bench", "--json").stdout)["rows"]
+        first = min(rows, key=lambda row: row["force_uN"] or math.inf)
+        for force, said in ((1.01 * first["force_uN"], True), (0.99 * first["force_uN"], False)):
+            setting = ["--scene", "bench", *QUICK, "--set", f"limits.force_uN={force}"]
+            for arguments in (["evaluate", "--baseline", "constant-velocity", "--trials", 1],
+                              ["record", "--episodes", 1, "--out", self.path(f"out-{said}"),
+                               "--append"]):
+                run = self.done(*arguments, *setting, "--json")
+                damage = json.loads(run.stdout)["damage"]
+                self.assertEqual(damage["by"], first["damage"])
+                self.assertAlmostEqual(damage["over_limit"] * force, first["force_uN"], places=6)
+                for text in (run.stderr, self.done(*arguments, *setting).stdout):
+                    self.assertEqual(f"note: limits.force_uN = {force:g}: above the " in text, said)
+                    self.assertEqual(f"damaged ({first['damage']}; see ferrule limits)" in text, said)
 
     def test_a_fibre_is_no_farther_in_than_the_bore_is_long(self):
         for verb in ("forces", "release"):

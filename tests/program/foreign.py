@@ -1,9 +1,11 @@
 """Policies of somebody else's: programs behind a pipe, and TorchScript."""
 
+import ctypes
 import json
+import os
 import sys
 
-from case import SOURCE, Case, main
+from case import SOURCE, Case, ferrule, main
 
 # The same admittance everywhere, in the hand's world.
 STEP = """
@@ -20,12 +22,23 @@ for line in sys.stdin:
 
 
 class Foreign(Case):
-    def evaluate(self, program, *more):
+    # The arguments that evaluate it.
+    def arguments(self, program, *more):
         file = self.path("policy.py")
         with open(file, "w") as out:
             out.write(program)
-        done = self.done("evaluate", "--scene", "bench", "--policy", f"{sys.executable} {file}",
-                         "--policy-hz", "20", "--json", *more)
+        return ("evaluate", "--scene", "bench", "--policy", f"{sys.executable} {file}",
+                "--policy-hz", "20", "--json", *more)
+
+    # In every trial.
+    def fails(self, reason, program, *more):
+        run = ferrule(*self.arguments(program, "--trials", "2", *more))
+        self.assertEqual((run.returncode, run.stdout), (2, ""), program)
+        self.assertIn("failed in each of 2 trials: the policy", run.stderr)
+        self.assertIn(reason, run.stderr, program)
+
+    def evaluate(self, program, *more):
+        done = self.done(*self.arguments(program, *more))
         return json.loads(done.stdout), done.stderr
 
     def test_any_number_of_threads_gives_the_same(self):
@@ -60,15 +73,41 @@ class Foreign(Case):
         ]:
             program = "import json, os, sys\nsys.stdin.readline()\nprint('{}', flush=True)\n" + \
                       "for line in sys.stdin:\n    " + answer + "\n"
-            found, stderr = self.evaluate(program, "--trials", "1", "--policy-timeout", "2")
-            self.assertEqual(found["outcomes"]["invalid_output"], 1, answer)
-            self.assertIn(reason, stderr, answer)
+            self.fails(reason, program, "--policy-timeout", "2")
         slow = LOOP.replace("for line", "import time\nfor line").replace("print(", "time.sleep(0.2 * ('wrench' in q)); print(")
-        found, stderr = self.evaluate(STEP + slow, "--trials", "1", "--policy-timeout", "0.1")
-        self.assertIn("did not answer within 0.1 s", stderr)
-        supervised, stderr = self.evaluate("", "--trials", "2", "--supervise")
-        self.assertEqual(supervised["outcomes"], {"gave_up": 2})
-        self.assertIn("2 of 2 trials: the policy ended", stderr)
+        self.fails("did not answer within 0.1 s", STEP + slow, "--policy-timeout", "0.1")
+        self.fails("the policy ended", "", "--supervise")
+        self.refused(2, "evaluate", "--policy", "exec /no/such/program 2> /dev/null", "--json",
+                     "--trials", 2, says=["failed in each of 2 trials: the policy ended (exit code"])
+
+    def test_one_that_never_answers_is_not_asked_for_ever(self):
+        counted = self.path("counted")
+        program = f"with open({counted!r}, 'a') as out:\n    out.write('x')\nraise SystemExit(3)\n"
+        run = ferrule(*self.arguments(program, "--trials", "200", "--threads", "1"))
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("failed in each of 200 trials: the policy failed in its first 10 trials and is "
+                      "asked no more: the policy ended (exit code 3)", run.stderr)
+        self.assertEqual(open(counted).read(), 10 * "x")
+
+    def test_it_may_say_why_it_cannot_answer(self):
+        refusing = LOOP.replace("answer(q)", "{'error': 'no such state\\x1b[31m'}")
+        self.refused(2, *self.arguments(STEP + refusing, "--trials", "1"),
+                     says=["the policy failed: no such state\\x1b[31m"])
+
+    def test_what_it_says_on_its_standard_error_is_passed_on_up_to_a_limit(self):
+        talking = STEP + LOOP.replace("for line", "print('it talks', file=sys.stderr)\nfor line")
+        _, stderr = self.evaluate(talking, "--trials", "1")
+        self.assertEqual(stderr, "it talks\n")
+        flooding = STEP + LOOP.replace("    print", "    sys.stderr.write(100000 * 'x')\n    print")
+        found, stderr = self.evaluate(flooding, "--trials", "2")
+        whole, _ = self.evaluate(STEP + LOOP, "--trials", "2")
+        self.assertEqual(found["rows"], whole["rows"])
+        self.assertEqual(stderr.count("x"), 65536)
+        self.assertIn("left out", stderr)
+        dying = "import sys\nsys.stdin.readline()\nraise RuntimeError('its last words')\n"
+        run = ferrule(*self.arguments(dying, "--trials", "1"))
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("its last words", run.stderr)
 
     def test_torchscript_answers_like_a_program(self):
         try:
@@ -104,6 +143,63 @@ class Foreign(Case):
         torch.jit.script(Short()).save(self.path("short.pt"))
         self.refused(3, "evaluate", self.path("short.pt"), says=("2 numbers, not 5",))
 
+    def test_torchscript_that_is_hostile_does_no_harm(self):
+        try:
+            import torch
+        except ImportError:
+            self.skipTest("no torch")
+        victim = self.path("victim")
+
+        class Crashes(torch.nn.Module):
+            def forward(self, x):
+                return x[:, :5] * float(7 % (int(x[0, 0].item()) * 0))
+
+        class Hangs(torch.nn.Module):
+            def forward(self, x):
+                n = 0
+                while n >= 0:
+                    n = (n + 1) % 1000
+                return x
+
+        class TakesAll(torch.nn.Module):
+            def forward(self, x):
+                while x.numel() > 0:
+                    x = torch.cat([x, x])
+                return x
+
+        class Writes(torch.nn.Module):
+            def __init__(self, file: str):
+                super().__init__()
+                self.file = file
+
+            def forward(self, x):
+                torch.save(x, self.file)
+                return x[:, :5] * 0
+
+        class Maps(Writes):
+            def forward(self, x):
+                return x[:, :5] * 0 + torch.from_file(self.file, True, 5).fill_(1.0)
+
+        with open(victim, "w") as out:
+            out.write("of somebody")
+        file = self.path("hostile.pt")
+        arguments = ("evaluate", file, "--scene", "bench", "--trials", 2, "--policy-timeout", 5,
+                     "--policy-hz", 20)
+        for module, says in ((Crashes(), "signal 8"), (TakesAll(), "memory"),
+                             (Hangs(), "did not answer within")):
+            torch.jit.script(module).save(file)
+            self.refused(3, *arguments, says=["hostile.pt: the policy", says])
+        for module in (Writes, Maps):
+            for target in (victim, self.path("new")):
+                torch.jit.script(module(target)).save(file)
+                self.assertIn(ferrule(*arguments).returncode, (0, 3))
+        if ctypes.CDLL(None).syscall(444, None, 0, 1) > 0:  # the kernel has Landlock
+            self.assertEqual(open(victim).read(), "of somebody")
+            self.assertFalse(os.path.exists(self.path("new")))
+        with open(self.path("huge.pt"), "wb") as out:
+            out.truncate(1 << 40)
+        self.refused(3, "evaluate", self.path("huge.pt"), says=["huge.pt: is larger than"])
+
     def test_compare_takes_them_beside_the_learners(self):
         folder = self.path("episodes")
         self.done("record", "--scene", "bench", "--episodes", "3", "--seed", "1", "--out", folder)
@@ -122,6 +218,13 @@ class Foreign(Case):
         alone, _ = self.evaluate(STEP + LOOP, "--trials", "4")
         for key in ("outcomes", "time_s", "peak_force_uN"):
             self.assertEqual(rows[command][key], alone[key])
+        run = ferrule("compare", folder, "--learners", "linear", "--policy", "exit 3", "--trials", 2,
+                      "--json")
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("exit 3: failed in each of 2 trials: the policy ended",
+                      run.stderr.splitlines()[-1])
+        rows = {row["controller"]: row for row in json.loads(run.stdout)["rows"]}
+        self.assertEqual(rows["exit 3"]["outcomes"], {"invalid_output": 2})
         self.refused(2, "compare", folder, tuned, tuned, says=("twice",))
         self.refused(3, "compare", folder, self.path("nowhere.json"), says=("nowhere.json",))
 

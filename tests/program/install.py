@@ -16,7 +16,7 @@ class Install(Case):
         shutil.copy(SOURCE + "/examples/01_step.cpp", self.path("step.cpp"))
         with open(self.path("CMakeLists.txt"), "w", encoding="utf8") as lists:
             lists.write("cmake_minimum_required(VERSION 3.25)\nproject(alone LANGUAGES CXX)\n"
-                        "find_package(ferrule 0.8 REQUIRED COMPONENTS ${WANTED})\n"
+                        "find_package(ferrule 0.9 REQUIRED COMPONENTS ${WANTED})\n"
                         "add_executable(step step.cpp)\n"
                         "target_link_libraries(step PRIVATE ferrule::sim)\n")
         others = ["Boost", "fmt", "TBB", "HDF5", "Ceres", "PkgConfig", "Torch", "SUNDIALS"]

@@ -190,6 +190,13 @@ class Policies(Case):
             self.assertEqual(len(glob.glob(self.path("c.*"))), 2)
         self.assertEqual(*texts)
 
+    def test_a_name_without_folder_or_ending_keeps_its_weights(self):
+        self.needs_torch()
+        few, here = self.few(), {"cwd": self.folder}
+        self.done("fit", few, "--method", "torch", "--ensemble", 1, "--out", "policy", **here)
+        self.done("fit", few, "--method", "torch", "--ensemble", 1, "--out", "policy", **here)
+        self.assertTrue(os.path.exists(self.weights(self.path("policy"))))
+
     def test_the_weights_give_the_same_answers_to_another_reader(self):
         self.needs_torch()
         controller, arrays = self.read(self.file)

@@ -345,6 +345,26 @@ class Recording(Case):
         os.mkdir(out + "/episode_0900.part")
         ferrule("recover", out)
 
+    def test_what_cannot_be_recovered_is_kept_and_said_on_stderr(self):
+        out = self.path("out")
+        os.mkdir(out)
+        journals = {"episode_0001.part": b"", "episode_0002.part": b"no end " * 1000,
+                    "episode_0003.part": b"no journal\nat all"}
+        for name, data in journals.items():
+            with open(os.path.join(out, name), "wb") as journal:
+                journal.write(data)
+        for output in ([], ["--json"], ["--csv"]):
+            run = ferrule("recover", out, *output)
+            self.assertEqual(run.returncode, 3)
+            self.assertEqual(run.stderr.count("\n"), 2, run.stderr)
+            for name in ("episode_0002.part", "episode_0003.part"):
+                self.assertIn(f"{name} was left as it is: ", run.stderr)
+                with open(os.path.join(out, name), "rb") as journal:
+                    self.assertEqual(journal.read(), journals[name])
+            if not output:
+                self.assertIn("episode_0001.part is empty: removed", run.stdout)
+        self.assertEqual(len(os.listdir(out)), 2)
+
     def test_the_longest_trial_ends_an_operator_that_never_finishes(self):
         out, controller = self.path("out"), self.path("controller.json")
         self.record(out, episodes=6)

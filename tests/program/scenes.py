@@ -2,7 +2,9 @@ import copy
 import glob
 import json
 import random
+import re
 
+import h5py
 
 from case import SOURCE, Case, ferrule, main
 
@@ -126,7 +128,11 @@ class Scenes(Case):
                              ("sensor.noise_N", "sensor.noise_uN"),
                              ("limits.speed", "limits.speed_um_s"),
                              ("lateral_sd_um", "start.lateral_sd_um")):
-            self.refused(2, "forces", "--set", wrong + "=1", says=["did you mean " + right])
+            self.refused(2, "forces", "--set", wrong + "=\"x\"", says=["did you mean " + right])
+        for wrong, right in (("ferrule.bore_diameter_mm=0.1255", "ferrule.bore_diameter_um = 125.5"),
+                             ("limits.speed_mm_s=0.02", "limits.speed_um_s = 20"),
+                             ("sensor.noise_nN=500", "sensor.noise_uN = 0.5")):
+            self.refused(2, "forces", "--set", wrong, says=["here it is " + right])
         self.refused(2, "scene", "surely", "nothing", says=["no key"])
 
     def test_tolerances(self):
@@ -135,11 +141,99 @@ class Scenes(Case):
         values = {row["key"]: row["value"] for row in run["rows"]}
         self.assertEqual(values["tolerance.bore_diameter_um"], [125.7, 126.3])
         self.assertAlmostEqual(values["tolerance.fibre_diameter_sd_um"], 0.2, delta=1e-15)
-        for setting in ("fibre.young_GPa=72+-1", "fibre.diameter_um=125+-", "fibre.diameter_um=a+-1",
-                        "ferrule.bore_diameter_um=126+--0.1"):
-            self.refused(2, "scene", "--set", setting, says=["a tolerance is"])
+        for setting in ("fibre.diameter_um=125+-", "fibre.diameter_um=a+-1",
+                        "ferrule.bore_diameter_um=126+--0.1", "ferrule.bore_diameter_um=wide"):
+            self.refused(2, "scene", "--set", setting,
+                         says=["must be a number, or a tolerance as 126+-0.3, 125.5+1/-0 or 125.2..126.5"])
+        self.refused(2, "scene", "--set", "fibre.young_GPa=72+-1", says=["ferrule.bore_diameter_um take a tolerance"])
         self.refused(2, "evaluate", "--baseline", "constant-velocity", "--scene", "tolerance", "--set",
-                     "ferrule.bore_diameter_um=125.5", says=["draws its bores"])
+                     "ferrule.bore_diameter_um=125.5", says=["draws it from tolerance"])
+
+    def test_tolerances_as_on_a_drawing(self):
+        for bore in ("125.5+1/-0", "125.5..126.5"):
+            arguments = ["--set", "ferrule.bore_diameter_um=" + bore, "--set",
+                         "fibre.diameter_um=125+0/-0.4"]
+            scene = self.path("drawn-" + bore.replace("/", "_"))
+            run = json.loads(self.done("scene", *arguments, "--json").stdout)
+            values = {row["key"]: row["value"] for row in run["rows"]}
+            self.assertEqual(values["tolerance.bore_diameter_um"], [125.5, 126.5])
+            self.assertEqual(values["ferrule.bore_diameter_um"], 126)
+            self.assertEqual(values["tolerance.fibre_diameter_um"], [124.6, 125])
+            self.assertEqual(values["fibre.diameter_um"], 124.8)
+            self.done("record", *arguments, "--scene", "paper", "--set", "success.depth_um=8", "--set",
+                      "start.distance_um=10", "--episodes", 4, "--out", scene)
+            self.assertIn("identical", self.done("replay", scene, "--verify").stdout)
+            drawn = []
+            for episode in sorted(glob.glob(scene + "/*.h5")):
+                with h5py.File(episode) as file:
+                    recorded = json.loads(file.attrs["scene"])
+                self.validator.validate(recorded)
+                self.assertEqual(recorded["drawn_from"]["tolerance"],
+                                 {"bore_diameter_um": [125.5, 126.5], "fibre_diameter_um": [124.6, 125]})
+                drawn.append((recorded["fibre"]["diameter_um"],
+                              recorded["ferrule"]["bore_diameter_um"]))
+            self.assertEqual(len(set(drawn)), 4)
+            for fibre, hole in drawn:
+                self.assertTrue(124.6 <= fibre <= 125 and 125.5 <= hole <= 126.5, drawn)
+
+    def test_a_tolerance_states_a_deviation_or_two_diameters(self):
+        scene = copy.deepcopy(self.paper)
+        bore = {"bore_diameter_um": [125.5, 126.5]}
+        for fibre, valid in (({"fibre_diameter_sd_um": 0.1}, True),
+                             ({"fibre_diameter_um": [124.5, 125]}, True), ({}, False),
+                             ({"fibre_diameter_um": [124.5]}, False),
+                             ({"fibre_diameter_um": [0, 125]}, False),
+                             ({"fibre_diameter_sd_um": 0.1, "fibre_diameter_um": [124.5, 125]}, False)):
+            scene["tolerance"] = {**bore, **fibre}
+            self.assertEqual(self.validator.is_valid(scene), valid, fibre)
+            self.assertEqual(self.program_takes(scene), valid, fibre)
+        scene["tolerance"] = {**bore, "fibre_diameter_um": [125, 124.5]}
+        self.assertFalse(self.program_takes(scene))
+
+    # A file of one key a line, the first on line 2.
+    def refused_file(self, verb, document, says):
+        file = self.path("broken.json")
+        with open(file, "w") as out:
+            out.write(document if isinstance(document, str) else json.dumps(document, indent=1))
+        self.refused(2, *[file if word == "FILE" else word for word in verb], says=[f"{file}: {says}"])
+
+    def test_a_wrong_key_is_named_with_its_line_before_a_missing_one(self):
+        verb = ["forces", "--scene", "FILE"]
+        for old, new, says in (
+                ("diameter_um", "diamter_um", "fibre.diamter_um = 125: unknown key; "
+                 "did you mean fibre.diameter_um?"),
+                ("bore_diameter_um", "bore_diameter_mm", "ferrule.bore_diameter_mm = 126: unknown key; "
+                 "here it is ferrule.bore_diameter_um = 126000"),
+                ("hamaker_J", "hamacker_J", "unknown key; did you mean laws.van_der_waals.hamaker_J?"),
+                ("limits", "limit", "did you mean limits?"),
+                ("type", "kind", "holder.kind = ")):
+            text = json.dumps(self.paper, indent=1)
+            broken = re.sub(f'"{old}":', f'"{new}":', text, count=1)
+            line = 1 + broken[:broken.index(f'"{new}":')].count("\n")
+            file = self.path("broken.json")
+            with open(file, "w") as out:
+                out.write(broken)
+            self.refused(2, "forces", "--scene", file, says=[f"{file}: line {line}: ", says])
+            # A value of --set has no line, the others keep theirs.
+            self.refused(2, "forces", "--scene", file, "--set", "limits.time_s=3" if new != "limit"
+                         else "name=x", says=[f"{file} with --set: line {line}: ", says])
+        self.refused_file(verb, '{\n"name": "x",\n// of silica\n"fibre": {}}',
+                          "line 3: JSON has no comments")
+        self.refused_file(verb, {"name": "x", "roughness_nm": 1},
+                          "fibre is missing: an object {...}")
+        run = ferrule("forces", "--set", "fibre.poisson=0.6")
+        self.assertIn("demo.json with --set: fibre.poisson = 0.6", run.stderr)
+        pen = json.load(open(SOURCE + "/data/devices/pen.json"))
+        pen["mass_g"] = 1000 * pen.pop("mass_kg")
+        self.refused_file(["doctor", "--device", "FILE"], pen,
+                          f"line {1 + len(pen)}: mass_g = {pen['mass_g']}: unknown key; here it is "
+                          "mass_kg")
+        tuned = json.load(open(SOURCE + "/data/controllers/tuned_by_hand.json"))
+        tuned["trained_on"]["row"] = tuned["trained_on"].pop("rows")
+        text = json.dumps(tuned, indent=1).split("\n")
+        line = 1 + [words.strip().split(":")[0] for words in text].index('"row"')
+        self.refused_file(["evaluate", "FILE"], tuned,
+                          f"line {line}: trained_on.row = 0: unknown key; did you mean trained_on.rows?")
 
     def test_a_scene_must_not_contradict_itself(self):
         holder = 'holder={"type":"elastic_fibre","free_length_mm":%g,"gripper_stiffness_N_m":1}'

@@ -1,8 +1,27 @@
 import os
+import re
 import shutil
 import subprocess
 
-from case import PROGRAM, SOURCE, Case, main
+from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
+
+
+class BareNames(Case):
+    """Output files named without a folder, in the folder where the program runs."""
+
+    def test_every_output_file(self):
+        here = {"cwd": self.folder}
+        self.done("record", "--scene", "paper", *QUICK, "--episodes", 3, "--out", "episodes", **here)
+        self.done("fit", "episodes", "--out", "law.json", "--plot", "law.svg", **here)
+        self.done("evaluate", "law.json", "--trials", 2, "--trials-out", "trials.csv", "--report",
+                  "trials.html", **here)
+        self.done("compare", "episodes", "--learners", "linear", "--trials", 2, "--trials-out",
+                  "compared.csv", **here)
+        self.done("replay", "episodes/episode_0001.h5", "--csv", "--plot", "episode.svg", **here)
+        self.done("export", "law.json", "--header", "law.h", **here)
+        for name in ("law.json", "law.svg", "trials.csv", "trials.html", "compared.csv",
+                     "episode.svg", "law.h"):
+            self.assertGreater(os.path.getsize(self.path(name)), 0, name)
 
 
 class Usage(Case):
@@ -12,6 +31,65 @@ class Usage(Case):
                           "--baseline", "constant-velocity"], ["record", "--episodes", "many",
                           "--out", "x"], ["evaluate", "--baseline", "hope"]):
             self.refused(2, *arguments)
+
+    def test_the_nearest_of_what_is_known_is_named(self):
+        for arguments, says in (
+                (["evalute"], 'unknown verb "evalute": did you mean evaluate?'),
+                (["evaluate", "--trails", 20, "--baseline", "constant-velocity"],
+                 'unknown option "--trails": did you mean --trials?'),
+                (["evaluate", "--baseline=constant-velocity", "--trails=20"],
+                 'unknown option "--trails": did you mean --trials?'),
+                # It explains what is missing.
+                (["fit", "x", "--ouf", "law.json"], 'unknown option "--ouf": did you mean --out?'),
+                (["--verson"], 'unknown option "--verson": did you mean --version?'),
+                (["evaluate", "--baseline", "constant_velocity"], "did you mean constant-velocity?"),
+                (["fit", "x", "--out", "y", "--method", "cires"], "did you mean ceres?"),
+                (["compare", "x", "--learners", "linear,insertoin"], "did you mean insertion?"),
+                (["forces", "--form", "corected"], "did you mean corrected?")):
+            self.refused(2, *arguments, says=[says])
+        self.refused(3, "forces", "--scene", "bnech", says=["did you mean bench?"])
+        self.refused(3, "doctor", "--device", "pan", says=["did you mean pen?"])
+        for arguments in (["dance"], ["evaluate", "--quietly"]):
+            run = ferrule(*arguments)
+            self.assertIn("unknown", run.stderr)
+            self.assertNotIn("did you mean", run.stderr)
+
+    def test_help_groups_the_verbs(self):
+        groups = dict(re.findall(r"^(\S.*):\n((?:  [a-z].*\n)+)", self.done("--help").stdout, re.M))
+        self.assertEqual(list(groups), ["The job", "Answers for an engineer", "Physics", "Devices",
+                                        "Data"])
+        verbs = {name: re.findall(r"^  ([a-z-]+) ", text, re.M) for name, text in groups.items()}
+        self.assertIn("evaluate", verbs["The job"])
+        self.assertIn("limits", verbs["Answers for an engineer"])
+        self.assertIn("doctor", verbs["Devices"])
+        self.assertEqual(sum(map(len, verbs.values())), 21)
+
+    def test_completion_knows_the_verbs(self):
+        words = subprocess.run(
+            ["bash", "-c", '. "$0"; COMP_WORDS=("$1" "") COMP_CWORD=1; _ferrule; echo "${COMPREPLY[@]}"',
+             SOURCE + "/cmake/completion.bash", PROGRAM], capture_output=True, text=True,
+            check=True).stdout.split()
+        self.assertEqual(words[:2], ["--help", "--version"])
+        for verb in ("demo", "evaluate", "limits", "export-episodes"):
+            self.assertIn(verb, words)
+        self.assertEqual(len(words), 23)
+
+    def test_an_option_that_is_given_twice_is_named(self):
+        for again in (["forces", "--scene", "demo", "--scene", "paper"],
+                      ["forces", "--gap-nm", 1, "--gap-nm", 2],
+                      ["evaluate", "--trials=2", "--trials=2"]):
+            name = again[1].split("=")[0]
+            self.refused(2, *again, says=[f"ferrule: {name}: is given more than once\n"])
+        self.done("forces", "--set", "laws.adhesion=null", "--set", "laws.friction=null")
+
+    def test_numbers_are_decimal(self):
+        for option, value in (("--trials", "0x10"), ("--trials", "010"), ("--trials", "1e3"),
+                              ("--threads", "0x10"), ("--threads", "1.5"), ("--threads", "-1"),
+                              ("--threads", "4097"), ("--policy-hz", "0x10")):
+            self.refused(2, "evaluate", "--baseline", "constant-velocity", f"{option}={value}",
+                         says=[f"ferrule: {option}: must be a", f"not {value} "])
+        self.refused(2, "forces", "--gap-nm", "0x10", says=["--gap-nm 0x10"])
+        self.refused(2, "view", "--port", 70000, says=["--port", "65535"])
 
     def test_help_and_version(self):
         text = self.done("--help").stdout
@@ -31,21 +109,53 @@ class Usage(Case):
         with open("/dev/full", "w") as full:
             run = subprocess.run([PROGRAM, "forces", "--json"], stdout=full, stderr=subprocess.PIPE)
         self.assertEqual(run.returncode, 3)
+        self.assertIn(b"standard output cannot be written", run.stderr)
+
+    # As other programs do: 141 is what a shell makes of SIGPIPE.
+    def test_a_reader_that_has_enough_ends_it_quietly(self):
+        for arguments in (["forces", "--gap-nm", "1:500:50000"],
+                          ["forces", "--gap-nm", "1:500:50000", "--json"],
+                          ["forces", "--gap-nm", "1:500:50000", "--csv"], ["scene"]):
+            process = subprocess.Popen([PROGRAM, *arguments], stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE)
+            process.stdout.close()
+            self.assertEqual(process.stderr.read(), b"")
+            process.stderr.close()
+            self.assertEqual(process.wait(), 141, arguments)
+
+    # The start script in a clone where nothing is built, with these scripts in place of programs.
+    def start(self, *arguments, tools, **environment):
+        for folder in ("bin", "clone"):
+            os.mkdir(self.path(folder))
+        shutil.copy(SOURCE + "/ferrule", self.path("clone"))
+        for name, script in tools.items():
+            with open(self.path("bin/" + name), "w") as out:
+                out.write("#!/bin/bash\n" + script)
+            os.chmod(self.path("bin/" + name), 0o755)
+        run = subprocess.run([self.path("clone/ferrule"), *arguments], capture_output=True, text=True,
+                             cwd=self.folder, env={**os.environ, **environment,
+                                                   "PATH": self.path("bin") + ":" + os.environ["PATH"]})
+        self.assertEqual(run.returncode, 3, run.stderr)
+        self.assertEqual(run.stdout, "")
+        return run
+
+    def test_the_start_script_says_how_it_is_used_before_it_builds(self):
+        run = self.start("fit", "--help", tools={"dpkg-query": "exit 1"}, FERRULE_NO_INSTALL="1")
+        self.assertTrue(run.stderr.startswith("usage: ./ferrule VERB"), run.stderr)
+
+    def test_the_start_script_waits_for_another_apt(self):
+        apt = 'echo "$*" >>calls; [[ $* != *update* || $(grep -c update calls) -gt 1 ]] && exit 0\n' \
+              'echo "E: Could not get lock /var/lib/apt/lists/lock"; exit 100\n'
+        run = self.start("demo", tools={"dpkg-query": "exit 1", "cmake": "exit 1", "sudo": '"$@"',
+                                        "apt-get": apt})
+        self.assertIn("waiting for another apt", run.stderr)
+        calls = open(self.path("calls")).read().splitlines()
+        self.assertEqual(["update" in call for call in calls[:3]], [True, True, False])
+        self.assertIn("DPkg::Lock::Timeout", calls[2])
 
     def test_the_start_script_names_missing_packages(self):
-        tools = self.path("bin")
-        os.mkdir(tools)
-        with open(tools + "/dpkg-query", "w") as out:
-            out.write("#!/bin/sh\necho installed g++\nexit 1\n")
-        os.chmod(tools + "/dpkg-query", 0o755)
-        clone = self.path("clone")
-        os.mkdir(clone)
-        shutil.copy(SOURCE + "/ferrule", clone)
-        run = subprocess.run([clone + "/ferrule", "demo"], capture_output=True, text=True,
-                             env={**os.environ, "FERRULE_NO_INSTALL": "1",
-                                  "PATH": tools + ":" + os.environ["PATH"]})
-        self.assertEqual(run.returncode, 3)
-        self.assertEqual(run.stdout, "")
+        run = self.start("demo", tools={"dpkg-query": "echo installed g++; exit 1"},
+                         FERRULE_NO_INSTALL="1")
         self.assertIn("missing packages:", run.stderr)
         self.assertIn("libceres-dev", run.stderr)
         self.assertNotIn("g++", run.stderr)

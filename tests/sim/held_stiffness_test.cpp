@@ -134,6 +134,28 @@ TEST(HeldStiffness, OfAnInsertionSeesBothContactsInEveryScene) {
   }
 }
 
+TEST(HeldStiffness, OfAnInsertionWithAFarForceLimitIsOfAsManyStates) {
+  const Scene scene = load_scene("film", {"limits.force_uN=1e10"});
+  const StiffnessRange range = insertion_stiffness(scene, 1e-3);
+  EXPECT_LT(range.states, 100'000u);
+  EXPECT_GT(range.two_point, 5u);
+}
+
+TEST(HeldStiffness, OfAnInsertionSaysHowFarItIsAndCanBeStopped) {
+  const Scene scene = load_scene("demo");
+  std::vector<std::size_t> seen;
+  const StiffnessRange whole =
+      insertion_stiffness(scene, 1e-3, [&](std::size_t done, std::size_t all) {
+        EXPECT_LE(done, all);
+        seen.push_back(all - done);
+        return true;
+      });
+  EXPECT_EQ(seen.back(), 0u);
+  const StiffnessRange part =
+      insertion_stiffness(scene, 1e-3, [](std::size_t done, std::size_t) { return done < 3; });
+  EXPECT_LT(part.states, whole.states / 2);
+}
+
 TEST(HeldStiffness, DampingIsThatOfTheDragBehindAStiffHolder) {
   // Drag along x of a centred fibre: coefficient times length, far softer than the gripper.
   const Scene scene = load_scene("epoxy", {"laws.adhesion=null", "laws.friction=null"});

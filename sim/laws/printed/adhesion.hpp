@@ -3,7 +3,7 @@
 //   F = K a^3 / r - lambda a^2 (pi w K^2 / r)^(1/3) (s + m^2 atan s),   s = sqrt(m^2 - 1)
 //
 // with the contact radius prescribed: a = 100 nm + 2 d for a penetration 0 <= d <= 10 nm, held at
-// 120 nm beyond. As printed it attracts ever more with depth (E7 in sim/README.md), so the wall
+// 120 nm beyond. As printed it attracts ever more with depth (E7 in docs/paper.md), so the wall
 // (sim/laws/wall.hpp) begins where the prescription ends. The force jumps at d = 0; it is reached
 // in a straight line over the last a_0 = 0.1 nm of the approach, -a_0 < d < 0.
 #pragma once

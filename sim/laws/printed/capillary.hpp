@@ -4,7 +4,7 @@
 //
 // with the meniscus radius r_1 = h / (2 cos(theta_c)). The paper prints cos(theta) there, with
 // theta its angular range of 90 degrees, which would make r_1 infinite; the contact angle is meant
-// (E3 in sim/README.md). The printed layer never lets go (E4). Below a_0:
+// (E3 in docs/paper.md). The printed layer never lets go (E4). Below a_0:
 // sim/laws/printed/range.hpp. The potential is zero where two films meet, h = 2 e.
 #pragma once
 

@@ -1,5 +1,5 @@
 // Weight as printed, (3) of the paper: F = rho pi r^2 l_b, a mass that the paper takes as newtons
-// (E2 in sim/README.md).
+// (E2 in docs/paper.md).
 #pragma once
 
 #include "sim/laws/gravity.hpp"

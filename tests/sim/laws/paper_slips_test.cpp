@@ -1,4 +1,4 @@
-// The slips of the paper that sim/README.md lists, each with the size of the difference it makes.
+// The slips of the paper that docs/paper.md lists, each with the size of the difference it makes.
 #include <functional>
 #include <numbers>
 

@@ -1,0 +1,78 @@
+"""The tables of docs/results.md, and the commands that make each."""
+
+from typing import Callable, NamedTuple
+
+import results_layouts as layouts
+
+
+class Table(NamedTuple):
+    name: str  # of its markers: <!-- name --> and <!-- /name -->
+    kind: str  # "counts" are the same on every machine; "timing" needs one that does nothing else
+    commands: list[str]  # as the document shows them
+    layout: Callable[..., str]  # takes the result of each command
+    quick: list[str] | None  # with smaller counts; None: nothing makes it short
+
+
+TWENTY = "./ferrule record --scene bench --episodes 20 --skill 0.8 --seed 1 --out bench-episodes"
+FIVE = "./ferrule record --scene bench --episodes 5 --skill 0.8 --seed 1 --out five"
+COMPARE = "./ferrule compare bench-episodes --scene bench --plot compared"
+QUICK_COMPARE = "./ferrule compare five --learners linear,torch --trials 10"
+SEEDS = "--learners insertion,torch,dagger --seeds 1..5"
+QUICK_SEEDS = "./ferrule compare five --learners linear --seeds 1..2 --trials 4"
+OTHERS = "--trials 200 --learners insertion,dagger --transfer tight,sticky,sloppy,epoxy --seed 8"
+QUICK_TRANSFER = "./ferrule compare five --learners linear --transfer tight,epoxy --trials 4"
+STEPPING = "./ferrule bench --plot plots"
+EXPORT = "./ferrule export-episodes bench-episodes --robomimic all.h5 --lerobot dataset --relative"
+RNN = "$python examples/learners/robomimic_bc_rnn.py"
+ACT = "$python examples/learners/lerobot_act.py"
+
+
+def policies(what: str) -> list[str]:
+    return [f'./ferrule {what} --policy-hz 20 --policy "{policy}"'
+            for policy in (f"{RNN} answer bc-rnn", f"{ACT} answer act")]
+
+
+COST = "compare bench-episodes --learners insertion,torch --trials 1"
+TABLES = [
+    Table("demo", "counts", ["./ferrule demo"], layouts.demo, ["./ferrule demo"]),
+    Table("ways", "counts", [TWENTY, COMPARE], layouts.ways, [FIVE, QUICK_COMPARE]),
+    Table("learned", "timing", [TWENTY, COMPARE], layouts.learned, [FIVE, QUICK_COMPARE]),
+    Table("seeds", "counts",
+          [TWENTY, f"./ferrule compare bench-episodes --trials 200 {SEEDS}",
+           FIVE, f"./ferrule compare five --trials 200 {SEEDS}"], layouts.seeds,
+          [FIVE, QUICK_SEEDS, FIVE, QUICK_SEEDS]),
+    Table("elsewhere", "timing",
+          [TWENTY, COMPARE, EXPORT, f"{RNN} train all.h5 bc-rnn", f"{ACT} train dataset act",
+           *policies("evaluate --scene bench --trials 1000"), *policies(COST)],
+          layouts.elsewhere,
+          [TWENTY, QUICK_COMPARE.replace("five", "bench-episodes"), EXPORT,
+           f"{RNN} train all.h5 bc-rnn --epochs 2 --rollouts 1", f"{ACT} train dataset act --steps 30",
+           *policies("evaluate --scene bench --trials 2"), *policies(COST.replace("insertion,torch", "linear"))]),
+    Table("demonstrations", "counts",
+          [TWENTY.replace("20", "100").replace("bench-episodes", "hundred"),
+           "./ferrule compare hundred --scene bench --trials 200 --learners insertion,torch,dagger"
+           " --demonstrations 5,10,20,50,100"],
+          layouts.by_demonstrations,
+          [FIVE, "./ferrule compare five --trials 4 --learners linear --demonstrations 3,5"]),
+    Table("scenes", "counts",
+          [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
+          layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
+    Table("stepping", "timing", [STEPPING], layouts.stepping, None),
+    Table("laws", "timing", [STEPPING], layouts.laws, None),
+    Table("campaigns", "timing", [STEPPING], layouts.campaigns, None),
+    Table("peers", "timing", ["./ferrule bench peers"], layouts.peers, None),
+    Table("tail", "timing", ["./ferrule bench tail --seed 1"], layouts.tail,
+          ["./ferrule bench tail --seed 1 --scenes 1"]),
+    Table("events", "counts", ["./ferrule bench events --seed 1"], layouts.events,
+          ["./ferrule bench events --scene easy --scenes 1"]),
+    Table("turns", "counts", ["./ferrule bench turns --scenes 6"], layouts.turns, ["./ferrule bench turns --scenes 1"]),
+    Table("capture", "counts", ["./ferrule bench capture"], layouts.capture, ["./ferrule bench capture"]),
+    Table("hard", "counts", ["./ferrule bench hard"], layouts.hard, ["./ferrule bench hard"]),
+    Table("parts", "counts", ["./ferrule bench parts --trials 100"], layouts.parts,
+          ["./ferrule bench parts --trials 2"]),
+    Table("plans", "timing", ["./ferrule bench plans --trials 100"], layouts.plans,
+          ["./ferrule bench plans --trials 1 --scene bench"]),
+    Table("recording", "timing", ["./ferrule bench recording"], layouts.recording, ["./ferrule bench recording"]),
+    Table("sensors", "counts", ["./ferrule bench sensors --trials 60"], layouts.sensors,
+          ["./ferrule bench sensors --trials 2 --scene bench"]),
+]

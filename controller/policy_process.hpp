@@ -1,0 +1,50 @@
+// A process that is asked, and answers: JSON, a line each, in turns.
+//
+// What goes wrong is a std::runtime_error that says what: it ended, answered something else, or was
+// silent for too long. It is good for nothing then.
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "sim/child_process.hpp"
+#include "sim/scene/json_fields.hpp"
+
+namespace ferrule {
+
+class PolicyProcess {
+ public:
+  // What it runs: it reads and writes `socket`, and says what is to be shown on `error`.
+  using Work = std::function<void(int socket, int error)>;
+  // Gets what it writes there, some bytes at a time, while it is asked and when it ends.
+  using Said = std::function<void(const std::string&)>;
+  // Whether it is waited for no longer; asked ten times a second.
+  using Stop = std::function<bool()>;
+
+  PolicyProcess(const Work& work, Said said, Stop stop);
+  PolicyProcess(const PolicyProcess&) = delete;
+  PolicyProcess& operator=(const PolicyProcess&) = delete;
+  // Closes the socket, and kills what has not ended 0.2 s later.
+  ~PolicyProcess();
+  void close() noexcept;
+
+  // The answer to `question` within `seconds`. One that says {"error": "why"} is an error too.
+  Json ask(const Json& question, double seconds);
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void wait(short events, Clock::time_point until, double seconds);
+  void pass_on();
+  std::string how_it_ended();
+
+  Said said_;
+  Stop stop_;
+  int fd_ = -1, error_ = -1;
+  Clock::time_point closed_{};
+  std::optional<ChildProcess> process_;
+};
+
+}  // namespace ferrule

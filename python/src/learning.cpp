@@ -1,0 +1,84 @@
+// Demonstrations recorded, and a controller fitted to them.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "bindings.hpp"
+#include "capture/recorder.hpp"
+#include "insertion/simulated_operator.hpp"
+#include "learn/fit_law.hpp"
+#include "learn/fit_warnings.hpp"
+#include "sim/scene/draw.hpp"
+
+namespace ferrule::python {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // of control and simulation [s]
+
+// Episode by episode as `ferrule record` has them; returns their files.
+std::vector<std::string> record(const SharedScene& scene, const std::string& folder, int episodes,
+                                double skill, std::uint64_t seed) {
+  if (episodes < 1) throw BadInput("episodes: must be at least 1");
+  if (!(skill >= 0 && skill <= 1)) throw BadInput("skill: must be a number from 0 to 1");
+  if (next_episode_number(folder) > 1)
+    throw BadInput(folder + ": already holds episodes; choose another folder");
+  std::vector<std::string> files;
+  Interrupts interrupts;
+  const nb::gil_scoped_release release;
+  for (int next = 1; files.size() < static_cast<std::size_t>(episodes); ++next) {
+    EpisodeClaim claim(folder, next);
+    const int number = next = claim.number();
+    const FeasibleTrial drawn = feasible_trial(*scene, seed, static_cast<std::uint64_t>(number));
+    const State start = draw_start(*drawn.scene, seed, drawn.trial);
+    const auto hand = simulated_operator(*drawn.scene, start, skill, kPeriod, seed, drawn.trial);
+    EpisodeInfo info = episode_info(*drawn.scene, *hand, seed, drawn.trial);
+    info.operator_ = simulated_operator_name(skill);
+    Recorder recorder(std::move(claim), info);
+    int ticks = 0;
+    const InsertionEnd end = record_insertion(*drawn.scene, start, *hand, recorder,
+                                              [&] { return ++ticks % 1000 != 0 || !interrupts(); });
+    files.push_back(recorder.finish(end.outcome));
+    interrupts.rethrow();  // the running episode was ended and kept
+  }
+  return files;
+}
+
+std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
+                                      const std::string& law, std::uint64_t seed) {
+  const Learner learner = law_learner();
+  const LearnerOption& option = learner.options.front();
+  if (std::find(option.choices.begin(), option.choices.end(), law) == option.choices.end())
+    throw BadInput(
+        fmt::format("law: there is no {}; there are {}", law, fmt::join(option.choices, ", ")));
+  Interrupts interrupts;
+  const nb::gil_scoped_release release;
+  const DemonstrationSet set =
+      load_demonstrations(episode_files(places), [&](std::size_t, std::size_t) {
+        if (interrupts()) interrupts.rethrow();
+      });
+  try {
+    Learned learned =
+        learner.learn(set, {seed, {{option.flag, law}}},
+                      [&](std::size_t, std::size_t, const std::string&) { return !interrupts(); });
+    interrupts.rethrow();
+    auto controller =
+        std::make_unique<LoadedController>(std::move(learned.controller), "the fitted controller");
+    controller->report = std::move(learned.report);
+    controller->warnings = fit_warnings(set, controller->read);
+    return controller;
+  } catch (const BadInput& error) {
+    interrupts.rethrow();
+    throw BadInput(fmt::format(
+        "{}: {}", places.size() == 1 ? places[0] : fmt::format("{} places", places.size()),
+        error.what()));
+  }
+}
+
+}  // namespace
+
+void add_learning(nb::module_& module) {
+  module.def("_record", &record, nb::arg("scene"), nb::arg("folder"), nb::arg("episodes"),
+             nb::arg("skill"), nb::arg("seed"));
+  module.def("_fit", &fit, nb::arg("episodes"), nb::arg("law"), nb::arg("seed"));
+}
+
+}  // namespace ferrule::python
