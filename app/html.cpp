@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/error.hpp"
+
 namespace ferrule {
 namespace {
 
