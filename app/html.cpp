@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "sim/error.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -54,14 +56,14 @@ td.n { text-align: right; font-variant-numeric: tabular-nums; white-space: nowra
 figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
 figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
 pre { padding: 0.8rem; white-space: pre-wrap } .big { font-size: 1.25rem }
-p, h1, h2, code, pre, td, figcaption { overflow-wrap: anywhere }
+p, h1, h2, code, pre, figcaption { overflow-wrap: anywhere }
 iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw, 1400px); aspect-ratio: 16 / 9;
   margin-left: calc(50% - min(48vw, 700px)) }
 @media (max-width: 40rem) {
   table, tbody { display: block } tr.headings { display: none }
   tr { display: grid; column-gap: 1.5rem; padding: 0.5rem 0; border-bottom: 1px solid #ddd }
   tr:has(td:nth-child(9)) { grid-template-columns: 1fr 1fr }
-  th, td { padding: 0.1rem 0; border: 0; min-width: 0 }
+  th, td { padding: 0.1rem 0; border: 0; min-width: 0; overflow-wrap: anywhere }
   th, td:first-child { grid-column: 1 / -1; font-weight: 600; text-align: left }
   td.n:first-child::before { content: attr(data-heading) ' ' }
   td:not(:first-child) { display: grid; grid-template-columns: 1fr auto; column-gap: 1rem; text-align: right; white-space: normal }

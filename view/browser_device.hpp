@@ -40,7 +40,7 @@ class BrowserHand {
 
 class BrowserDevice : public Device {
  public:
-  static constexpr double kSilence = 0.1;  // [s]
+  static constexpr double kSilence = 0.2;  // [s]
 
   // `speed` of the hand at full deflection [m/s]; `page` outlives it. What the page said before
   // does not count.

@@ -168,7 +168,7 @@ check('live: a drag and the wheel move the fibre, and what is let go stands stil
 const kStraight = ['--set', 'start.lateral_sd_um=0', '--set', 'start.lateral_mean_um=[0,0]', '--set', 'start.tilt_sd_mrad=0'];
 
 check('live: a key that is held moves on while the page is busy, and a page that hangs lets go', async () => {
-  const server = await view('--scene', 'demo', ...kStraight, '--set', 'start.distance_um=150', '--out', join(folder, 'busy'));
+  const server = await view('--scene', 'demo', ...kStraight, '--set', 'start.distance_um=390', '--out', join(folder, 'busy'));
   const {page, amiss} = await open(server.address);
   await ready(page);
   await page.keyboard.press('Enter');
@@ -192,7 +192,7 @@ check('live: a key that is held moves on while the page is busy, and a page that
   };
   // The best of three: whoever else works on this machine may keep the page's worker from it.
   const busy = Math.min(await still(400), await still(400), await still(400)), hung = await still(2000);
-  assert.ok(busy < 0.15 && hung > 1, `${busy} ${hung}`);
+  assert.ok(busy < 0.1 && hung > 1, `${busy} ${hung}`);
   await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('velocity_x_um_s') < 0);  // it is held still
   // A page that is closed says nothing more.
   await page.close();
@@ -477,6 +477,9 @@ check('reports fit a narrow screen', async () => {
         assert.deepEqual(wide, []);
         assert.ok(await each.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
       }
+      // Words in tables are whole where there is room.
+      const name = page.locator('td:first-child', {hasText: 'electrostatic'}).first();
+      assert.ok((await name.boundingBox()).height < 40);
       await page.screenshot({path: join(pictures, `${file === trials ? 'trials' : 'demo'}-${width}.png`), fullPage: true});
       await page.close();
       assert.deepEqual(amiss, []);

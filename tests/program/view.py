@@ -210,7 +210,7 @@ class View(Case):
         while time.monotonic() < begin + 0.3:
             window.say(type="hand", v=[0, 1, 0], buttons=0, seq=1)
             time.sleep(0.01)
-        time.sleep(0.5)
+        time.sleep(0.8)
         window.say(type="stop")
         ended = window.hear_of("ended")
         self.end(process)

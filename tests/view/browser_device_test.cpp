@@ -58,8 +58,9 @@ TEST(BrowserDevice, ASilentPageStopsTheHandAndASpeakingOneMovesItOn) {
   BrowserHand hand;
   BrowserDevice device(hand, kSpeed, HandPose::Zero());
   EXPECT_LT(read_on(device, hand, 0, 320, {{-1, 0, 0}}).pose[0], -1e-3);  // 320: said last
-  const HandPose soon = read_on(device, hand, 321, 320 + 102, {}).pose;
-  const HandSample later = read_on(device, hand, 423, 2000, {});
+  const int silent = 320 + static_cast<int>(BrowserDevice::kSilence / kTick) + 2;
+  const HandPose soon = read_on(device, hand, 321, silent, {}).pose;
+  const HandSample later = read_on(device, hand, silent + 1, 2000, {});
   EXPECT_EQ(later.pose, soon);
   EXPECT_EQ(later.counts, RawCounts::Zero());
   EXPECT_FALSE(later.finished || later.lost);

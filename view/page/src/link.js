@@ -9,8 +9,8 @@
 
 export {};
 
-const kAgain = 20;     // a moving hand is said so often at least [ms]: the program stops one that is silent for 100
-const kHangs = 400;    // [ms]
+const kAgain = 20;     // a moving hand is said so often at least [ms]: the program stops one that is silent for 200
+const kHangs = 300;    // [ms]
 const kGoingAway = 1001;
 const kFull = 65536;   // bytes that may wait to be sent
 

@@ -9,7 +9,7 @@ import {Table} from './table.js';
 const kProtocol = 1;
 const kKeepSeconds = 30;
 const kHold = 3000;     // how an insertion ended is shown so long, before the next start [ms]
-const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 100
+const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 200
 
 export class Live {
   /** @param {{hello: (hello: Hello) => void, message: (message: Message) => void, connected: (is: boolean, code: number) => void}} on @param {Worker} link */
