@@ -164,14 +164,11 @@ void print_alone(const std::vector<Entry>& entries) {
   for (const Entry& e : entries) {
     const Candidate& c = e.candidate;
     const bool learned = c.parameters > 0;
-    const auto to_show = [&](double rate) {
-      const auto trials = trials_to_show(rate, e.alone.successes, e.alone.feasible);
-      return trials ? std::to_string(*trials) : "-";
-    };
     fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9} {:>7} {:>7}\n", c.name,
                learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
                cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
-               cell(e.alone.loss_dB.median, 4), to_show(0.99), to_show(0.999));
+               cell(e.alone.loss_dB.median, 4), trials_to_show_or("-", 0.99, e.alone),
+               trials_to_show_or("-", 0.999, e.alone));
   }
   fmt::print(
       "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"

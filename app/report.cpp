@@ -82,15 +82,13 @@ std::string success_table(const CampaignSummary& learned, const CampaignSummary&
       return number_or("&ndash;", format, unit * x.median) + " / " +
              number_or("&ndash;", format, unit * x.p95);
     };
-    const auto to_show = [&s = s](double rate) {
-      const auto trials = trials_to_show(rate, s.successes, s.feasible);
-      return trials ? std::to_string(*trials) : "&ndash;";
-    };
-    table.row({who, fmt::format("{} of {}", s.successes, s.trials),
-               fmt::format("{:.1f} %", 100 * s.success_rate),
-               fmt::format("{:.1f} to {:.1f} %", 100 * s.wilson.low, 100 * s.wilson.high),
-               to_show(0.99) + " / " + to_show(0.999), pair(s.time, 1, "{:.1f}"),
-               pair(s.peak_force, 1e6, "{:.2f}"), pair(s.loss_dB, 1, "{:.3f}")});
+    table.row(
+        {who, fmt::format("{} of {}", s.successes, s.trials),
+         fmt::format("{:.1f} %", 100 * s.success_rate),
+         fmt::format("{:.1f} to {:.1f} %", 100 * s.wilson.low, 100 * s.wilson.high),
+         trials_to_show_or("&ndash;", 0.99, s) + " / " + trials_to_show_or("&ndash;", 0.999, s),
+         pair(s.time, 1, "{:.1f}"), pair(s.peak_force, 1e6, "{:.2f}"),
+         pair(s.loss_dB, 1, "{:.3f}")});
   }
   return table.html();
 }

@@ -80,6 +80,11 @@ std::string to_show_text(const CampaignSummary& s) {
 
 }  // namespace
 
+std::string trials_to_show_or(const char* otherwise, double rate, const CampaignSummary& summary) {
+  const auto trials = trials_to_show(rate, summary.successes, summary.feasible);
+  return trials ? std::to_string(*trials) : otherwise;
+}
+
 std::string time_limit_note(std::size_t timeouts, std::size_t failures) {
   if (2 * timeouts <= failures) return "";
   return fmt::format("the time limit (limits.time_s) ended {} of {} failures", timeouts, failures);

@@ -13,6 +13,10 @@ void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);
 std::string to_text(const Comparison& comparison);
 
+// Further trials that would show `rate` at the success rate so far (trials_to_show), or `otherwise`
+// where none would.
+std::string trials_to_show_or(const char* otherwise, double rate, const CampaignSummary& summary);
+
 // Says where the time limit ended most of the trials that failed; otherwise nothing.
 std::string time_limit_note(std::size_t timeouts, std::size_t failures);
 std::string time_limit_note(const CampaignSummary& summary);

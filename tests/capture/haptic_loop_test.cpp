@@ -99,6 +99,11 @@ ForceFeedback feedback_of(const Scene& scene) {
   return {pen(), {}, scene_scaling(scene).motion_to_hand(draw_start(scene, 1, 1).command), 0};
 }
 
+TimedEpisode felt(const Scene& scene, PushingHand& hand, Kept& kept) {
+  ForceFeedback feedback = feedback_of(scene);
+  return run(scene, hand, std::ref(kept), go_on, &feedback);
+}
+
 // The thread, the clock and the ring change nothing in what is recorded.
 TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
   const Scene scene = testing::quick();
@@ -127,8 +132,7 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
                                    {Event::standstill, "stood still"}}) {
     PushingHand hand(scene, event, kAt);
     Kept kept;
-    ForceFeedback feedback = feedback_of(scene);
-    const TimedEpisode episode = run(scene, hand, std::ref(kept), go_on, &feedback);
+    const TimedEpisode episode = felt(scene, hand, kept);
     EXPECT_EQ(episode.end.outcome, Outcome::interrupted);
     EXPECT_NE(episode.end.why.find(why), std::string::npos) << episode.end.why;
     EXPECT_EQ(episode.end.lost, event == Event::loss);
@@ -154,8 +158,7 @@ TEST(HapticLoop, WhatEndsAnEpisodeAfterTheGoalLeavesItInserted) {
                                    {Event::standstill, "stood still"}}) {
     PushingHand hand(scene, event, kAt);
     Kept kept;
-    ForceFeedback feedback = feedback_of(scene);
-    const TimedEpisode episode = run(scene, hand, std::ref(kept), go_on, &feedback);
+    const TimedEpisode episode = felt(scene, hand, kept);
     EXPECT_EQ(episode.end.outcome, Outcome::inserted) << why;
     EXPECT_NE(episode.end.why.find(why), std::string::npos) << episode.end.why;
     EXPECT_EQ(episode.end.lost, event == Event::loss);
