@@ -131,7 +131,7 @@ Json stepping_json(const SteppingRow& r) {
           {"force_error_relative", number_or_null(r.force_error_relative)},
           {"newton_iterations", r.newton_iterations},
           {"not_converged", r.not_converged},
-          {"halvings", r.halvings}};
+          {"halvings", r.rejected}};
 }
 
 Json controller_json(const ControllerRow& r) {
@@ -155,7 +155,7 @@ void print_stepping(const std::vector<SteppingRow>& rows) {
                r.method, r.scene_case, r.step_s, r.ns_per_step, r.us_per_simulated_s,
                number_or("diverged", "{:.3g}", r.tip_error_nm),
                number_or("-", "{:.2g}", r.force_error_relative), r.newton_iterations,
-               r.not_converged, r.halvings);
+               r.not_converged, r.rejected);
 }
 
 Json campaign_json(const CampaignRow& r) {

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "haptic/hid/device_list.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

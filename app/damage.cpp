@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/damage.hpp"
+#include "sim/analysis/damage.hpp"
 #include "sim/laws/adhesion.hpp"
 
 namespace ferrule {

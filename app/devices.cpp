@@ -9,7 +9,7 @@
 
 #include "app/connected.hpp"
 #include "app/verb.hpp"
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {

@@ -4,7 +4,7 @@
 #include "app/verb.hpp"
 #include "controller/c_header.hpp"
 #include "learn/torch_policy.hpp"
-#include "sim/scene/written_file.hpp"
+#include "sim/base/written_file.hpp"
 
 namespace ferrule {
 namespace {

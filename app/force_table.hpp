@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "app/plot.hpp"
-#include "sim/gap_forces.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/analysis/gap_forces.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 
@@ -15,7 +15,7 @@ struct ForceRow {
   GapForces forces;                // [N]
 };
 
-// A fibre tilted by `tilt` [rad] and moving at `speed` [m/s] (sim/gap_forces.hpp).
+// A fibre tilted by `tilt` [rad] and moving at `speed` [m/s] (sim/analysis/gap_forces.hpp).
 ForceRow force_row(const World& world, double gap_nm, double length_um,
                    std::optional<double> depth_nm, double tilt, double speed);
 

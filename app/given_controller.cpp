@@ -8,7 +8,7 @@
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
 #include "learn/torch_policy.hpp"
-#include "sim/error.hpp"
+#include "sim/base/error.hpp"
 
 namespace ferrule {
 

@@ -12,7 +12,7 @@
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
 #include "haptic/trouble.hpp"
-#include "sim/scene/unknown_name.hpp"
+#include "sim/base/unknown_name.hpp"
 
 namespace ferrule {
 namespace {

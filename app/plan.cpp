@@ -1,5 +1,5 @@
 // ferrule plan: what a scene needs for a tolerance.
-#include "sim/plan/plan.hpp"
+#include "sim/analysis/plan.hpp"
 
 #include <fmt/format.h>
 

@@ -12,8 +12,8 @@
 #include <cstring>
 #include <filesystem>
 
-#include "sim/child_process.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/child_process.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

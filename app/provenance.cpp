@@ -6,7 +6,7 @@
 #include <filesystem>
 
 #include "capture/episode.hpp"
-#include "sim/content_hash.hpp"
+#include "sim/base/content_hash.hpp"
 
 namespace ferrule {
 namespace {

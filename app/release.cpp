@@ -1,10 +1,10 @@
 // ferrule release: what it takes to break the contact.
-#include "sim/release.hpp"
+#include "sim/analysis/release.hpp"
 
 #include <fmt/format.h>
 
 #include "app/verb.hpp"
-#include "sim/gap_forces.hpp"
+#include "sim/analysis/gap_forces.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {

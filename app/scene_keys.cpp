@@ -5,8 +5,8 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "sim/base/unknown_name.hpp"
 #include "sim/scene/setting.hpp"
-#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 namespace {

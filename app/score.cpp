@@ -10,7 +10,7 @@
 #include "app/plot.hpp"
 #include "app/verb.hpp"
 #include "controller/statistics.hpp"
-#include "sim/content_hash.hpp"
+#include "sim/base/content_hash.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {

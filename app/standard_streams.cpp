@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <cstdio>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

@@ -20,10 +20,10 @@
 #include "app/csv.hpp"
 #include "app/keys.hpp"
 #include "app/scene_keys.hpp"
-#include "sim/elementary.hpp"
-#include "sim/plan/plan.hpp"
+#include "sim/analysis/plan.hpp"
+#include "sim/base/elementary.hpp"
+#include "sim/base/unknown_name.hpp"
 #include "sim/scene/setting.hpp"
-#include "sim/scene/unknown_name.hpp"
 
 namespace ferrule {
 namespace {

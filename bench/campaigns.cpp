@@ -6,9 +6,9 @@
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
-#include "sim/follow.hpp"
-#include "sim/measure.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
+#include "sim/solver/follow.hpp"
 
 namespace ferrule {
 namespace {
@@ -56,7 +56,7 @@ CampaignRow measured(const std::string& name, double period) {
     play([&](std::ptrdiff_t, const StepResult& r) {
       ++row.steps;
       row.not_converged += r.status == StepStatus::not_converged;
-      row.capped += r.status == StepStatus::capped;
+      row.capped += r.status == StepStatus::iteration_limit;
       evaluations += r.evaluations;
       row.evaluations_max = std::max<long>(row.evaluations_max, r.evaluations);
       const auto& contact = r.state.contact;

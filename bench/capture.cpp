@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "sim/scene/scene.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {

@@ -30,7 +30,7 @@ struct CaptureRow {
 // within that an end that rests on the edge with its inclined face slides in, without friction, as
 // the hand presses on by 20 times the way; beyond it rests on its foremost point. (Who presses a
 // thousand times as far as that point is outside draws it in: by what smooths the rest of a level
-// end, sim/face_support.hpp.)
+// end, sim/geometry/face_support.hpp.)
 std::vector<CaptureRow> bench_capture(const GoOn& go_on = {});
 
 }  // namespace ferrule

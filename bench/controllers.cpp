@@ -4,8 +4,8 @@
 
 #include "controller/insertion_law.hpp"
 #include "controller/policy.hpp"
-#include "sim/measure.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/measure.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule {
 namespace {

@@ -9,7 +9,7 @@
 #include <type_traits>
 
 #include "bench/reference.hpp"
-#include "sim/potential.hpp"
+#include "sim/terms/potential.hpp"
 
 #ifndef SUN_COMM_NULL  // before SUNDIALS 7
 #define SUN_COMM_NULL nullptr

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "bench/random_scene.hpp"
-#include "sim/energy.hpp"
+#include "sim/geometry/energy.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {
@@ -30,7 +30,7 @@ Trace follow_hand(const World& world, const State& start, const std::vector<Pose
   for (std::size_t n = 0; n < hand.size(); ++n) {
     step_on(world, hand[n], n == 0 ? 0 : kPeriod / parts, r);
     trace.not_converged += r.status == StepStatus::not_converged;
-    trace.capped += r.status == StepStatus::capped;
+    trace.capped += r.status == StepStatus::iteration_limit;
     if (n % static_cast<std::size_t>(parts) != 0) continue;
     trace.tips.emplace_back(r.state.tip);
     trace.forces.emplace_back(r.forces.holder.head<3>());

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "sim/potential.hpp"
+#include "sim/terms/potential.hpp"
 
 namespace ferrule {
 

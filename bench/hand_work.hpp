@@ -2,8 +2,8 @@
 // missing was dissipated, and is never negative.
 #pragma once
 
-#include "sim/state.hpp"
-#include "sim/world.hpp"
+#include "sim/model/state.hpp"
+#include "sim/model/world.hpp"
 
 namespace ferrule {
 

@@ -7,10 +7,10 @@
 #include <limits>
 
 #include "bench/hand_work.hpp"
-#include "sim/measure.hpp"
-#include "sim/potential.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/scene.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
+#include "sim/terms/potential.hpp"
 
 namespace ferrule {
 namespace {

@@ -4,13 +4,13 @@
 #include <functional>
 #include <numbers>
 
+#include "sim/base/measure.hpp"
 #include "sim/laws/adhesion.hpp"
 #include "sim/laws/capillary.hpp"
 #include "sim/laws/electrostatic.hpp"
 #include "sim/laws/quadrature.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/laws/van_der_waals.hpp"
-#include "sim/measure.hpp"
 
 namespace ferrule {
 namespace {

@@ -11,8 +11,8 @@
 #include "bench/peers/peg.hpp"
 #include "capture/episode.hpp"
 #include "learn/loaded_library.hpp"
-#include "sim/measure.hpp"
-#include "sim/step.hpp"
+#include "sim/base/measure.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {

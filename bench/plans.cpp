@@ -6,7 +6,7 @@
 #include "controller/campaign.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
-#include "sim/measure.hpp"
+#include "sim/base/measure.hpp"
 
 namespace ferrule {
 namespace {

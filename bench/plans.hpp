@@ -6,7 +6,7 @@
 
 #include "bench/cases.hpp"
 #include "controller/statistics.hpp"
-#include "sim/plan/plan.hpp"
+#include "sim/analysis/plan.hpp"
 
 namespace ferrule {
 

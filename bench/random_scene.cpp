@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/error.hpp"
+#include "sim/base/error.hpp"
+#include "sim/base/random.hpp"
 #include "sim/laws/particle.hpp"
-#include "sim/scene/random.hpp"
 
 namespace ferrule {
 namespace {

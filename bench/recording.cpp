@@ -8,7 +8,7 @@
 #include "capture/recorder.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
-#include "sim/measure.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {

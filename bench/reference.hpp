@@ -11,7 +11,7 @@
 #include <functional>
 #include <vector>
 
-#include "sim/world.hpp"
+#include "sim/model/world.hpp"
 
 namespace ferrule {
 

@@ -7,10 +7,10 @@
 #include <optional>
 
 #include "bench/reference.hpp"
-#include "sim/measure.hpp"
-#include "sim/potential.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/scene.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
+#include "sim/terms/potential.hpp"
 
 namespace ferrule {
 namespace {
@@ -63,7 +63,7 @@ SteppingRow simulate(const Case& c, const std::string& method, double dt) {
       if (!keep_poses) continue;
       iterations += r.iterations;
       row.not_converged += r.status != StepStatus::ok;
-      row.halvings += r.halvings;
+      row.rejected += r.rejected;
       if (next < c.times.size() && t >= c.times[next] - 1e-9 * dt) {
         poses.push_back(r.state.tip);
         ++next;
@@ -177,9 +177,9 @@ Case two_contacts() {
 Case two_contacts_with_friction() {
   Case c = wedged("two contacts with friction", "laws.friction.form=corrected");
   World world = c.world;
-  world.numerics.tangent_tip = 0;
+  world.numerics.extrapolation_tip = 0;
   State state = c.start;
-  state.tangent.reset();
+  state.extrapolation.reset();
   long n = 0;
   for (const double time : c.times) {
     for (; static_cast<double>(n) * kFineStep < time - 0.5 * kFineStep; ++n)

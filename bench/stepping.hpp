@@ -16,7 +16,7 @@ struct SteppingRow {
   double force_error_relative;   // of the force at the holder, over the largest reference force
   double newton_iterations = 0;  // per step
   long not_converged = 0;        // steps
-  long halvings = 0;             // of steps
+  long rejected = 0;             // of steps
 };
 
 // Cases: free flight (reference: closed form); insertion through adhesive with contact of end and

@@ -6,9 +6,9 @@
 
 #include "bench/hand_work.hpp"
 #include "bench/random_scene.hpp"
-#include "sim/measure.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {
@@ -51,7 +51,7 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
     now = result;
     ++sample.row.steps;
     sample.row.not_converged += result.status == StepStatus::not_converged;
-    sample.row.capped += result.status == StepStatus::capped;
+    sample.row.capped += result.status == StepStatus::iteration_limit;
     sample.us.push_back(static_cast<float>(us));
     sample.evaluations.push_back(result.evaluations);
   }

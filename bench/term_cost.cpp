@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
-#include "sim/measure.hpp"
-#include "sim/potential.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/terms.hpp"
+#include "sim/terms/potential.hpp"
 
 namespace ferrule {
 namespace {

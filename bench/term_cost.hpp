@@ -1,7 +1,7 @@
 // What a term of the forces costs in a planned scene.
 #pragma once
 
-#include "sim/plan/plan.hpp"
+#include "sim/analysis/plan.hpp"
 
 namespace ferrule {
 

@@ -7,7 +7,7 @@
 
 #include "bench/random_scene.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {

@@ -9,7 +9,7 @@
 #include <cstring>
 #include <utility>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

@@ -9,7 +9,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/child_process.hpp"
+#include "sim/base/child_process.hpp"
 
 namespace ferrule {
 

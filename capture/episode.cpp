@@ -12,7 +12,7 @@
 #include "capture/hdf5.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/sensed_wrench.hpp"
-#include "sim/content_hash.hpp"
+#include "sim/base/content_hash.hpp"
 
 namespace ferrule {
 namespace {

@@ -39,7 +39,7 @@
 #include "haptic/stability.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/watch.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

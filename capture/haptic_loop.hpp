@@ -9,7 +9,7 @@
 #include "capture/row.hpp"
 #include "haptic/period_clock.hpp"
 #include "insertion/loop.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

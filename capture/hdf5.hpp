@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule::hdf5 {
 

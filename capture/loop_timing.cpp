@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "haptic/real_time.hpp"
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

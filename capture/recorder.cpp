@@ -13,7 +13,7 @@
 #include <cstring>
 #include <filesystem>
 
-#include "sim/scene/written_file.hpp"
+#include "sim/base/written_file.hpp"
 
 namespace ferrule {
 namespace {

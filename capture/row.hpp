@@ -66,14 +66,14 @@ inline constexpr Block kStates{
     "velocity (5); tip before (5); velocity before (5); period before; air"};
 // The rest of the state.
 inline constexpr Block kLinearization{
-    "linearization", kStates.begin + kLinearized, kOnTangent - kLinearized,
+    "linearization", kStates.begin + kLinearized, kExtrapolated - kLinearized,
     "1 N N N N.m N.m N/m N/m N/m N N N/m N/m N/m N/m N N N N N.m N.m N.m N.m N N N N.m N.m",
     "there gradient_x gradient_y gradient_z gradient_tilt_y gradient_tilt_z xx xy xz xty xtz yy zy "
     "yz zz yty zty ytz ztz tyty tzty tytz tztz curvature_x curvature_y curvature_z "
     "curvature_tilt_y curvature_tilt_z; of the forces in the bore about the tip, from which the "
     "next step is predicted"};
 inline constexpr Block kTangent{
-    "tangent", kStates.begin + kOnTangent, kStateSize - kOnTangent,
+    "tangent", kStates.begin + kExtrapolated, kStateSize - kExtrapolated,
     "1 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m m/rad m/rad m/rad 1 1 m/rad m/rad "
     "m/rad 1 1 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m m/rad m/rad m/rad 1 1 m/rad "
     "m/rad m/rad 1 1 m m m rad rad s 1 1 N5/m/rad2 m m 1 1 1 m m 1 m m 1 1 1 m/rad m/rad m m m 1 "

@@ -2,13 +2,15 @@
 # find_package(ferrule) needs. `cpack -G DEB` in the build folder: the same as Debian packages.
 include(CMakePackageConfigHelpers)
 
-set(FERRULE_LIBRARIES sim haptic insertion capture controller learn)
+set(FERRULE_LIBRARIES base sim haptic insertion capture controller learn)
 set(FERRULE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ferrule)
 foreach(library IN LISTS FERRULE_LIBRARIES)
   install(TARGETS ferrule_${library} EXPORT ferrule_${library}
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libraries)
-  install(DIRECTORY ${library}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ferrule/${library}
-    COMPONENT libraries FILES_MATCHING PATTERN "*.hpp")
+  if(NOT library STREQUAL base) # its headers are those of sim/base
+    install(DIRECTORY ${library}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ferrule/${library}
+      COMPONENT libraries FILES_MATCHING PATTERN "*.hpp")
+  endif()
   install(EXPORT ferrule_${library} NAMESPACE ferrule:: FILE ferrule-${library}.cmake
     DESTINATION ${FERRULE_CMAKE_DIR} COMPONENT libraries)
 endforeach()

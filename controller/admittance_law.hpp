@@ -20,7 +20,7 @@
 
 #include "controller/gain.hpp"
 #include "controller/observation.hpp"
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

@@ -3,7 +3,7 @@
 
 #include "controller/campaign.hpp"
 #include "controller/supervisor.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

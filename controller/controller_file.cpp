@@ -2,7 +2,7 @@
 
 #include <iterator>
 
-#include "sim/scene/json_file.hpp"
+#include "sim/base/json_file.hpp"
 
 namespace ferrule {
 namespace {

@@ -18,7 +18,7 @@
 
 #include "controller/controller.hpp"
 #include "controller/gain.hpp"
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

@@ -1,6 +1,6 @@
 #include "controller/law_file.hpp"
 
-#include "sim/scene/json_file.hpp"
+#include "sim/base/json_file.hpp"
 
 namespace ferrule {
 namespace {

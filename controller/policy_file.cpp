@@ -5,9 +5,9 @@
 #include <filesystem>
 
 #include "controller/safetensors.hpp"
-#include "sim/content_hash.hpp"
-#include "sim/scene/json_file.hpp"
-#include "sim/scene/written_file.hpp"
+#include "sim/base/content_hash.hpp"
+#include "sim/base/json_file.hpp"
+#include "sim/base/written_file.hpp"
 
 namespace ferrule {
 namespace {

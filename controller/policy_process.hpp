@@ -9,8 +9,8 @@
 #include <optional>
 #include <string>
 
-#include "sim/child_process.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/child_process.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

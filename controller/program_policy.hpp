@@ -10,7 +10,7 @@
 // One process serves one trial at a time and many after one another, each thread its own. One that
 // ends, is silent for too long, or answers anything else ends its trial, which then says why, and
 // is ended itself; the next trial begins another. One that failed in each of its first ten trials is
-// not asked any more: it fails in all. No process outlives this program (sim/child_process.hpp).
+// not asked any more: it fails in all. No process outlives this program (sim/base/child_process.hpp).
 #pragma once
 
 #include <string>

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "sim/scene/scene.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 
 int main() {
   using namespace ferrule;

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim/laws/printed/van_der_waals.hpp"
+#include "sim/laws/paper/van_der_waals.hpp"
 #include "sim/laws/van_der_waals.hpp"
 
 int main() {

@@ -1,7 +1,7 @@
 #include "haptic/device_profile.hpp"
 
-#include "sim/scene/json_file.hpp"
-#include "sim/scene/shipped_files.hpp"
+#include "sim/base/json_file.hpp"
+#include "sim/base/shipped_files.hpp"
 
 namespace ferrule {
 namespace {

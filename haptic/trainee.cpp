@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/elementary.hpp"
-#include "sim/minimum_jerk.hpp"
+#include "sim/base/elementary.hpp"
+#include "sim/base/minimum_jerk.hpp"
 
 namespace ferrule {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/minimum_jerk.hpp"
+#include "sim/base/minimum_jerk.hpp"
 
 namespace ferrule {
 namespace {

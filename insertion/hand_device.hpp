@@ -4,8 +4,8 @@
 #include <memory>
 
 #include "haptic/hid/driver.hpp"
+#include "sim/model/state.hpp"
 #include "sim/scene/scene.hpp"
-#include "sim/state.hpp"
 
 namespace ferrule {
 

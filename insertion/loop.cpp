@@ -1,7 +1,7 @@
 #include "insertion/loop.hpp"
 
 #include "insertion/sensed_wrench.hpp"
-#include "sim/held_stiffness.hpp"
+#include "sim/solver/held_stiffness.hpp"
 
 namespace ferrule {
 namespace {
@@ -43,7 +43,7 @@ class Insertion::Grip {
     device_.render(feedback_->feel(t, age, fibre_.relative(), relative));
   }
 
-  void let_go() { device_.render(HandWrench::Zero()); }
+  void drop_opened() { device_.render(HandWrench::Zero()); }
 
   // Why the hand cannot be trusted; null where it can.
   const char* fault() const noexcept { return feedback_ ? feedback_->fault() : nullptr; }
@@ -127,7 +127,7 @@ const InsertionSummary& Insertion::summary() const noexcept {
 const std::optional<InsertionEnd>& Insertion::feel() {
   Parts& p = *parts_;
   if (!p.now.trusted) {
-    p.grip.let_go();
+    p.grip.drop_opened();
     return p.ends(Outcome::interrupted, p.grip.fault());
   }
   step_on(p.scene.world, p.settings.scaling.motion_to_tip(p.now.holder),

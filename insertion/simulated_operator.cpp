@@ -6,8 +6,8 @@
 #include <charconv>
 
 #include "insertion/scene_scaling.hpp"
+#include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/scene/random.hpp"
 
 namespace ferrule {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "haptic/trainee.hpp"
+#include "sim/model/state.hpp"
 #include "sim/scene/scene.hpp"
-#include "sim/state.hpp"
 
 namespace ferrule {
 

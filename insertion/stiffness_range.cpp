@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/held_stiffness.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/held_stiffness.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {

@@ -1,4 +1,4 @@
-// The stiffness that a hand meets over a whole insertion (sim/held_stiffness.hpp).
+// The stiffness that a hand meets over a whole insertion (sim/solver/held_stiffness.hpp).
 #pragma once
 
 #include <cstddef>

@@ -30,7 +30,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   const double force = holder_force(scene_.world, f).squaredNorm();  // [N^2]
   summary_.time = now.time;
   if (force > summary_.peak_force * summary_.peak_force) summary_.peak_force = std::sqrt(force);
-  if (!now.tangent || now.tangent->way == 0) {  // a stretch at its end
+  if (!now.extrapolation || now.extrapolation->arc_length == 0) {  // a stretch at its end
     const Vector3d move = (now.tip - tip_before_).head<3>();
     for (const PointForce& friction : f[Term::friction])
       summary_.friction_work += std::max(0.0, -friction.force.dot(move));
@@ -44,7 +44,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
   summary_.tilt = now.tip.tail<2>().norm();
   ++summary_.steps;
   summary_.unfinished +=
-      result.status == StepStatus::capped || result.status == StepStatus::not_converged;
+      result.status == StepStatus::iteration_limit || result.status == StepStatus::not_converged;
 
   if (result.status == StepStatus::bad_command) return Outcome::invalid_output;
   if (force > scene_.limits.force * scene_.limits.force) {

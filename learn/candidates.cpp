@@ -8,7 +8,7 @@
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
 #include "learn/fit_policy.hpp"
-#include "sim/measure.hpp"
+#include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {

@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/content_hash.hpp"
+#include "sim/base/content_hash.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {

@@ -8,7 +8,7 @@
 
 #include "learn/intervals.hpp"
 #include "learn/replays.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule {
 namespace {

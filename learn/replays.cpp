@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/follow.hpp"
+#include "sim/solver/follow.hpp"
 
 namespace ferrule {
 namespace {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 SceneNumber::SceneNumber(const Scene& scene, const std::string& key) : key_(key) {

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule {
 

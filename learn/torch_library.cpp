@@ -2,7 +2,7 @@
 
 #include "learn/loaded_library.hpp"
 #include "learn/torch_policy.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

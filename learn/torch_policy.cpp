@@ -9,7 +9,7 @@
 #include <numbers>
 #include <sstream>
 
-#include "sim/error.hpp"
+#include "sim/base/error.hpp"
 
 namespace ferrule {
 namespace {

@@ -7,9 +7,9 @@
 #include <cmath>
 
 #include "bench/hand_work.hpp"
-#include "sim/scene/random.hpp"
-#include "sim/state.hpp"
-#include "sim/step.hpp"
+#include "sim/base/random.hpp"
+#include "sim/model/state.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule::testing {
 
@@ -33,7 +33,7 @@ inline void expect_no_energy_gained(const World& world, const Pose& start,
       hand += (start - hand) / (motion.all - n);
     work.move(state, hand);
     const StepResult r = step(world, state, hand, 1e-3);
-    ASSERT_LE(r.evaluations, kMostEvaluations);
+    ASSERT_LE(r.evaluations, SolverParameters{}.max_evaluations);
     ASSERT_TRUE(to_row(r.state).allFinite());
     state = r.state;
   }

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "learn/demonstrations.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule::testing {
 

@@ -6,7 +6,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/potential.hpp"
+#include "sim/terms/potential.hpp"
 
 namespace ferrule::testing {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include "learn/solve_law.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule::testing {
 

@@ -1,7 +1,7 @@
 // What a reader says of a JSON file with one value changed, for tests.
 #pragma once
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule::testing {
 

@@ -15,7 +15,7 @@
 #include <string_view>
 #include <utility>
 
-#include "sim/error.hpp"
+#include "sim/base/error.hpp"
 
 extern char** environ;
 

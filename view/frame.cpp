@@ -1,7 +1,7 @@
 #include "view/frame.hpp"
 
 #include "controller/joint_loss.hpp"
-#include "sim/contact_depth.hpp"
+#include "sim/geometry/contact_depth.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {
@@ -72,7 +72,7 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
   put(kMicro * smallest_gap(world, state));
   put(state.tip.tail<2>().norm());
   for (const double way : way_to_axis(world, state)) put(kMicro * way);
-  const auto depths = contact_depths(world, contact_side(world, state), state.tip);
+  const auto depths = contact_depths(world, contact_side(world, state.tip, state.side), state.tip);
   bool slips = false;
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const ContactState& contact = state.contact[place];

@@ -1,6 +1,6 @@
 #include "view/message.hpp"
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "sim/scene/data_folder.hpp"
+#include "sim/base/data_folder.hpp"
 
 namespace ferrule {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

@@ -16,8 +16,8 @@
 #include <list>
 #include <thread>
 
-#include "sim/error.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/error.hpp"
+#include "sim/base/json_fields.hpp"
 #include "view/message.hpp"
 
 namespace ferrule {

@@ -7,7 +7,7 @@
 
 #include "bindings.hpp"
 #include "capture/episode.hpp"
-#include "sim/scene/data_folder.hpp"
+#include "sim/base/data_folder.hpp"
 
 namespace ferrule {
 

@@ -1,8 +1,8 @@
 // Scenes, and the forces in them.
 #include "bindings.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "sim/gap_forces.hpp"
-#include "sim/plan/plan.hpp"
+#include "sim/analysis/gap_forces.hpp"
+#include "sim/analysis/plan.hpp"
 #include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <optional>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {

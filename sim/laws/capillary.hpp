@@ -16,7 +16,7 @@
 
 #include <span>
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 #include "sim/laws/quadrature.hpp"
 
 namespace ferrule {

@@ -12,7 +12,7 @@
 
 #include <algorithm>
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 
 namespace ferrule::corrected {
 

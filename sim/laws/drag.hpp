@@ -10,7 +10,7 @@
 // forces 1e4 times below those of a thin adhesive: negligible, and not computed.
 #pragma once
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 
 namespace ferrule {
 

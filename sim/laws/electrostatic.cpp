@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 #include "sim/laws/corrected_range.hpp"
 
 namespace ferrule {

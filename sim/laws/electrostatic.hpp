@@ -7,7 +7,7 @@
 // of at most kGreatestField across the closest gap, U/max(roughness, a_0).
 #pragma once
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 
 namespace ferrule {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 #include "sim/laws/drag.hpp"
 
 namespace ferrule {

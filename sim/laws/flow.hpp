@@ -24,7 +24,7 @@
 // in at 30 um/s, 11 mN; the same in an open bore of 10.5 mm 0.76 uN; air 2 uN at most.
 #pragma once
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 
 namespace ferrule {
 

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -41,7 +41,7 @@ double friction_exponent(const Friction& law, double contact_radius) noexcept {
   return a < 1 || a > kLarge / kSmall ? 2 : kM + 2;
 }
 
-double stuck_stiffness(const Friction& law, double contact_radius) noexcept {
+double sticking_stiffness(const Friction& law, double contact_radius) noexcept {
   return 8 * law.effective_shear_modulus() * contact_radius;
 }
 

@@ -39,6 +39,6 @@ double friction(const Friction& law, double contact_radius) noexcept;
 double friction_exponent(const Friction& law, double contact_radius) noexcept;
 
 // Tangential stiffness k_t [N/m] of a stuck contact of radius a [m].
-double stuck_stiffness(const Friction& law, double contact_radius) noexcept;
+double sticking_stiffness(const Friction& law, double contact_radius) noexcept;
 
 }  // namespace ferrule

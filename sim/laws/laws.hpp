@@ -1,6 +1,6 @@
 // The force laws of a world, and the terms they act by.
 //
-// A law has two forms: as the paper prints it (sim/laws/printed/), or as the literature it builds
+// A law has two forms: as the paper prints it (sim/laws/paper/), or as the literature it builds
 // on has it (sim/laws/). A scene chooses law by law; one that it leaves out is empty and costs
 // nothing.
 #pragma once
@@ -17,13 +17,13 @@
 #include "sim/laws/friction.hpp"
 #include "sim/laws/gravity.hpp"
 #include "sim/laws/meniscus.hpp"
+#include "sim/laws/paper/adhesion.hpp"
+#include "sim/laws/paper/capillary.hpp"
+#include "sim/laws/paper/electrostatic.hpp"
+#include "sim/laws/paper/friction.hpp"
+#include "sim/laws/paper/gravity.hpp"
+#include "sim/laws/paper/van_der_waals.hpp"
 #include "sim/laws/particle.hpp"
-#include "sim/laws/printed/adhesion.hpp"
-#include "sim/laws/printed/capillary.hpp"
-#include "sim/laws/printed/electrostatic.hpp"
-#include "sim/laws/printed/friction.hpp"
-#include "sim/laws/printed/gravity.hpp"
-#include "sim/laws/printed/van_der_waals.hpp"
 #include "sim/laws/van_der_waals.hpp"
 #include "sim/laws/wall.hpp"
 

@@ -8,8 +8,8 @@
 #include <limits>
 #include <numbers>
 
-#include "sim/elementary.hpp"
-#include "sim/error.hpp"
+#include "sim/base/elementary.hpp"
+#include "sim/base/error.hpp"
 
 namespace ferrule {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <numbers>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

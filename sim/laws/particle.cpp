@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

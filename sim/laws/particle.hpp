@@ -3,7 +3,7 @@
 // Of height h over the wall, in the direction u from the axis, s_p behind the entrance, and as wide
 // as it is high: a paraboloid of the curvature 1/h,
 //   b(x) = h - (x + s_p)^2/(2 h).
-// sim/particle_depth.hpp says how deep the fibre is in it; it pushes back as Hertz's sphere of the
+// sim/terms/particle_depth.hpp says how deep the fibre is in it; it pushes back as Hertz's sphere of the
 // radius h does (sim/laws/wall.hpp), K being that of fibre and ferrule. It is stuck to the wall and
 // as hard as that is, and has neither adhesion nor friction of its own; the wall that it presses
 // the fibre to has both. A rigid upright fibre that passes it has the room c - h on its side: up
@@ -24,7 +24,7 @@
 
 #include <cmath>
 
-#include "sim/pose.hpp"
+#include "sim/geometry/pose.hpp"
 
 namespace ferrule {
 

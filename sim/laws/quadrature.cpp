@@ -4,7 +4,7 @@
 #include <cassert>
 #include <numbers>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 

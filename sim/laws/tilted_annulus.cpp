@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {

@@ -17,8 +17,8 @@
 #include <cmath>
 #include <optional>
 
-#include "sim/energy.hpp"
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
+#include "sim/geometry/energy.hpp"
 #include "sim/laws/electrostatic.hpp"
 #include "sim/laws/van_der_waals.hpp"
 

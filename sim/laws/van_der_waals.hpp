@@ -6,7 +6,7 @@
 // with c and h enlarged by the roughness; in contact: sim/laws/corrected_range.hpp.
 #pragma once
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 
 namespace ferrule {
 

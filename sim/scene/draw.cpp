@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <numbers>
 
-#include "sim/curl.hpp"
-#include "sim/elementary.hpp"
-#include "sim/scene/random.hpp"
-#include "sim/scene/units.hpp"
-#include "sim/step.hpp"
+#include "sim/base/elementary.hpp"
+#include "sim/base/random.hpp"
+#include "sim/base/units.hpp"
+#include "sim/geometry/curl.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {
@@ -38,7 +38,7 @@ bool draw_diameters(Scene& drawn, RandomStream random) {
   WorldParameters& p = drawn.parameters;
   p.fibre.diameter_um = 1e6 * fibre;
   p.ferrule.bore_diameter_um = 1e6 * bore;
-  if (!drawn.document.contains("tangent")) p.numerics.tangent_tip = usual_tangent_tip(p);
+  if (!drawn.document.contains("tangent")) p.numerics.extrapolation_tip = usual_tangent_tip(p);
   if (const auto found = inconsistency(p))
     throw BadInput(drawn.name + ": tolerance: " + found->key + " " + found->rule);
   Json& document = drawn.document;

@@ -3,7 +3,7 @@
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
 
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 double ForceSensorModel::deviation(double force, double time) const noexcept {

@@ -17,8 +17,8 @@
 
 #include <limits>
 
-#include "sim/scene/random.hpp"
-#include "sim/state.hpp"
+#include "sim/base/random.hpp"
+#include "sim/model/state.hpp"
 
 namespace ferrule {
 

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/scene/json_file.hpp"
+#include "sim/base/json_file.hpp"
+#include "sim/base/shipped_files.hpp"
+#include "sim/base/units.hpp"
 #include "sim/scene/setting.hpp"
-#include "sim/scene/shipped_files.hpp"
 #include "sim/scene/terms.hpp"
-#include "sim/scene/units.hpp"
 
 namespace ferrule {
 namespace {
@@ -223,12 +223,12 @@ void read_limits(JsonFields f, Limits& limits) {
 
 void read_tangent(JsonFields& fields, Scene& scene) {
   Numerics& numerics = scene.parameters.numerics;
-  numerics.tangent_tip = usual_tangent_tip(scene.parameters);
-  numerics.tangent_force = kUsualTangent * scene.limits.force;
+  numerics.extrapolation_tip = usual_tangent_tip(scene.parameters);
+  numerics.extrapolation_force = kUsualTangent * scene.limits.force;
   if (!fields.present("tangent")) return;
   JsonFields f = fields.object("tangent");
-  f.number("tip_nm", not_negative(1e6), numerics.tangent_tip, nano);
-  f.number("force_uN", not_negative(1e6), numerics.tangent_force, micro);
+  f.number("tip_nm", not_negative(1e6), numerics.extrapolation_tip, nano);
+  f.number("force_uN", not_negative(1e6), numerics.extrapolation_force, micro);
   f.finish();
 }
 

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include "sim/base/json_fields.hpp"
 #include "sim/scene/force_sensor.hpp"
-#include "sim/scene/json_fields.hpp"
 #include "sim/scene/world_parameters.hpp"
 
 namespace ferrule {
@@ -82,7 +82,7 @@ struct Scene {
   ScalingRanges scaling;
   bool cue = false;  // the operator's window shows which way to correct; nothing else knows of it
   // "accuracy": what the scene wants of a model that leaves out what it does not need. Reading a
-  // scene does not apply it; planned() of sim/plan/plan.hpp does.
+  // scene does not apply it; planned() of sim/analysis/plan.hpp does.
   std::optional<double> accuracy;
   Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
 };

@@ -110,7 +110,8 @@ void apply_setting(Json& document, const std::string& setting) {
   const std::string key = setting.substr(0, equals);
   const Json value = value_of(setting.substr(equals + 1));
   const bool diameter = key == kFibre || key == kBore;
-  const auto tolerated = value.is_string() ? band(value.get<std::string>()) : std::nullopt;
+  std::optional<Band> tolerated;
+  if (value.is_string()) tolerated = band(value.get<std::string>());
   if (tolerated && !diameter)
     throw BadInput("--set " + setting + ": only " + kFibre + " and " + kBore + " take a tolerance");
   if (diameter && value.is_string() && !tolerated)

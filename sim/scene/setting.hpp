@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 

@@ -2,9 +2,9 @@
 
 #include <cmath>
 
-#include "sim/particle_depth.hpp"
-#include "sim/scene/units.hpp"
-#include "sim/surface_forces.hpp"
+#include "sim/base/units.hpp"
+#include "sim/terms/particle_depth.hpp"
+#include "sim/terms/surface_forces.hpp"
 
 namespace ferrule {
 namespace {
@@ -166,101 +166,6 @@ std::string adhesion_fidelity(const World& world) {
   return prescribed ? "prescribed radius" : "Maugis table";
 }
 
-// Of a printed law along the inserted length, at the gap at its middle.
-double along(const LineForce& middle, const Posture& at) {
-  return at.length == 0 ? 0 : at.length * middle.force;
-}
-
-double middle_gap(const Posture& at) {
-  return at.gap + 0.5 * at.rise();
-}
-
-// Of a corrected law.
-template <class Law>
-double along(const Law& law, double reach, const World& world, const Posture& at) {
-  if (at.length == 0) return 0;
-  return at.length * mean_line_force([&](double h) { return law(h).force; }, world, reach, at);
-}
-
-double van_der_waals_at_gap(const World& world, const Posture& at) {
-  if (const auto* law = std::get_if<printed::VanDerWaals>(&world.laws.van_der_waals))
-    return along(printed::van_der_waals(*law, world.annulus, middle_gap(at)), at);
-  const auto& law = std::get<VanDerWaals>(world.laws.van_der_waals);
-  return along([&](double h) { return van_der_waals(law, world.annulus, h); }, 0, world, at);
-}
-
-double electrostatic_at_gap(const World& world, const Posture& at) {
-  if (const auto* law = std::get_if<printed::Electrostatic>(&world.laws.electrostatic))
-    return along(printed::electrostatic(*law, world.annulus, middle_gap(at)), at);
-  const auto& law = std::get<Electrostatic>(world.laws.electrostatic);
-  return along([&](double h) { return electrostatic(law, world.annulus, h); }, 0, world, at);
-}
-
-// Towards the wall below the fibre: as much as the holder leaves to the end.
-double gravity_at_gap(const World& world, const Posture&) {
-  return world.holder.weight[1];
-}
-
-double capillary_at_gap(const World& world, const Posture& at) {
-  if (const auto* law = std::get_if<printed::Capillary>(&world.laws.capillary))
-    return along(printed::capillary(*law, middle_gap(at)), at);
-  const auto& law = std::get<Capillary>(world.laws.capillary);
-  return along([&](double h) { return capillary(law, world.annulus, h, true); },
-               capillary_reach(law, true), world, at);
-}
-
-// The branch on which the surfaces touch.
-int contact_branch(const World& world) {
-  const auto* law = std::get_if<Adhesion>(&world.laws.adhesion);
-  return law ? law->contact->curve.branches() : 0;
-}
-
-double adhesion_at_gap(const World& world, const Posture& at) {
-  return at.depth ? adhesion_force(world.laws, *at.depth, contact_branch(world)).force : 0;
-}
-
-double wall_at_gap(const World& world, const Posture& at) {
-  return at.depth ? wall(*world.laws.wall, *at.depth).force : 0;
-}
-
-double friction_at_gap(const World& world, const Posture& at) {
-  if (!at.depth) return 0;
-  return friction(*friction_law(world.laws),
-                  friction_radius(world, *at.depth, contact_branch(world)).value);
-}
-
-DragCoefficients drag_coefficients(const World& world, const Posture& at) {
-  const double eccentricity = std::abs(world.annulus.clearance() - at.gap - 0.5 * at.rise());
-  return drag(*world.laws.drag, world.annulus, eccentricity, at.length);
-}
-
-double drag_at_gap(const World& world, const Posture& at) {
-  return drag_coefficients(world, at).axial * at.speed;
-}
-
-double meniscus_at_gap(const World& world, const Posture& at) {
-  return at.length > 0 ? meniscus(*world.laws.meniscus, world.annulus.fibre_radius) : 0;
-}
-
-// Of a gas as if it were not compressed, which is the most that it can be.
-double flow_at_gap(const World& world, const Posture& at) {
-  const double c = world.annulus.clearance() + world.annulus.roughness;
-  const double near = world.annulus.clearance() - at.gap, far = near - at.rise();
-  const double square = (near * near + near * far + far * far) / (3 * c * c);
-  const double area = flow_area(world.annulus);
-  return area * area * at.speed *
-         flow_resistance(*world.laws.flow, world.annulus, world.profile.length, at.length,
-                         std::min(1.0, square));
-}
-
-// Of one that the fibre has passed, where the gap is the smallest at its end.
-double particle_at_gap(const World& world, const Posture& at) {
-  const Particle& law = *world.laws.particle;
-  if (!(at.length > law.depth)) return 0;
-  const double gap = at.gap + (at.length - law.depth) * at.tilt;
-  return particle_push(law, law.height - gap).force;
-}
-
 std::string flow_fidelity(const World& world) {
   return world.laws.flow->cushions() ? "cushion with leak" : "slit and tube flow";
 }
@@ -277,16 +182,14 @@ void leave_out(Laws& laws) noexcept {
 
 template <auto member>
 constexpr TermInfo row(Term term, const char* label, bool printed, void (*read)(JsonFields, Laws&),
-                       std::string (*fidelity)(const World&),
-                       double (*at_gap)(const World&, const Posture&)) {
+                       std::string (*fidelity)(const World&)) {
   return {kTermNames[static_cast<std::size_t>(term)],
           label,
           printed,
           read,
           is_present<member>,
           leave_out<member>,
-          fidelity,
-          at_gap};
+          fidelity};
 }
 template <const char* text>
 std::string always(const World&) {
@@ -297,34 +200,24 @@ constexpr char kWeight[] = "weight", kHertz[] = "Hertz", kStuck[] = "Hurtado-Kim
 
 constexpr std::array<TermInfo, kTerms> kTable = {
     row<&Laws::van_der_waals>(Term::van_der_waals, "van der Waals", true, read_van_der_waals,
-                              van_der_waals_fidelity, van_der_waals_at_gap),
+                              van_der_waals_fidelity),
     row<&Laws::electrostatic>(Term::electrostatic, "electrostatic", true, read_electrostatic,
-                              electrostatic_fidelity, electrostatic_at_gap),
-    row<&Laws::gravity>(Term::gravity, "gravity", true, read_gravity, always<kWeight>,
-                        gravity_at_gap),
-    row<&Laws::capillary>(Term::capillary, "capillary", true, read_capillary, capillary_fidelity,
-                          capillary_at_gap),
-    row<&Laws::adhesion>(Term::adhesion, "adhesion", true, read_adhesion, adhesion_fidelity,
-                         adhesion_at_gap),
-    row<&Laws::wall>(Term::wall, "wall", true, nullptr, always<kHertz>, wall_at_gap),
-    row<&Laws::friction>(Term::friction, "friction", true, read_friction, always<kStuck>,
-                         friction_at_gap),
-    row<&Laws::drag>(Term::drag, "drag", false, read_drag, always<kBearing>, drag_at_gap),
-    row<&Laws::meniscus>(Term::meniscus, "meniscus", false, read_meniscus, always<kClosed>,
-                         meniscus_at_gap),
-    row<&Laws::flow>(Term::flow, "flow ahead", false, read_flow, flow_fidelity, flow_at_gap),
-    row<&Laws::particle>(Term::particle, "particle", false, read_particle, always<kHertz>,
-                         particle_at_gap),
+                              electrostatic_fidelity),
+    row<&Laws::gravity>(Term::gravity, "gravity", true, read_gravity, always<kWeight>),
+    row<&Laws::capillary>(Term::capillary, "capillary", true, read_capillary, capillary_fidelity),
+    row<&Laws::adhesion>(Term::adhesion, "adhesion", true, read_adhesion, adhesion_fidelity),
+    row<&Laws::wall>(Term::wall, "wall", true, nullptr, always<kHertz>),
+    row<&Laws::friction>(Term::friction, "friction", true, read_friction, always<kStuck>),
+    row<&Laws::drag>(Term::drag, "drag", false, read_drag, always<kBearing>),
+    row<&Laws::meniscus>(Term::meniscus, "meniscus", false, read_meniscus, always<kClosed>),
+    row<&Laws::flow>(Term::flow, "flow ahead", false, read_flow, flow_fidelity),
+    row<&Laws::particle>(Term::particle, "particle", false, read_particle, always<kHertz>),
 };
 
 }  // namespace
 
 const TermInfo& info(Term term) noexcept {
   return kTable[static_cast<std::size_t>(term)];
-}
-
-double squeeze_at_gap(const World& world, const Posture& posture) {
-  return drag_coefficients(world, posture).radial * posture.speed;
 }
 
 }  // namespace ferrule

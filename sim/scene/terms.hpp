@@ -4,9 +4,8 @@
 
 #include <string>
 
-#include "sim/gap_forces.hpp"
-#include "sim/scene/json_fields.hpp"
-#include "sim/world.hpp"
+#include "sim/base/json_fields.hpp"
+#include "sim/model/world.hpp"
 
 namespace ferrule {
 
@@ -20,13 +19,8 @@ struct TermInfo {
   bool (*present)(const Laws& laws) noexcept;
   void (*leave_out)(Laws& laws) noexcept;
   std::string (*fidelity)(const World& world);  // how it is computed, of a world that has it
-  // Its force at a gap, as in GapForces [N], of a world that has it.
-  double (*at_gap)(const World& world, const Posture& posture);
 };
 
 const TermInfo& info(Term term) noexcept;
-
-// What drag has besides: the force of the film between fibre and near wall [N].
-double squeeze_at_gap(const World& world, const Posture& posture);
 
 }  // namespace ferrule

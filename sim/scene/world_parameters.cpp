@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-#include "sim/curl.hpp"
-#include "sim/elementary.hpp"
+#include "sim/base/elementary.hpp"
+#include "sim/base/units.hpp"
+#include "sim/geometry/curl.hpp"
 #include "sim/laws/corrected_range.hpp"
-#include "sim/scene/units.hpp"
 
 namespace ferrule {
 namespace {

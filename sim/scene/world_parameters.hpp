@@ -4,7 +4,7 @@
 #include <optional>
 #include <variant>
 
-#include "sim/world.hpp"
+#include "sim/model/world.hpp"
 
 namespace ferrule {
 
@@ -36,7 +36,7 @@ struct FerruleParameters {
   std::optional<double> ovality_um, ovality_direction_deg;
 };
 
-// The rigid hand of the paper, or an elastic fibre in a gripper (sim/holder.hpp).
+// The rigid hand of the paper, or an elastic fibre in a gripper (sim/model/holder.hpp).
 struct RigidHand {
   double stiffness_N_m, tilt_stiffness_N_m_rad;
 };
@@ -63,13 +63,13 @@ inline constexpr double kUsualTangent = 1e-5;
 double usual_tangent_tip(const WorldParameters& p) noexcept;
 
 // The largest ovality of a bore, of what it is wider than the fibre: q < c/3, so that the clearance
-// is convex (sim/oval_bore.hpp).
+// is convex (sim/geometry/oval_bore.hpp).
 inline constexpr double kMostOval = 0.6;
 
 // Length of fibre between its end and what holds it [m].
 double free_length(const WorldParameters& parameters) noexcept;
 
-// What its curl does to a fibre that is free of load (sim/curl.hpp).
+// What its curl does to a fibre that is free of load (sim/geometry/curl.hpp).
 struct FreeCurl {
   double aside;  // of its end [m]
   double tilt;   // [rad]

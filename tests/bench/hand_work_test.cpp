@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {

@@ -4,8 +4,8 @@
 
 #include "controller/statistics.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"

@@ -1,7 +1,7 @@
 #include "controller/admittance_law.hpp"
 
 #include "controller/law.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

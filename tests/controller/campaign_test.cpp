@@ -4,7 +4,7 @@
 
 #include "capture/episode.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/controller/law.hpp"
 #include "tests/episodes.hpp"

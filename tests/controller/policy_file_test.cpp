@@ -1,7 +1,7 @@
 #include "controller/policy_file.hpp"
 
 #include "controller/controller_file.hpp"
-#include "sim/content_hash.hpp"
+#include "sim/base/content_hash.hpp"
 #include "tests/compare.hpp"
 #include "tests/policies.hpp"
 #include "tests/refusal.hpp"

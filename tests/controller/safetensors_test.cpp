@@ -5,8 +5,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "sim/error.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/error.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule {
 namespace {

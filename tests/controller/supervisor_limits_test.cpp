@@ -1,8 +1,8 @@
 // A supervisor keeps its limits whatever is commanded and observed.
 #include "controller/supervisor.hpp"
 #include "insertion/watch.hpp"
+#include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/demo_limits.hpp"
 

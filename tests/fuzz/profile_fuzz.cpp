@@ -1,5 +1,5 @@
 #include "haptic/device_profile.hpp"
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 #include "tests/fuzz/from.hpp"
 
 namespace ferrule::fuzz {

@@ -1,6 +1,6 @@
 #include "haptic/force_guard.hpp"
 
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/haptic/sample_period.hpp"
 

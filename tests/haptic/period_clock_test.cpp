@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "haptic/real_time.hpp"
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 #include "tests/allocations.hpp"
 #include "tests/compare.hpp"
 

@@ -7,8 +7,8 @@
 #include "haptic/virtual_coupling.hpp"
 #include "insertion/rendering.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "sim/held_stiffness.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/held_stiffness.hpp"
+#include "sim/solver/step.hpp"
 #include "tests/compare.hpp"
 #include "tests/hand_and_device.hpp"
 #include "tests/scenes.hpp"
@@ -42,8 +42,8 @@ struct Ends {
 };
 
 // A spring K with a damper B, pulled out and let go; with or without the passivity controller.
-Ends let_go(const DeviceProfile& d, double K, double B, double seconds, bool controlled = false,
-            double* damping = nullptr) {
+Ends drop_opened(const DeviceProfile& d, double K, double B, double seconds,
+                 bool controlled = false, double* damping = nullptr) {
   HandAndDevice hand(d);
   hand.x = 1e-3;
   PassivityController passivity(d.period, 0.5 * d.mass / d.period);
@@ -117,7 +117,7 @@ TEST(Stability, AGainMovesTheBoundsWithIt) {
       DeviceProfile d = device(gain * K, 1e-3, 1, 0);
       d.damping = share * damping_needed(d, gain * K);
       EXPECT_EQ(damping_needed(at_gain(d, gain), K) < at_gain(d, gain).damping, share > 1);
-      const Ends ends = let_go(d, gain * K, 0, 60 * d.mass / d.damping);
+      const Ends ends = drop_opened(d, gain * K, 0, 60 * d.mass / d.damping);
       EXPECT_EQ(ends.last<0.2 * ends.first, share> 1);
       d.resolution = 30e-6;
       d.coulomb = 0.04;
@@ -152,7 +152,7 @@ void fades_above_and_grows_below(const Wall& wall, double B, double margin, doub
   const double K = wall.K, bound = damping_needed(of_damping(0), K, B);
   const auto ends = [&](double share) {
     const DeviceProfile d = of_damping(share * bound);
-    return let_go(d, K, B, decays * d.mass / bound);
+    return drop_opened(d, K, B, decays * d.mass / bound);
   };
   const Ends above = ends(1 + margin), below = ends(1 - margin);
   EXPECT_LT(above.last, 0.2 * above.first);
@@ -176,13 +176,13 @@ TEST_P(StabilityOfAWall, PassivityControllerBoundsTheEnergyOnBothSides) {
   const double bound = damping_needed(device(K, period, delay, 0), K);
   double damping = 0;
   const DeviceProfile enough = device(K, period, delay, 1.5 * bound);
-  const Ends calm = let_go(enough, K, 0, 60 * enough.mass / bound, true, &damping);
+  const Ends calm = drop_opened(enough, K, 0, 60 * enough.mass / bound, true, &damping);
   EXPECT_LT(calm.last, 0.2 * calm.first);
   const DeviceProfile little = device(K, period, delay, 0.3 * bound);
   const double seconds = 60 * little.mass / bound;
-  EXPECT_GT(let_go(little, K, 0, seconds).last, 1e6 * calm.first);
+  EXPECT_GT(drop_opened(little, K, 0, seconds).last, 1e6 * calm.first);
   damping = 0;
-  const Ends kept = let_go(little, K, 0, seconds, true, &damping);
+  const Ends kept = drop_opened(little, K, 0, seconds, true, &damping);
   EXPECT_GT(damping, 0);
   EXPECT_LT(kept.most, 2 * calm.first);
   EXPECT_LT(kept.last, kept.first);

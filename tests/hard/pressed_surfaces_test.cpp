@@ -3,9 +3,9 @@
 // until it is swallowed.
 #include <gtest/gtest.h>
 
-#include "sim/contact_depth.hpp"
+#include "sim/geometry/contact_depth.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {
@@ -55,8 +55,8 @@ TEST(PressedSurfaces, PullTheFibreInByTheEnergyOfTheOverlapAtMost) {
         // is on its way, as the energy of the overlap allows.
         const double most = r.status == StepStatus::ok ? 1.01 : 2.02;
         ASSERT_GE(state.tip[0], hand[0] - most * reach - 1e-8) << laws << " step " << n;
-        const auto depths =
-            contact_depths(scene.world, contact_side(scene.world, state), state.tip);
+        const auto depths = contact_depths(
+            scene.world, contact_side(scene.world, state.tip, state.side), state.tip);
         for (const ContactDepth& depth : depths) ASSERT_LT(depth.value, 50e-9) << laws;
       }
     }

@@ -8,7 +8,7 @@
 #include "bench/hand_work.hpp"
 #include "bench/random_scene.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 namespace {
@@ -33,7 +33,7 @@ void follow_closed_motion(std::uint64_t seed, std::uint64_t k, Motion motion, do
   for (const Pose& hand : commands(scene, state, motion, dt, seed, k, longest)) {
     work.move(state, hand);
     const StepResult r = step(world, state, hand, dt);
-    ASSERT_LE(r.evaluations, kMostEvaluations);
+    ASSERT_LE(r.evaluations, SolverParameters{}.max_evaluations);
     ASSERT_TRUE(to_row(r.state).allFinite() && r.forces.holder.allFinite());
     ASSERT_EQ(r.state.command, hand);
     state = r.state;

@@ -1,7 +1,7 @@
 #include "insertion/watch.hpp"
 
+#include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 
@@ -61,7 +61,7 @@ TEST(InsertionWatch, CountsTheStepsWithoutAMinimum) {
   StepResult result =
       step(scene.world, draw_start(scene, 1, 1), draw_start(scene, 1, 1).command, 1e-3);
   for (int n = 0; n < 30; ++n) {
-    result.status = n % 10 == 3   ? StepStatus::capped
+    result.status = n % 10 == 3   ? StepStatus::iteration_limit
                     : n % 10 == 7 ? StepStatus::not_converged
                                   : StepStatus::ok;
     watch.after(result);

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/scene/data_folder.hpp"
+#include "sim/base/data_folder.hpp"
 
 namespace ferrule {
 namespace {

@@ -1,7 +1,7 @@
 #include "learn/identify.hpp"
 
+#include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
-#include "sim/scene/random.hpp"
 #include "tests/compare.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"

@@ -2,7 +2,7 @@
 
 #include <boost/math/distributions/students_t.hpp>
 
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

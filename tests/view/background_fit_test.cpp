@@ -7,7 +7,7 @@
 
 #include <filesystem>
 
-#include "sim/scene/json_fields.hpp"
+#include "sim/base/json_fields.hpp"
 #include "tests/processes.hpp"
 #include "tests/temporary_folder.hpp"
 

@@ -10,7 +10,7 @@
 #include <chrono>
 #include <thread>
 
-#include "sim/error.hpp"
+#include "sim/base/error.hpp"
 #include "view/message.hpp"
 
 namespace ferrule {

@@ -1,6 +1,6 @@
 #include "sim/laws/adhesion.hpp"
 
-#include "sim/laws/printed/adhesion.hpp"
+#include "sim/laws/paper/adhesion.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

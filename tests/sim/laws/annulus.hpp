@@ -1,7 +1,7 @@
 // The gap between fibre and bore in Table I of the paper, for tests.
 #pragma once
 
-#include "sim/laws/annulus.hpp"
+#include "sim/geometry/annulus.hpp"
 
 namespace ferrule {
 

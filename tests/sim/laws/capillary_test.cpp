@@ -3,10 +3,10 @@
 #include <array>
 #include <numbers>
 
-#include "sim/laws/printed/capillary.hpp"
-#include "sim/scene/random.hpp"
-#include "sim/step.hpp"
-#include "sim/surface_forces.hpp"
+#include "sim/base/random.hpp"
+#include "sim/laws/paper/capillary.hpp"
+#include "sim/solver/step.hpp"
+#include "sim/terms/surface_forces.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 #include "tests/sim/laws/annulus.hpp"
@@ -319,7 +319,7 @@ TEST(Capillary, StepsOfATiltedFibreInLiquidFindTheirEnd) {
         hand[1] += 10e-9 * std::sin(0.01 * n);
         const StepResult r = step(world, state, hand, 1e-3);
         not_converged += r.status == StepStatus::not_converged;
-        capped += r.status == StepStatus::capped;
+        capped += r.status == StepStatus::iteration_limit;
         ruptures += state.bridge && !r.state.bridge;
         bridged += r.state.bridge;
         state = r.state;

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 #include "tests/sim/laws/annulus.hpp"

@@ -1,6 +1,6 @@
 #include "sim/laws/electrostatic.hpp"
 
-#include "sim/laws/printed/electrostatic.hpp"
+#include "sim/laws/paper/electrostatic.hpp"
 #include "tests/compare.hpp"
 #include "tests/sim/laws/annulus.hpp"
 

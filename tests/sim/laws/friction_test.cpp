@@ -1,7 +1,7 @@
 #include "sim/laws/friction.hpp"
 
 #include "sim/laws/adhesion.hpp"
-#include "sim/laws/printed/adhesion.hpp"
+#include "sim/laws/paper/adhesion.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

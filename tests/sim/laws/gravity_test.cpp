@@ -1,6 +1,6 @@
 #include "sim/laws/gravity.hpp"
 
-#include "sim/laws/printed/gravity.hpp"
+#include "sim/laws/paper/gravity.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

@@ -1,6 +1,6 @@
 #include "sim/laws/maugis.hpp"
 
-#include "sim/error.hpp"
+#include "sim/base/error.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

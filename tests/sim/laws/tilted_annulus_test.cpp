@@ -1,6 +1,6 @@
 #include "sim/laws/tilted_annulus.hpp"
 
-#include "sim/scene/random.hpp"
+#include "sim/base/random.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {

@@ -1,6 +1,6 @@
 #include "sim/laws/van_der_waals.hpp"
 
-#include "sim/laws/printed/van_der_waals.hpp"
+#include "sim/laws/paper/van_der_waals.hpp"
 #include "tests/compare.hpp"
 #include "tests/sim/laws/annulus.hpp"
 

@@ -1,7 +1,7 @@
 #include "sim/scene/scene.hpp"
 
 #include "sim/scene/draw.hpp"
-#include "sim/step.hpp"
+#include "sim/solver/step.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"
 

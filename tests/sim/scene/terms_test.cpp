@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <set>
 
-#include "sim/step.hpp"
+#include "sim/analysis/gap_forces.hpp"
+#include "sim/solver/step.hpp"
 #include "tests/scenes.hpp"
 
 namespace ferrule {

@@ -1,0 +1,79 @@
+// What a plan measures models against: the full one along its probes.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "sim/analysis/plan.hpp"
+#include "sim/analysis/probe.hpp"
+#include "sim/analysis/sampled_run.hpp"
+#include "sim/laws/particle.hpp"
+#include "sim/scene/scene.hpp"
+
+namespace ferrule {
+
+inline constexpr std::size_t kResampled = 2;       // probes that are sampled twice as finely
+inline constexpr std::size_t kProbesForSteps = 4;  // along which steps are compared: one of a kind
+
+// The runs of a plan, which may be stopped.
+struct Runs {
+  const PlanProgress& go_on;
+  std::size_t most, done = 0;
+  bool stopped = false;
+
+  // Before each; false: no more.
+  bool next() {
+    stopped = stopped || (go_on && !go_on(done++, most));
+    return !stopped;
+  }
+};
+
+// The full model along its probes: what every reduced one is measured against.
+struct Reference {
+  Scene scene;
+  Runs& watch;
+  std::vector<Probe> probes;
+  std::vector<SampledRun> runs;  // of each probe
+  std::vector<State> inside;     // some of their states with the end in the bore
+  struct Extreme {
+    double force = 0;  // the largest [N]
+    State where;
+  };
+  std::array<Extreme, kTerms> extremes;
+  double compliance;                          // of the holder [m/N]
+  double clearance;                           // [m]
+  double force_scale = INFINITY;              // what force errors are relative to [N]
+  bool sticks = false;                        // or snaps
+  std::vector<std::vector<State>> stretches;  // of each probe, where they begin
+  double step_error = 0;                      // of its own step, where that was chosen [-]
+
+  Reference(Scene full, Runs& watched);
+  const Extreme& extreme(Term term) const { return extremes[static_cast<std::size_t>(term)]; }
+  // What a missing force [N] can change: the felt force, and where the end is [-].
+  double changes(double force) const {
+    return force * std::max(1 / force_scale, compliance / clearance);
+  }
+  // What leaving a term out changes at most. A particle is not where the probes are: it lifts the
+  // end by its height.
+  double changes_without(Term term) const {
+    const std::optional<Particle>& particle = scene.parameters.laws.particle;
+    return changes(term == Term::particle && particle ? unusual_height(*particle) / compliance
+                                                      : extreme(term).force);
+  }
+  // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
+  // that was not run to its end.
+  double error(const World& reduced, double enough) const;
+  // What all but a few of the steps of a reduced model miss those by that `full` makes from the
+  // same states.
+  double error_of_steps(const World& reduced, const World& full) const;
+  // What all but a few short stretches miss those by that begin in the same states and are taken
+  // in much finer steps.
+  double error_of_stretches() const;
+  // By how much the full model ends elsewhere where the hand is sampled twice as finely.
+  double sampled_twice() const;
+};
+
+}  // namespace ferrule

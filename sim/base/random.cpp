@@ -1,0 +1,34 @@
+#include "sim/base/random.hpp"
+
+#include <Random123/philox.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/base/elementary.hpp"
+
+namespace ferrule {
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) noexcept
+    : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
+      counter_{0, static_cast<std::uint32_t>(draw), static_cast<std::uint32_t>(trial),
+               static_cast<std::uint32_t>(trial >> 32)} {}
+
+std::uint64_t RandomStream::bits() noexcept {
+  const r123::Philox4x32::ctr_type counter{{counter_[0], counter_[1], counter_[2], counter_[3]}};
+  const r123::Philox4x32::key_type key{{key_[0], key_[1]}};
+  const auto block = r123::Philox4x32()(counter, key);
+  ++counter_[0];
+  return (static_cast<std::uint64_t>(block[1]) << 32) | block[0];
+}
+
+double RandomStream::uniform() noexcept {
+  return (static_cast<double>(bits() >> 11) + 0.5) * 0x1p-53;
+}
+
+double RandomStream::normal() noexcept {
+  const double radius = std::sqrt(-2 * elementary::log(uniform()));
+  return radius * elementary::cos(2 * std::numbers::pi * uniform());
+}
+
+}  // namespace ferrule

@@ -1,0 +1,22 @@
+// JSON files that ship with the program, in folders of their own (sim/base/data_folder.hpp).
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace ferrule {
+
+struct ShippedFiles {
+  const char* folder;
+  const char *file, *one;  // what messages call any such file, and one that ships
+
+  // A file, or the bare name of one that ships. Throws FileTrouble if neither is there.
+  std::string find(const std::string& name_or_file) const;
+  // Sorted; schemas are not among them.
+  std::vector<std::string> names() const;
+
+ private:
+  std::string place() const;
+};
+
+}  // namespace ferrule

@@ -1,0 +1,126 @@
+#include "sim/solver/predictor.hpp"
+
+#include <cmath>
+
+#include "sim/solver/friction_coupling.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr int kBisections = 8;  // of the move to where a contact begins
+
+// Is friction after a move what it was taken to be: sticking, or sliding on?
+bool friction_agrees(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
+                     const FrozenCoefficients& after, const PoseVector& tip,
+                     const PoseVector& move) noexcept {
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = before[at];
+    if (!friction.acts) continue;
+    const Vector3d now = elastic_slip(world, after, static_cast<int>(at), tip);
+    const Vector3d next = now + elastic_slip_by(world, after, static_cast<int>(at), move);
+    const double length = now.norm(), next_length = next.norm();
+    const bool slid = friction.stiffness * length > kSlidingOn * friction.limit;
+    if (slid != after.friction[at].slides(next)) return false;
+    if (slid && next.dot(now) < (1 - 0.5 * kLinearTurn * kLinearTurn) * length * next_length)
+      return false;
+  }
+  return true;
+}
+
+// A Newton step and what the friction limits change along it; the whole move, if there is one.
+// Limit and depth may hold each other in check within far less than either alone would change: to
+// first order they change together from where the step begins.
+std::optional<PoseVector> predict_with_friction(const World& world, const Energy& start,
+                                                const PoseVector& tip, FrozenCoefficients& frozen,
+                                                std::optional<NewtonStep>& newton) noexcept {
+  const auto first = frozen.friction;
+  newton.emplace(world, frozen, start, tip, 1, Pivots::as_they_are, true);
+  auto move = FrictionCoupling(world, frozen, tip, kSlidingOn).newton_step(*newton, frozen);
+  if (move && friction_agrees(world, first, frozen, tip, *move)) return move;
+  frozen.friction = first;
+  newton.emplace(world, frozen, start, tip);
+  if (!newton->convex) return std::nullopt;
+  return FrictionCoupling(world, frozen, retract(world, frozen, tip, newton->move), 1)
+      .newton_step(*newton, frozen);
+}
+
+}  // namespace
+
+Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
+  Prediction end;
+  end.tip = state.tip;
+  end.reason = "no linearization: the search begins where the sub-step does";
+  if (!state.linearization || state.linearization->at != state.tip) return end;
+  const Linearization& bore = *state.linearization;
+  Energy start = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
+  start.gradient += bore.curvature;
+  std::optional<NewtonStep> newton;
+  end.reason = "no prediction: the stiffness is not positive";
+  if (frozen.has_friction()) {
+    const auto move = predict_with_friction(world, start, end.tip, frozen, newton);
+    if (!move) return end;
+    end.move = *move;
+  } else {
+    newton.emplace(world, frozen, start, end.tip, 1);
+    if (!newton->convex) return end;
+    end.move = newton->move;
+  }
+  const double length = length_of(world, frozen, end.move);
+  const double radius = world.numerics.solver.predictor_trust_radius * world.annulus.clearance();
+  end.reason = "no prediction: beyond the trust radius";
+  if (!(length >= kResolution && length <= radius)) return end;
+  end.factors = newton->factors;
+  end.slope = std::abs(end.move.dot(newton->model.gradient));
+  end.tip = retract(world, frozen, state.tip, end.move);
+  end.valid = true;
+  end.reason = "predicted";
+  return end;
+}
+
+bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
+             const PoseVector& curvature, Iterate& iterate) noexcept {
+  const Potential& potential = iterate.potential;
+  if (!(std::abs(end.move.dot(potential.gradient)) <=
+        world.numerics.solver.predictor_slope * end.slope))
+    return false;
+  iterate.iterations = 1;
+  iterate.curvature = curvature;
+  iterate.curvature += potential.gradient;
+  if (residual(world, potential.gradient) <= kNearForce * potential.force_scale)
+    final_newton_step(world, frozen, end.factors.solve(potential.gradient), iterate);
+  return true;
+}
+
+double stiffness_determinant(const World& world, const State& state) noexcept {
+  if (!state.linearization || state.linearization->at != state.tip) return NAN;
+  const PoseVector tip(state.tip);
+  const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
+  const Linearization& bore = *state.linearization;
+  const NewtonStep newton(world, frozen, without_friction(frozen, tip, bore.gradient, bore.hessian),
+                          tip, 1, Pivots::as_they_are, true);
+  return FrictionCoupling(world, frozen, tip, kSlidingOn).determinant(newton);
+}
+
+double contact_onset(const World& world, const State& before, const Prediction& end,
+                     const Potential& potential) noexcept {
+  double first = 1;
+  for (std::size_t place = 0; place < kContactPlaces; ++place) {
+    const ContactDepth& depth = potential.depth[place];
+    const ContactState& was = before.contact[place];
+    if (was.closed || was.branch != 0 || depth.value == -INFINITY) continue;
+    const double deeper = depth.by_pose(end.tip.t).dot(end.move);
+    const auto touches = [&](double part) {
+      const double d = depth.value - (1 - part) * deeper;
+      return d > 0 || adhesion_force(world.laws, d, 0).branch != 0;
+    };
+    if (!touches(first)) continue;
+    double low = 0;
+    for (int n = 0; n < kBisections; ++n) {
+      const double middle = 0.5 * (low + first);
+      (touches(middle) ? first : low) = middle;
+    }
+  }
+  return first < 1 ? first : NAN;
+}
+
+}  // namespace ferrule
