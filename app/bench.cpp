@@ -547,29 +547,29 @@ void add_bench(CLI::App& app, Run& run) {
   auto a = std::make_shared<BenchArguments>();
   verb->add_option(
           "what", a->what,
-          "Nothing: laws, stepping, campaigns and controllers; hard: the hard cases; "
-          "capture: clearance means clearance; tail: the worst steps; events: the same "
-          "motions at ever finer steps; turns: the same about the axis, mirrored and gone on with; "
-          "peers: other engines in the same motion; "
-          "recording: what a row costs; parts: "
-          "success with curl, cleave, edge and the like; plans: whether planning pays; "
-          "sensors: success against noise and bias of the force sensor")
+          "Unless given: laws, stepping, campaigns and controllers; hard: the hard cases; capture: "
+          "from how far off the axis an end goes in; tail: the worst steps; events: the same "
+          "motions at ever finer steps; turns: the same turned about the axis, mirrored, and "
+          "continued from saved rows; peers: other engines in the same motion; recording: the cost "
+          "of a row; parts: success with curl, cleave, edge and the like; plans: planned against "
+          "full campaigns; sensors: success against noise and bias of the force sensor")
       ->check(one_of({"hard", "capture", "tail", "events", "turns", "peers", "recording", "parts",
                       "plans", "sensors"}));
-  add_seed(*verb, a->seed,
-           "Of the scenes, starts, motions and trials that tail, events, turns, parts, plans and "
-           "sensors draw");
+  add_seed(
+      *verb, a->seed,
+      "Seed of the scenes, starts, motions and trials of tail, events, turns, parts, plans and "
+      "sensors");
   verb->add_option("--scene", a->scene,
-                   "The scene of events, parts, plans and sensors; all that ship unless given")
+                   "Scene of events, parts, plans and sensors; all shipped ones unless given")
       ->type_name("SCENE");
   verb->add_option("--trials", a->trials,
-                   "Of every controller in every scene of parts, plans and sensors")
+                   "Trials of each controller in each scene of parts, plans and sensors")
       ->check(whole_number(1, 1000000))
       ->capture_default_str();
   verb->add_option(
           "--scenes", a->scenes,
-          "How many random scenes, and starts of shipped ones, tail, events and turns draw; "
-          "200, and 2 for events, unless given")
+          "Random scenes, and starts in shipped scenes, of tail, events and turns; 200, and 2 for "
+          "events, unless given")
       ->check(whole_number(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);

@@ -454,7 +454,7 @@ void print_by_seeds(const std::vector<BySeed>& all) {
     fmt::print("{:<26} {:>5} {:>31} {:>29}\n", name, inserted.size(), spread(inserted, 1),
                spread(time, 2));
   }
-  fmt::print("demonstrations recorded anew and fits drawn anew by each seed; the same trials\n");
+  fmt::print("each seed records the demonstrations and fits again; the trials are the same\n");
 }
 
 void print_learning(const std::vector<Learning>& learning) {
@@ -673,7 +673,7 @@ void add_compare(CLI::App& app, Run& run) {
       ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the episodes");
   add_other_scaling(*verb, a->other_scaling);
-  verb->add_option("--trials", a->trials, "How many, for each")
+  verb->add_option("--trials", a->trials, "Trials of each controller")
       ->capture_default_str()
       ->check(whole_number(1, 100000000));
   verb->add_option("--demonstrations", a->demonstrations,
@@ -692,18 +692,20 @@ void add_compare(CLI::App& app, Run& run) {
       ->check(number_between(0, 1));
   add_seed(*verb, a->seed, "Seed of the trials");
   add_seed(*verb, a->fit_seed, "Seed of the fits", "--fit-seed");
-  add_seeds(*verb, a->seeds,
-            "Record the simulated demonstrations anew and fit anew with each: how much a learner "
-            "owes to chance");
+  add_seeds(
+      *verb, a->seeds,
+      "Record the simulated demonstrations and fit again with each of these seeds: the spread "
+      "of the success");
   add_threads(*verb, a->threads);
   a->policy.add_to(*verb);
   verb->add_option(
           "--plot", a->plot,
-          "Folder for plots: success against misalignment and number "
-          "of demonstrations, maps of where each fails; and a report with all of them, the "
-          "trials that failed to watch, and which force acted when")
+          "Folder for plots: success against misalignment and number of demonstrations, maps of "
+          "failures, and a report with all of them, with failed trials to watch, and which force "
+          "acted when")
       ->type_name("DIR");
-  verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
+  verb->add_option("--trials-out", a->trials_out,
+                   "Write one line per controller and trial to a file")
       ->type_name("FILE.csv");
   add_output(*verb, a->output);
   add_examples(*verb, {"compare episodes --trials 200 --learners linear,insertion",

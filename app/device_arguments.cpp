@@ -12,16 +12,17 @@ CLI::Option* add_device(CLI::App& verb, DeviceArguments& a, const std::string& h
   auto* device =
       verb.add_option("--device", a.device, help)->type_name("auto|PATH|" + fake_names("|"));
   verb.add_option("--profile", a.profile,
-                  "What a device with force can do: a profile, or the name of one that ships "
-                  "(haptic/README.md); a pen where it is not said")
+                  "Profile of a device with force: a file, or the name of a shipped one "
+                  "(haptic/README.md); pen unless given")
       ->needs(device)
       ->type_name("NAME|FILE");
-  verb.add_flag("--coupled", a.coupled,
-                "Hold the fibre through a virtual coupling: softer contacts, and stable with every "
-                "scene")
+  verb.add_flag(
+          "--coupled", a.coupled,
+          "Hold the fibre through a virtual coupling: contacts feel softer, and every scene is "
+          "stable")
       ->needs(device);
   verb.add_option("--gain", a.gain,
-                  "How far or fast the device moves the hand, of the usual (haptic/README.md)")
+                  "Factor on how far or fast the device moves the hand (haptic/README.md)")
       ->capture_default_str()
       ->needs(device)
       ->check(number_between(0.01, 100));
@@ -30,13 +31,13 @@ CLI::Option* add_device(CLI::App& verb, DeviceArguments& a, const std::string& h
 
 CLI::Option* add_trainee(CLI::App& verb, std::string& trainee) {
   return verb.add_option("--trainee,--person", trainee,
-                         "Name of who inserts: it is kept in the episodes, and score sets nobody's "
-                         "against another's unless asked to");
+                         "Name of the person who inserts; the episodes store it, and score keeps "
+                         "persons apart");
 }
 
 CLI::Option* add_go_on(CLI::App& verb, bool& goes_on) {
   return verb.add_flag("--go-on-after-goal", goes_on,
-                       "Record on after the success depth is reached, until the person stops");
+                       "Continue after the success depth, until the person stops");
 }
 
 std::string person_at(const std::string& trainee, const std::string& device) {
@@ -54,7 +55,7 @@ HandSettings hand_settings(const DeviceArguments& a, const OpenDevice& device, c
   }
   settings.profile = at_gain(load_device_profile(a.profile.empty() ? "pen" : a.profile), a.gain);
   if (!device.fake && a.profile.empty())
-    fmt::print(stderr, "note: no --profile: the device is taken to be a {}\n",
+    fmt::print(stderr, "note: no --profile: the device is assumed to be a {}\n",
                settings.profile.name);
   const double step = force->step(device.transport->info(), device_range(scene, a.gain).reach);
   settings.profile.resolution = std::max(settings.profile.resolution, step);

@@ -41,8 +41,8 @@ int list_verb(const DevicesArguments& a) {
                d.driver ? d.driver->name : "-", state_name(d), printable(d.info.name, 100));
     if (d.forbidden())
       fmt::print(
-          "  found, but not permitted; this udev rule lets whoever sits at the machine open it:\n"
-          "    {}\n  once, and then plug it in again:\n    {}\n",
+          "  found, but not permitted; this udev rule lets the person at the machine open it:\n"
+          "    {}\n  install it once, then plug the device in again:\n    {}\n",
           udev_rule(d.info), udev_command(d.info));
     if (!d.missing.empty()) fmt::print("  cannot be used: {}\n", d.missing);
     if (d.never) fmt::print("  {}: left alone\n", d.never);
@@ -96,7 +96,7 @@ Test begun(const std::string& wanted) {
 
 void introduce(const Test& t) {
   fmt::print("{}; Ctrl-C ends this\n", t.name);
-  if (t.device.fake) fmt::print("this device is simulated: nobody's hand is on it\n");
+  if (t.device.fake) fmt::print("this device is simulated, and so is the hand on it\n");
   if (t.device.driver->force)
     fmt::print("hold it: it pushes with {:.0f} % of its force, along X and Y in turn\n",
                100 * kPush);

@@ -200,12 +200,11 @@ void add_doctor(CLI::App& app, Run& run) {
       "doctor", "Can a scene be felt on a device: stability, loop rate, permissions");
   auto a = std::make_shared<DoctorArguments>();
   a->scene.add_to(*verb);
-  verb->add_option("--device", a->device, "Device profile, or the name of one that ships")
+  verb->add_option("--device", a->device, "Device profile: a file, or the name of a shipped one")
       ->capture_default_str()
       ->type_name("NAME|FILE");
   verb->add_option("--gain", a->gain,
-                   "How far the device moves the hand, of the usual, as in record "
-                   "(haptic/README.md)")
+                   "Factor on how far the device moves the hand, as in record (haptic/README.md)")
       ->capture_default_str()
       ->check(number_between(0.01, 100));
   verb->add_option("--seconds", a->seconds, "How long the loop is measured")

@@ -216,10 +216,10 @@ void add_evaluate(CLI::App& app, Run& run) {
                  "Put a supervisor around every controller: limits, retreat and retry");
   verb->add_option(
           "--report", a->report,
-          "A page with the map of the trials, on which those that failed can be watched, and "
-          "which force acted when")
+          "Write a page with a map of the trials, failed ones to watch, and which force acted when")
       ->type_name("FILE.html");
-  verb->add_option("--trials-out", a->trials_out, "A file for every trial, one line each")
+  verb->add_option("--trials-out", a->trials_out,
+                   "Write one line per controller and trial to a file")
       ->type_name("FILE.csv");
   add_output(*verb, a->output);
   add_examples(*verb,

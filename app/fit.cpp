@@ -227,12 +227,12 @@ void add_fit(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(one_of(methods()));
   for (const Learner& learner : learners()) add_options(*verb, learner, a->options);
-  add_plot(*verb, a->plot, "The law over the data; with torch: the training curve");
+  add_plot(*verb, a->plot, "Draw the law over the data; with torch: the training curve");
   verb->add_option("--out", a->out, "Controller file")->required()->type_name("FILE.json");
   add_seed(*verb, a->seed, "Seed of the split into training and held-out episodes");
   add_seeds(*verb, a->seeds,
-            "Fit with each of these too, and say how far results and gains spread; the file is of "
-            "--seed");
+            "Fit with each of these seeds too, and print the spread of results and gains; the file "
+            "is that of --seed");
   add_output(*verb, a->output);
   add_examples(*verb,
                {"fit episodes --out controller.json",

@@ -237,9 +237,8 @@ void add_forces(CLI::App& app, Run& run) {
                    "Angle between the axes; the gap is the smallest then")
       ->capture_default_str()
       ->check(number_between(0, 100));
-  verb->add_option(
-          "--speed-um-s", a->speed_um_s,
-          "Speed that drag and flow are given for: along the bore, and towards the wall (squeeze)")
+  verb->add_option("--speed-um-s", a->speed_um_s,
+                   "Speed for drag and flow: along the bore, and towards the wall (squeeze)")
       ->capture_default_str()
       ->check(number_between(0, 1e9));
   add_output(*verb, a->output);

@@ -16,11 +16,11 @@ void PolicyArguments::add_to(CLI::App& verb) {
   verb.add_option("--policy", command,
                   "A program that answers observations, a line of JSON each (controller/README.md)")
       ->type_name("COMMAND");
-  verb.add_option("--policy-hz", hz, "How often it, or TorchScript, is asked a second")
+  verb.add_option("--policy-hz", hz, "How many times a second it, or TorchScript, is asked")
       ->capture_default_str()
       ->check(number_between(1, 1000));
   verb.add_option("--policy-timeout", timeout,
-                  "What either may take for an answer [s], six times that to begin with")
+                  "Longest time for one answer of either [s]; six times that at a reset")
       ->capture_default_str()
       ->check(number_between(1e-3, 3600));
 }

@@ -92,7 +92,7 @@ std::string remark(const Identification& found, std::size_t i) {
                        p.highest);
   Eigen::RowVectorXd others = found.correlation.row(static_cast<Eigen::Index>(i)).cwiseAbs();
   others[static_cast<Eigen::Index>(i)] = 0;
-  return others.maxCoeff() > kNoted ? "  another can stand for it"
+  return others.maxCoeff() > kNoted ? "  another parameter can replace it"
                                     : "  the recordings tell nothing about it";
 }
 

@@ -57,8 +57,8 @@ std::string ringing(const Plan& plan, bool inertia_kept) {
     return fmt::format("A snap rings for {:.2g} s until it is within the tolerance{}.\n",
                        plan.rings, inertia_kept ? "" : ", which is in the bound");
   return inertia_kept ? ""
-                      : "Inertia: as the hand moves; how a fibre rings after a snap is not looked "
-                        "at.\n";
+                      : "Inertia: as the hand moves; the bound does not cover how a fibre rings "
+                        "after a snap.\n";
 }
 
 void print(const Plan& plan, const std::vector<double>& costs) {

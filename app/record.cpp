@@ -248,7 +248,7 @@ int record_verb(const RecordArguments& a) {
     if (const auto late = time_limit_note(all.timeouts, all.kept - all.inserted); !late.empty())
       fmt::print("{}\n", late);
     if (all.infeasible > 0)
-      fmt::print("{} drawn pairs of parts interfered and were put aside\n", all.infeasible);
+      fmt::print("{} drawn pairs of parts interfered and were skipped\n", all.infeasible);
     fmt::print("{}", provenance.foot());
   }
   print_result(a.output,
@@ -319,8 +319,8 @@ void add_record(CLI::App& app, Run& run) {
                      ->capture_default_str()
                      ->type_name("simulated|FILE");
   auto* device = add_device(*verb, a->device,
-                            "Hold the fibre yourself, with the first usable device or that of a "
-                            "path; or try it with a simulated hand on a fake one");
+                            "Hold the fibre with a device: the first usable one, one by its path, "
+                            "or a fake one that a simulated hand moves");
   device->excludes(person);
   verb->add_option("--skill", a->skill, "Skill of the simulated operator")
       ->capture_default_str()

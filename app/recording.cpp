@@ -43,7 +43,7 @@ std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettin
         episode_name(place.claim.number()) + ": space starts it, q ends the recording";
     // What the device reports meanwhile is not of this episode.
     if (keys.ask(question, " q", [&] { put_aside(device); }) != ' ') return nullptr;
-    fmt::print(stderr, "it runs: space ends it, d discards it\n");
+    fmt::print(stderr, "recording: space ends it, d discards it\n");
   }
   return hand_on(device, settings, scene, start);
 }
@@ -136,7 +136,8 @@ std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSetti
   hand.reset();  // disables the motors before anything is asked
   status.reset();
   if (feedback && feedback->stage() == ForceGuard::Stage::waiting)
-    fmt::print(stderr, "note: no force was given: it was never small enough to begin with\n");
+    fmt::print(stderr,
+               "note: the device rendered no force: the force was never small enough to begin\n");
   Recorded recorded{{}, end, info.period, timing};
   recorder.flush();
   recorded.discarded = discard;

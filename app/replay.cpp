@@ -22,6 +22,7 @@ struct ReplayArguments {
   std::string path, plot;
   double tolerance = 0;
   bool verify = false;
+  std::optional<double> trace;  // the time of a step [s]
   Output output;
 };
 
@@ -178,8 +179,62 @@ void print(const ReplayArguments& a, const Replayed& r) {
   if (a.verify) fmt::print("{}\n", verdict(r.compared, r.episode));
 }
 
+constexpr std::array<const char*, 4> kStatusNames = {"ok", "not converged", "bad command",
+                                                     "iteration limit"};
+
+TracedStep traced_step(const Episode& episode, double time) {
+  const Eigen::VectorXd times = episode.rows.col(kTime.begin);
+  if (!(time >= 0 && time <= times[times.size() - 1] + 0.5 * episode.info.period))
+    throw BadInput(
+        fmt::format("--trace {:g}: the episode ends at {:.3f} s", time, times[times.size() - 1]));
+  Eigen::Index n = 0;
+  (times.array() - time).abs().minCoeff(&n);
+  return trace_step(episode, n);
+}
+
+Json trace_json(const TracedStep& traced) {
+  Json entries = Json::array();
+  for (const TraceEntry& e : traced.trace.entries())
+    entries.push_back({{"part", e.part},
+                       {"stage", kStageNames[static_cast<std::size_t>(e.stage)]},
+                       {"decision", e.decision},
+                       {"evaluations", e.evaluations},
+                       {"residual", number_or_null(e.residual)},
+                       {"move_clearances", number_or_null(e.move)}});
+  const StepResult& r = traced.result;
+  return {{"from_s", traced.before.time},
+          {"to_s", r.state.time},
+          {"status", kStatusNames[static_cast<std::size_t>(r.status)]},
+          {"evaluations", r.evaluations},
+          {"substeps", r.substeps},
+          {"rejected", r.rejected},
+          {"stages", entries}};
+}
+
+void print_trace(const TracedStep& traced) {
+  const StepResult& r = traced.result;
+  const auto figure = [](double x) {
+    return std::isfinite(x) ? fmt::format("{:.2g}", x) : std::string("-");
+  };
+  fmt::print(
+      "step from {:.4f} s to {:.4f} s: {}; {} evaluations, {} sub-steps accepted, {} "
+      "rejected\n\n{:>9} {:<13} {:>5} {:>9} {:>9}  {}\n",
+      traced.before.time, r.state.time, kStatusNames[static_cast<std::size_t>(r.status)],
+      r.evaluations, r.substeps, r.rejected, "part", "stage", "eval", "residual", "move",
+      "decision");
+  for (const TraceEntry& e : traced.trace.entries())
+    fmt::print("{:>9.6f} {:<13} {:>5} {:>9} {:>9}  {}\n", e.part,
+               kStageNames[static_cast<std::size_t>(e.stage)], e.evaluations, figure(e.residual),
+               figure(e.move), e.decision);
+  fmt::print(
+      "\npart: of the command's path, where the sub-step ends; eval: evaluations of the "
+      "potential in the sub-step so far; residual: over the sum of all forces; move: of the "
+      "end, over the clearance\n");
+}
+
 // All episodes of a folder, one line each.
 int replay_folder(const ReplayArguments& a) {
+  if (a.trace) throw BadInput("--trace: traces one episode; " + a.path + " is a folder");
   if (!a.plot.empty()) throw BadInput("--plot: draws one episode; " + a.path + " is a folder");
   Provenance provenance;
   Json list = Json::array();
@@ -205,6 +260,8 @@ int replay_folder(const ReplayArguments& a) {
 
 int replay_file(const ReplayArguments& a) {
   const Replayed r = replayed(a, a.path);
+  std::optional<TracedStep> traced;
+  if (a.trace) traced = traced_step(r.episode, *a.trace);
   if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(r.episode, r.scene));
   Provenance provenance;
   provenance.in({r.scene, "", ", as recorded"}).seed("start and operator", r.episode.info.seed);
@@ -212,10 +269,14 @@ int replay_file(const ReplayArguments& a) {
   if (a.output.text()) {
     fmt::print("{}", provenance.head());
     print(a, r);
-    if (!a.verify) print_rows(r.episode, scene_scaling(r.scene).motion);
+    if (traced)
+      print_trace(*traced);
+    else if (!a.verify)
+      print_rows(r.episode, scene_scaling(r.scene).motion);
     fmt::print("{}", provenance.foot());
   }
   Json json = to_json(a, r);
+  if (traced) json["trace"] = trace_json(*traced);
   if (a.output.csv) json["table"] = rows_json(r.episode, scene_scaling(r.scene).motion);
   print_result(a.output, json, "table", provenance);
   return r.compared.first ? kFailed : kDone;
@@ -243,10 +304,14 @@ void add_replay(CLI::App& app, Run& run) {
                    "another build or compiler")
       ->needs(verify)
       ->check(number_between(0, 1));
+  verb->add_option("--trace", a->trace,
+                   "Take the step that ends at this time again, and print what each stage of the "
+                   "solver decided in it, and why (sim/solver/README.md)")
+      ->type_name("SECONDS");
   add_plot(*verb, a->plot, "Draw velocity and forces over time");
   add_output(*verb, a->output);
-  add_examples(*verb,
-               {"replay episodes/episode_0001.h5 --plot episode.svg", "replay episodes --verify"});
+  add_examples(*verb, {"replay episodes/episode_0001.h5 --plot episode.svg",
+                       "replay episodes --verify", "replay episodes/episode_0001.h5 --trace 1.5"});
   verb->callback([a, &run] { run = [a] { return replay_verb(*a); }; });
 }
 

@@ -233,7 +233,7 @@ double median_score(const Sitting& sitting) {
 void print_sittings(const Scores& session) {
   const std::vector<Sitting> all = sittings(session);
   if (all.size() < 2) return;
-  fmt::print("{:<40} {:<20} {:>8} {:>8} {:>7} {:>6}\n", "who", "sitting", "episodes", "inserted",
+  fmt::print("{:<40} {:<20} {:>8} {:>8} {:>7} {:>6}\n", "who", "session", "episodes", "inserted",
              "median", "best");
   for (const Sitting& s : all) {
     const double best = *std::max_element(s.totals.begin(), s.totals.end());
@@ -295,14 +295,14 @@ int score_verb(const ScoreArguments& a) {
 void add_score(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("score", "How good each recorded insertion was");
   auto a = std::make_shared<ScoreArguments>();
-  verb->add_option("folders", a->places,
-                   "Folder with the episodes; several, of one scene, to compare persons over their "
-                   "sittings")
+  verb->add_option(
+          "folders", a->places,
+          "Folder with the episodes; several, of one scene, compare persons session by session")
       ->required()
       ->type_name("DIR...");
   add_plot(*verb, a->plot, "Draw score and parts over the episodes");
   verb->add_flag("--one-operator", a->one_operator,
-                 "All episodes are by one person, whatever they call him: one learning curve");
+                 "Treat all episodes as one person's: one learning curve");
   add_output(*verb, a->output);
   add_examples(*verb,
                {"score episodes", "score episodes --plot learning.svg --csv", "score ada ben"});

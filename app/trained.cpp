@@ -16,7 +16,7 @@ BroughtScene brought_by(const TrainedOn& trained, const std::string& file) {
   if (one && !trained.scaling &&
       std::find(shipped.begin(), shipped.end(), trained.scenes[0]) != shipped.end())
     return {load_scene(trained.scenes[0]).document,
-            file + " was trained on (of which it holds the name alone)", ""};
+            file + " was trained on (it stores the name only)", ""};
   brought.open = fmt::format("{} was trained on {}{}, not on one scene that it holds", file,
                              fmt::join(trained.scenes, ", "), one ? " with changing values" : "");
   return brought;
@@ -40,13 +40,13 @@ void Loading::operator()(std::size_t read, std::size_t of) {
 
 void add_other_scaling(CLI::App& verb, bool& allowed) {
   verb.add_flag("--other-scaling", allowed,
-                "Drive a scene that scales the hand otherwise than those learned from");
+                "Allow a scene whose scaling differs from that of the training");
 }
 
 void refuse_other_scaling(const std::optional<Scaling>& scaling, const std::string& who,
                           const Scene& scene, bool allowed) {
   const std::string trouble = allowed ? "" : scaling_trouble(scaling, who, scene);
-  if (!trouble.empty()) throw BadInput(trouble + "; --other-scaling does it all the same");
+  if (!trouble.empty()) throw BadInput(trouble + "; --other-scaling allows it");
 }
 
 std::size_t trained_starts(const TrainedOn& trained, std::uint64_t seed, std::size_t trials) {
@@ -60,8 +60,8 @@ std::size_t trained_starts(const TrainedOn& trained, std::uint64_t seed, std::si
 std::string trained_starts_note(std::size_t trained, std::size_t trials) {
   if (trained == 0) return {};
   return fmt::format(
-      "note: {} of the {} trials begin where a demonstration did (the same seed): they say nothing "
-      "of starts that were not seen; take another --seed\n",
+      "note: {} of the {} trials begin where a demonstration did (the same seed) and test no new "
+      "start; choose another --seed\n",
       trained, trials);
 }
 

@@ -91,10 +91,9 @@ double parse_number(const std::string& text, const std::string& option) {
 
 void SceneArguments::add_to(CLI::App& verb, const std::string& unless_given) {
   verb.add_option("--scene", scene,
-                  "Scene file, or the name of one that ships with the program; unless given " +
-                      unless_given)
+                  "Scene: a file, or the name of a shipped one; unless given " + unless_given)
       ->type_name("NAME|FILE");
-  verb.add_option("--set", settings, "Change one value of the scene; may be given again")
+  verb.add_option("--set", settings, "Change one value of the scene; can be repeated")
       ->type_name("KEY=VALUE")
       ->expected(1)
       ->take_all();

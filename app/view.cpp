@@ -150,17 +150,19 @@ void add_recorded(CLI::App& verb, ViewArguments& a) {
                   "Replay this: an episode or a folder of them; with --trial a controller")
       ->type_name("FILE.h5|DIR|FILE.json");
   auto* trial = verb.add_option("--trial", r.trial,
-                                "Make this trial of a campaign under --seed again, and replay it")
+                                "Run this trial of a campaign with --seed again, and replay it")
                     ->check(whole_number(0, std::uint64_t{1} << 53));
-  verb.add_option("--against", r.against, "The same trial by another, over it")
+  verb.add_option("--against", r.against,
+                  "A second controller in the same trial, drawn over the first")
       ->check(one_of({"constant-velocity", "operator"}))
       ->needs(trial);
-  verb.add_option("--skill", r.skill, "Skill of that operator")
+  verb.add_option("--skill", r.skill, "Skill of the operator of --against")
       ->capture_default_str()
       ->check(number_between(0, 1));
   verb.add_flag("--supervise", r.supervise, "Under the supervisor, as in evaluate")->needs(trial);
   add_other_scaling(verb, r.other_scaling);
-  verb.add_option("--export", a.export_to, "Write one file instead, that replays from disk")
+  verb.add_option("--export", a.export_to,
+                  "Write one file that replays from disk, and serve nothing")
       ->type_name("FILE.html");
 }
 
@@ -181,7 +183,7 @@ void add_view(CLI::App& app, Run& run) {
   verb->add_option("--port", a->port, "Port on 127.0.0.1; 0: one that is free")
       ->capture_default_str()
       ->check(whole_number(0, 65535));
-  verb->add_flag("--no-open", a->no_open, "Print the address, and open no browser");
+  verb->add_flag("--no-open", a->no_open, "Print the address only; open no browser");
   add_examples(*verb, {"view --scene demo --trainee Ada --out ada", "view --device auto --no-open",
                        "view episodes", "view episodes/episode_0001.h5 --export episode.html",
                        "view --trial 3 controller.json --seed 7 --against constant-velocity"});

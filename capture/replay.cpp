@@ -57,33 +57,38 @@ Eigen::RowVectorXd row_scale(const Rows& rows) {
   return scale;
 }
 
+// The recorded insertion again, tick by tick.
+InsertionEnd insert_again(const Scene& scene, const Episode& episode, const OnTick& on_tick) {
+  const EpisodeInfo& info = episode.info;
+  RecordedHand hand(episode);
+  return run_insertion(
+      scene, draw_start(scene, info.seed, info.trial), hand,
+      ForceSensor(scene.sensor, info.seed, info.trial),
+      {.scaling = scene_scaling(scene), .period = info.period, .past_success = true}, on_tick);
+}
+
 }  // namespace
 
 void verify(const Episode& episode, Verification& comparison) {
   const Scene scene = recorded_scene(episode, "the episode's scene");
   const Rows& rows = episode.rows;
-  RecordedHand hand(episode);
   const EpisodeInfo& info = episode.info;
   const Eigen::RowVectorXd scale = row_scale(rows);
   std::vector<Block> unknown;  // to files of formats of before
   for (const Block& block : {kLinearization, kTangent})
     if (!rows.col(block.begin).any()) unknown.push_back(block);
   Eigen::Index n = 0;
-  const InsertionEnd end = run_insertion(
-      scene, draw_start(scene, info.seed, info.trial), hand,
-      ForceSensor(scene.sensor, info.seed, info.trial),
-      {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
-      [&](const Tick& tick) {
-        RowVector recomputed = make_row(tick);
-        for (const Block& block : unknown) recomputed.segment(block.begin, block.width).setZero();
-        // The last command is what the recorded hand was built from, not a result.
-        if (n == rows.rows() - 1)
-          recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);
-        compare_numbers(rows.row(n), recomputed, scale, static_cast<std::size_t>(n), column_name,
-                        comparison);
-        ++n;
-        return !comparison.over();
-      });
+  const InsertionEnd end = insert_again(scene, episode, [&](const Tick& tick) {
+    RowVector recomputed = make_row(tick);
+    for (const Block& block : unknown) recomputed.segment(block.begin, block.width).setZero();
+    // The last command is what the recorded hand was built from, not a result.
+    if (n == rows.rows() - 1)
+      recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);
+    compare_numbers(rows.row(n), recomputed, scale, static_cast<std::size_t>(n), column_name,
+                    comparison);
+    ++n;
+    return !comparison.over();
+  });
   if (comparison.over()) return;
   // Recordings of before called a failure past the success depth their outcome.
   const bool same = end.outcome == info.outcome || info.outcome == Outcome::interrupted ||
@@ -97,6 +102,25 @@ std::optional<Difference> verify(const Episode& episode) {
   Verification comparison;
   verify(episode, comparison);
   return comparison.first;
+}
+
+TracedStep trace_step(const Episode& episode, Eigen::Index n) {
+  const Scene scene = recorded_scene(episode, "the episode's scene");
+  TracedStep traced;
+  StepResult before(draw_start(scene, episode.info.seed, episode.info.trial));
+  Eigen::Index row = 0;
+  insert_again(scene, episode, [&](const Tick& tick) {
+    if (row++ < n) {
+      before = tick.result;
+      return true;
+    }
+    traced.before = before.state;
+    traced.dt = row == 1 ? 0 : episode.info.period;
+    traced.result = before;
+    step_on(scene.world, tick.result.state.command, traced.dt, traced.result, &traced.trace);
+    return false;
+  });
+  return traced;
 }
 
 }  // namespace ferrule

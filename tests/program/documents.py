@@ -17,7 +17,7 @@ from case import PROGRAM, SOURCE, Case, main
 CUTS = [(r"\s+#.*", ""), (r"--trials \d+", "--trials 4"), (r"--scenes \d+", "--scenes 1"),
         (r"^(./ferrule (?:compare|evaluate)\b(?!.*--trials).*)", r"\1 --trials 4"),
         (r"--seeds 1\.\.5", "--seeds 1..2"), (r"--demonstrations \S+", "--demonstrations 5"),
-        (r"--episodes 100\b", "--episodes 6")]
+        (r"--episodes (20|100)\b", "--episodes 6"), (r"insertion,(torch,)?dagger", "insertion")]
 
 # What is not run, and why.
 LEFT_OUT = [
