@@ -15,6 +15,7 @@
 #include "bench/events.hpp"
 #include "bench/hard.hpp"
 #include "bench/laws.hpp"
+#include "bench/parameters.hpp"
 #include "bench/parts.hpp"
 #include "bench/peers.hpp"
 #include "bench/plans.hpp"
@@ -388,6 +389,37 @@ int events(const BenchArguments& a) {
   return tell(a, rows, print_events, event_json, provenance_of_steps(a, scenes_of(a)));
 }
 
+Json parameter_json(const ParameterRow& r) {
+  return {{"parameter", r.parameter},
+          {"factor", r.factor},
+          {"value", r.value},
+          {"steps", r.steps},
+          {"evaluations", r.evaluations},
+          {"evaluations_max", r.evaluations_max},
+          {"not_converged", r.not_converged},
+          {"iteration_limit", r.iteration_limit},
+          {"error_p99_clearances", r.error_p99},
+          {"error_max_clearances", r.error_max}};
+}
+
+void print_parameters(const std::vector<ParameterRow>& rows) {
+  fmt::print("{:<22} {:>6} {:>9} {:>11} {:>9} {:>7} {:>8} {:>12} {:>12}\n", "parameter", "factor",
+             "value", "evaluations", "most", "failed", "at limit", "error 99 %", "error most");
+  for (const ParameterRow& r : rows)
+    fmt::print("{:<22} {:>6.2g} {:>9.4g} {:>11.4f} {:>9} {:>7} {:>8} {:>12.2g} {:>12.2g}\n",
+               r.parameter, r.factor, r.value, r.evaluations, r.evaluations_max, r.not_converged,
+               r.iteration_limit, r.error_p99, r.error_max);
+  fmt::print(
+      "evaluations: of the potential, per step; error: of a step against a strict one from the "
+      "same state, in clearances\n");
+}
+
+int parameters(const BenchArguments& a) {
+  const auto rows =
+      bench_parameters(a.seed, a.scenes.value_or(1), scenes_of(a), watched("parameters"));
+  return tell(a, rows, print_parameters, parameter_json, provenance_of_steps(a, scenes_of(a)));
+}
+
 Json turn_json(const TurnRow& r) {
   return {{"scene", r.scene},       {"motion", r.motion},     {"starts", r.starts},
           {"off", r.off},           {"turned_90", r.quarter}, {"turned_37", r.any},
@@ -550,26 +582,28 @@ void add_bench(CLI::App& app, Run& run) {
           "Unless given: laws, stepping, campaigns and controllers; hard: the hard cases; capture: "
           "from how far off the axis an end goes in; tail: the worst steps; events: the same "
           "motions at ever finer steps; turns: the same turned about the axis, mirrored, and "
-          "continued from saved rows; peers: other engines in the same motion; recording: the cost "
+          "continued from saved rows; parameters: the solver's, each halved and doubled; peers: "
+          "other engines in the same motion; recording: the cost "
           "of a row; parts: success with curl, cleave, edge and the like; plans: planned against "
           "full campaigns; sensors: success against noise and bias of the force sensor")
-      ->check(one_of({"hard", "capture", "tail", "events", "turns", "peers", "recording", "parts",
-                      "plans", "sensors"}));
+      ->check(one_of({"hard", "capture", "tail", "events", "turns", "parameters", "peers",
+                      "recording", "parts", "plans", "sensors"}));
   add_seed(
       *verb, a->seed,
-      "Seed of the scenes, starts, motions and trials of tail, events, turns, parts, plans and "
-      "sensors");
-  verb->add_option("--scene", a->scene,
-                   "Scene of events, parts, plans and sensors; all shipped ones unless given")
+      "Seed of the scenes, starts, motions and trials of tail, events, turns, parameters, parts, "
+      "plans and sensors");
+  verb->add_option(
+          "--scene", a->scene,
+          "Scene of events, parameters, parts, plans and sensors; all shipped ones unless given")
       ->type_name("SCENE");
   verb->add_option("--trials", a->trials,
                    "Trials of each controller in each scene of parts, plans and sensors")
       ->check(whole_number(1, 1000000))
       ->capture_default_str();
-  verb->add_option(
-          "--scenes", a->scenes,
-          "Random scenes, and starts in shipped scenes, of tail, events and turns; 200, and 2 for "
-          "events, unless given")
+  verb->add_option("--scenes", a->scenes,
+                   "Random scenes, and starts in shipped scenes, of tail, events, turns and "
+                   "parameters; 200, 2 "
+                   "for events and 1 for parameters, unless given")
       ->check(whole_number(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
@@ -578,17 +612,18 @@ void add_bench(CLI::App& app, Run& run) {
     run = [a] {
       if (!a->what.empty() && !a->plot.empty())
         throw BadInput("--plot: there is nothing to draw of bench " + a->what);
-      return a->what == "hard"        ? hard(*a)
-             : a->what == "capture"   ? capture(*a)
-             : a->what == "tail"      ? tail(*a)
-             : a->what == "events"    ? events(*a)
-             : a->what == "turns"     ? turns(*a)
-             : a->what == "peers"     ? peers(*a)
-             : a->what == "recording" ? recording(*a)
-             : a->what == "parts"     ? parts(*a)
-             : a->what == "plans"     ? plans(*a)
-             : a->what == "sensors"   ? sensors(*a)
-                                      : speed_and_error(*a);
+      return a->what == "hard"         ? hard(*a)
+             : a->what == "capture"    ? capture(*a)
+             : a->what == "tail"       ? tail(*a)
+             : a->what == "events"     ? events(*a)
+             : a->what == "turns"      ? turns(*a)
+             : a->what == "parameters" ? parameters(*a)
+             : a->what == "peers"      ? peers(*a)
+             : a->what == "recording"  ? recording(*a)
+             : a->what == "parts"      ? parts(*a)
+             : a->what == "plans"      ? plans(*a)
+             : a->what == "sensors"    ? sensors(*a)
+                                       : speed_and_error(*a);
     };
   });
 }

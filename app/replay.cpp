@@ -22,7 +22,7 @@ struct ReplayArguments {
   std::string path, plot;
   double tolerance = 0;
   bool verify = false;
-  std::optional<double> trace;  // the time of a step [s]
+  std::string trace;  // the time of a step [s], or kCostliest
   Output output;
 };
 
@@ -182,7 +182,13 @@ void print(const ReplayArguments& a, const Replayed& r) {
 constexpr std::array<const char*, 4> kStatusNames = {"ok", "not converged", "bad command",
                                                      "iteration limit"};
 
-TracedStep traced_step(const Episode& episode, double time) {
+constexpr const char* kCostliest = "costliest";
+
+TracedStep traced_step(const Episode& episode, const std::string& which) {
+  if (which == kCostliest) return trace_step(episode, costliest_row(episode));
+  double time = 0;
+  if (!CLI::detail::lexical_cast(which, time))
+    throw BadInput("--trace " + printable(which, 40) + ": expected a time [s], or " + kCostliest);
   const Eigen::VectorXd times = episode.rows.col(kTime.begin);
   if (!(time >= 0 && time <= times[times.size() - 1] + 0.5 * episode.info.period))
     throw BadInput(
@@ -234,7 +240,7 @@ void print_trace(const TracedStep& traced) {
 
 // All episodes of a folder, one line each.
 int replay_folder(const ReplayArguments& a) {
-  if (a.trace) throw BadInput("--trace: traces one episode; " + a.path + " is a folder");
+  if (!a.trace.empty()) throw BadInput("--trace: traces one episode; " + a.path + " is a folder");
   if (!a.plot.empty()) throw BadInput("--plot: draws one episode; " + a.path + " is a folder");
   Provenance provenance;
   Json list = Json::array();
@@ -261,7 +267,7 @@ int replay_folder(const ReplayArguments& a) {
 int replay_file(const ReplayArguments& a) {
   const Replayed r = replayed(a, a.path);
   std::optional<TracedStep> traced;
-  if (a.trace) traced = traced_step(r.episode, *a.trace);
+  if (!a.trace.empty()) traced = traced_step(r.episode, a.trace);
   if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(r.episode, r.scene));
   Provenance provenance;
   provenance.in({r.scene, "", ", as recorded"}).seed("start and operator", r.episode.info.seed);
@@ -304,14 +310,16 @@ void add_replay(CLI::App& app, Run& run) {
                    "another build or compiler")
       ->needs(verify)
       ->check(number_between(0, 1));
-  verb->add_option("--trace", a->trace,
-                   "Take the step that ends at this time again, and print what each stage of the "
-                   "solver decided in it, and why (sim/solver/README.md)")
-      ->type_name("SECONDS");
+  verb->add_option(
+          "--trace", a->trace,
+          "Take the step that ends at this time again, or the one with the most evaluations, "
+          "and print what each stage of the solver decided in it, and why")
+      ->type_name("SECONDS|costliest");
   add_plot(*verb, a->plot, "Draw velocity and forces over time");
   add_output(*verb, a->output);
-  add_examples(*verb, {"replay episodes/episode_0001.h5 --plot episode.svg",
-                       "replay episodes --verify", "replay episodes/episode_0001.h5 --trace 1.5"});
+  add_examples(*verb,
+               {"replay episodes/episode_0001.h5 --plot episode.svg", "replay episodes --verify",
+                "replay episodes/episode_0001.h5 --trace costliest"});
   verb->callback([a, &run] { run = [a] { return replay_verb(*a); }; });
 }
 

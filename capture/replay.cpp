@@ -104,6 +104,20 @@ std::optional<Difference> verify(const Episode& episode) {
   return comparison.first;
 }
 
+Eigen::Index costliest_row(const Episode& episode) {
+  int most = -1;
+  Eigen::Index row = 0, costliest = 0;
+  insert_again(recorded_scene(episode, "the episode's scene"), episode, [&](const Tick& tick) {
+    if (tick.result.evaluations > most) {
+      most = tick.result.evaluations;
+      costliest = row;
+    }
+    ++row;
+    return true;
+  });
+  return costliest;
+}
+
 TracedStep trace_step(const Episode& episode, Eigen::Index n) {
   const Scene scene = recorded_scene(episode, "the episode's scene");
   TracedStep traced;

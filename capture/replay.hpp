@@ -16,6 +16,9 @@ void verify(const Episode& episode, Verification& comparison);
 // The first difference, of every bit.
 std::optional<Difference> verify(const Episode& episode);
 
+// The row at which the step ends that takes the most evaluations, the first of them.
+Eigen::Index costliest_row(const Episode& episode);
+
 // The step of an episode that ends at row n, taken again with a trace. Throws BadInput if the scene is
 // not valid.
 struct TracedStep {

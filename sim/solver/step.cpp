@@ -283,7 +283,10 @@ void step_on(const World& world, const Pose& command, double dt, StepResult& now
              StepTrace* trace) noexcept {
   if (!is_valid(command, dt)) return refuse(world, now);
   if (extrapolate(world, command, dt, now, trace)) return;
-  if (fly_free(world, command, dt, now)) return;
+  if (fly_free(world, command, dt, now)) {
+    if (trace) trace->add({SolverStage::free_flight, "nothing is near the fibre", 1, 0, NAN, NAN});
+    return;
+  }
   solve(world, command, dt, now, trace);
 }
 

@@ -223,6 +223,7 @@ Iterate solve_sub_step(const World& world, const State& state, const Pose& comma
   if (event && end.valid &&
       contact_set_changed(state, contacts(world, frozen, iterate.tip, iterate.potential))) {
     *event = contact_onset(world, state, end, iterate.potential);
+    note(iterate, SolverStage::predictor, "ends: the contact set changes in the prediction");
     return iterate;
   }
 

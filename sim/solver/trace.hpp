@@ -24,11 +24,11 @@ inline constexpr const char* kStageNames[] = {"extrapolation", "free flight", "s
 
 struct TraceEntry {
   SolverStage stage;
-  const char* reason;  // what was decided, and why
-  double part;         // of the command's way, where the sub-step ends [-]
-  int evaluations;     // of the potential, in this sub-step so far
-  double residual;     // over the sum of all forces [-]; NaN where nothing was evaluated
-  double move;         // of the end in this stage, over the clearance [-]; NaN where none was made
+  const char* decision;  // and why
+  double part;           // of the command's way, where the sub-step ends [-]
+  int evaluations;       // of the potential, in this sub-step so far
+  double residual;       // over the sum of all forces [-]; NaN where nothing was evaluated
+  double move;  // of the end in this stage, over the clearance [-]; NaN where none was made
 };
 
 class StepTrace {

@@ -24,6 +24,18 @@ class Bench(Case):
             self.refused(2, "contact", "--lambda", bad, "--curve", says=["--lambda"])
         self.refused(2, "contact", "--lambda", 4, "--radius", "1,-1", says=["--radius"])
 
+    def test_solver_parameters_are_halved_and_doubled(self):
+        rows = json.loads(self.done("bench", "parameters", "--scene", "easy", "--json").stdout)["rows"]
+        self.assertEqual(rows[0]["parameter"], "none")
+        self.assertLess(rows[0]["error_p99_clearances"], 1e-4)
+        for low, high in zip(rows[1::2], rows[2::2]):
+            self.assertEqual(low["parameter"], high["parameter"])
+            self.assertEqual((low["factor"], high["factor"]), (0.5, 2))
+            self.assertEqual(low["steps"], rows[0]["steps"])
+        self.assertEqual(len({row["parameter"] for row in rows}), 16)
+        radius = {row["factor"]: row for row in rows if row["parameter"] == "extrapolation_error"}
+        self.assertGreater(radius[0.5]["evaluations"], radius[2]["evaluations"])
+
     def test_a_plan_is_a_scene_and_accuracy_applies_it(self):
         plan = json.loads(self.done("plan", "--scene", "demo", "--tolerance", 0.02, "--json",
                                     "--out", self.path("planned.json")).stdout)

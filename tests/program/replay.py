@@ -80,6 +80,24 @@ class Replay(Case):
             run = ferrule("replay", self.path("flipped.h5"), "--verify")
             self.assertIn(run.returncode, (0, 1, 2, 3), run.stderr)
 
+    def test_a_trace_says_why_a_step_took_its_evaluations(self):
+        self.done("record", "--scene", "bench", "--episodes", 1, "--seed", 5, "--out", self.path("e"))
+        file = self.path("e/episode_0001.h5")
+        step = json.loads(self.done("replay", file, "--trace", "costliest", "--json").stdout)["trace"]
+        ends = [s for s in step["stages"] if s["stage"] in ("accepted", "rejected")]
+        self.assertEqual(sum(s["evaluations"] for s in ends), step["evaluations"])
+        self.assertEqual(sum(s["stage"] == "rejected" for s in ends), step["rejected"])
+        self.assertGreater(step["evaluations"], 5)
+        text = self.done("replay", file, "--trace", step["to_s"]).stdout
+        self.assertIn(f"{step['evaluations']} evaluations", text)
+        for stage in step["stages"]:
+            self.assertIn(stage["decision"], text)
+        first = json.loads(self.done("replay", file, "--trace", 0, "--json").stdout)["trace"]
+        self.assertEqual([s["stage"] for s in first["stages"]], ["free flight"])
+        for bad in ("-1", "1e9", "nan", "worst"):
+            self.refused(2, "replay", file, "--trace", bad, says=["--trace"])
+        self.refused(2, "replay", self.path("e"), "--trace", 1, says=["--trace", "folder"])
+
     def test_not_an_episode(self):
         with open(self.path("x.h5"), "w") as out:
             out.write("hello")
