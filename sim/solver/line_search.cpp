@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/solver/find_root.hpp"
 #include "sim/solver/newton.hpp"
 
 namespace ferrule {
@@ -81,12 +82,8 @@ double MeritModel::largest_adhesion(double most) const noexcept {
       return term.acts && term.stiffness > 0;
     };
     if (holds(most)) continue;
-    double low = 0, high = most;
-    for (int n = 0; n < kMaxBisections && high - low > kShortest * most; ++n) {
-      const double middle = between(low, high);
-      (holds(middle) ? low : high) = middle;
-    }
-    if (low > 0 && terms(low)[place].force < 0) most = high;
+    const auto end = bisect(Bracket<double>{0, most}, kMaxBisections, holds, between);
+    if (end.holds > 0 && terms(end.holds)[place].force < 0) most = end.fails;
   }
   return most;
 }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/solver/find_root.hpp"
 #include "sim/solver/friction_coupling.hpp"
 
 namespace ferrule {
@@ -114,11 +115,8 @@ double contact_onset(const World& world, const State& before, const Prediction& 
       return d > 0 || adhesion_force(world.laws, d, 0).branch != 0;
     };
     if (!touches(first)) continue;
-    double low = 0;
-    for (int n = 0; n < kBisections; ++n) {
-      const double middle = 0.5 * (low + first);
-      (touches(middle) ? first : low) = middle;
-    }
+    const auto apart = [&](double part) { return !touches(part); };
+    first = bisect(Bracket<double>{0, first}, kBisections, apart, midpoint).fails;
   }
   return first < 1 ? first : NAN;
 }

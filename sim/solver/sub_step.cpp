@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/solver/find_root.hpp"
 #include "sim/solver/friction_coupling.hpp"
 #include "sim/solver/predictor.hpp"
 
@@ -119,12 +120,14 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
 // it goes on from the edge, found on a straight path.
 void restart_at_edge(const World& world, const State& state, int max_evaluations,
                      FrozenCoefficients& frozen, Iterate& iterate) noexcept {
-  constexpr int kHalvings = 30;
-  PoseVector on_face(state.tip), off = iterate.tip;
-  for (int n = 0; n < kHalvings; ++n) {
-    const PoseVector middle{Pose(0.5 * (on_face.full() + off.full()))};
-    (side_of(world, middle, frozen.contact.side) == EdgeSide::face ? on_face : off) = middle;
-  }
+  const auto on_face = [&](const PoseVector& tip) {
+    return side_of(world, tip, frozen.contact.side) == EdgeSide::face;
+  };
+  const auto middle = [](const PoseVector& a, const PoseVector& b) {
+    return PoseVector(Pose(0.5 * (a.full() + b.full())));
+  };
+  const PoseVector off =
+      bisect(Bracket<PoseVector>{state.tip, iterate.tip}, 30, on_face, middle).fails;
   frozen = freeze_again(world, state, frozen, off.full());
   evaluate_at(world, frozen, off, iterate);
   iterate.converged = false;

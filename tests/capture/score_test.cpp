@@ -228,7 +228,7 @@ TEST(Score, WhatComesAfterTheGoalCountsAgainstItAndIsNoUnsteadiness) {
   EXPECT_GT(long_one.by_phase[static_cast<std::size_t>(Part::peak_force)][seated], 0);
 }
 
-TEST(Score, SkilledTraineesScoreBetter) {
+TEST(ScoreAtLength, SkilledTraineesScoreBetter) {
   const testing::TemporaryFolder folder;
   const Scene scene = load_scene("demo", {"start.distance_um=30", "success.depth_um=20"});
   std::vector<Measures> all;

@@ -208,7 +208,7 @@ const std::vector<std::string> kCorrected = {
 const char* const kSoftHolder =
     "holder={\"type\":\"elastic_fibre\",\"free_length_mm\":20,\"gripper_stiffness_N_m\":1}";
 
-TEST(Supervisor, KeepsTheForceWithinTheLimitInTheSimulator) {
+TEST(SupervisorAtLength, KeepsTheForceWithinTheLimitInTheSimulator) {
   std::vector<std::string> rough = kCorrected, soft = kCorrected;
   rough.push_back("roughness_nm=20");
   soft.push_back("roughness_nm=20");

@@ -172,7 +172,7 @@ TEST(Supervisor, DisagreementSlowsThenRetreatsThenGivesUp) {
       supervisor.supervision()->interventions[static_cast<std::size_t>(Intervention::retreat)], 2u);
 }
 
-TEST(Supervisor, MakesConstantVelocityInsertMoreOften) {
+TEST(SupervisorAtLength, MakesConstantVelocityInsertMoreOften) {
   const Scene scene = load_scene("demo");
   const Scaling scaling = scene_scaling(scene);
   const MakeController naive =

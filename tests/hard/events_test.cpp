@@ -53,7 +53,7 @@ int apart(const Scene& scene, std::uint64_t k, Seen& seen) {
   return sum;
 }
 
-TEST(Events, AgreeAtAnEighthOfTheStep) {
+TEST(EventsAtLength, AgreeAtAnEighthOfTheStep) {
   Seen seen;
   for (const char* name :
        {"bench", "easy", "medium", "hard", "sloppy", "sticky", "tight", "epoxy", "adhesive"}) {
@@ -67,7 +67,7 @@ TEST(Events, AgreeAtAnEighthOfTheStep) {
 
 // In the bore one of two contacts lets go (2), or the end slides out over the edge of the mouth
 // (5): the pose at which adhesion holds what is left is a tenth of a nanometre wide.
-TEST(Events, WhatAdhesionStillHoldsStays) {
+TEST(EventsAtLength, WhatAdhesionStillHoldsStays) {
   Seen seen;
   for (const char* name : {"laser", "adhesive"})
     for (const std::uint64_t k : {2, 5})

@@ -6,7 +6,7 @@
 namespace ferrule {
 namespace {
 
-TEST(Hard, EveryCaseEndsRight) {
+TEST(HardAtLength, EveryCaseEndsRight) {
   const std::vector<HardRow> rows = bench_hard();
   EXPECT_GE(rows.size(), 20u);
   for (const HardRow& row : rows) {

@@ -21,7 +21,7 @@ LawKind chosen(const Law& law, double noise, std::uint64_t seed) {
       cross_validate(law_episodes(law, 6, 300, noise, seed), kScales));
 }
 
-TEST(ChooseLaw, FindsTheLawThatMadeTheData) {
+TEST(ChooseLawAtLength, FindsTheLawThatMadeTheData) {
   for (const LawKind kind : kLaws)
     for (std::uint64_t seed = 1; seed <= 2; ++seed)
       EXPECT_EQ(name(chosen(usual_law(kind), 1e-4, seed)), name(kind)) << seed;
@@ -29,7 +29,7 @@ TEST(ChooseLaw, FindsTheLawThatMadeTheData) {
 
 // With noise as large as what tells the laws apart it may settle for a simpler one, never for one
 // that the data do not call for.
-TEST(ChooseLaw, NeverTakesAWiderLawThanTheTruth) {
+TEST(ChooseLawAtLength, NeverTakesAWiderLawThanTheTruth) {
   int simpler = 0;
   for (const LawKind kind : kLaws)
     for (std::uint64_t seed = 1; seed <= 2; ++seed) {
@@ -57,7 +57,7 @@ TEST(ChooseLaw, TakesTheFewestGainsWithinOneStandardError) {
 
 // The error of a law is that of a prediction: on data that are noise alone it is the noise, and no
 // better for a law with more gains.
-TEST(ChooseLaw, ErrorsAreOfEpisodesThatWereNotFitted) {
+TEST(ChooseLawAtLength, ErrorsAreOfEpisodesThatWereNotFitted) {
   const double noise = 5e-4;
   const auto data =
       law_episodes(Law(LawKind::linear, {-2e-3, 0, 0, 0, 1e-3, 1e-3}), 10, 400, noise, 7);

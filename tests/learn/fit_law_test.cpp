@@ -54,7 +54,7 @@ TEST(FitLaw, IdentifiesTheReactionTime) {
 
 // Intervals of nominal 95 % must hold the truth about that often, though the noise of one episode
 // is correlated over a third of a second.
-TEST(FitLaw, IntervalsHoldTheTruth) {
+TEST(FitLawAtLength, IntervalsHoldTheTruth) {
   int inside = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const LawFit report = fit_law(synthetic(kLaw, 12, 2e-4, seed), 1);
@@ -69,7 +69,7 @@ TEST(FitLaw, IntervalsHoldTheTruth) {
 }
 
 // The whole way: a known controller inserts, is recorded, and is fitted from the files.
-TEST(FitLaw, ReturnsTheGainsOfARecordedController) {
+TEST(FitLawAtLength, ReturnsTheGainsOfARecordedController) {
   const testing::TemporaryFolder folder;
   const Scene scene =
       testing::paper({"start.lateral_sd_um=3", "start.distance_um=40", "success.depth_um=30"});

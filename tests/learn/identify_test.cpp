@@ -55,7 +55,7 @@ TEST(Identify, ReplaysARecordingInItsOwnSceneExactly) {
 
 // Where an event comes a moment earlier or later the fit is not smooth: now and then it ends beside
 // them.
-TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
+TEST(IdentifyAtLength, FindsTheParametersOfRecordingsWithoutNoise) {
   constexpr int kSets = 4;
   int found = 0;
   for (std::uint64_t seed = 0; seed < kSets; ++seed) {
@@ -73,7 +73,7 @@ TEST(Identify, FindsTheParametersOfRecordingsWithoutNoise) {
 }
 
 // From another scene, for pairs of parameters and several seeds, with a sensor's noise of 20 nN.
-TEST(Identify, IntervalsHoldTheParametersOfNoisyRecordings) {
+TEST(IdentifyAtLength, IntervalsHoldTheParametersOfNoisyRecordings) {
   int inside = 0, all = 0;
   for (std::uint64_t seed = 1; seed <= 2; ++seed) {
     const auto data = recordings(without_wells({}), 2e-8, seed, 8);

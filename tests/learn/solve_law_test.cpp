@@ -48,7 +48,7 @@ TEST(SolveLaw, AWiderLawFindsTheNarrowerOneThatMadeTheData) {
 }
 
 // Nominal 95 %, though the noise of one episode lasts.
-TEST(SolveLaw, IntervalsHoldTheTruthAboutAsOftenAsTheySay) {
+TEST(SolveLawAtLength, IntervalsHoldTheTruthAboutAsOftenAsTheySay) {
   for (const LawKind kind : {LawKind::linear, LawKind::phased, LawKind::saturated}) {
     const Law law = usual_law(kind);
     int inside = 0, all = 0;

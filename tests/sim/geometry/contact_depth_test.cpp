@@ -61,7 +61,7 @@ double distance_to(const FerruleProfile& profile, double x, double rho) {
 // A slanted end, tilted or cleaved, goes from the cone into the bore point after point of its rim:
 // it is as deep as the deepest of them, each no deeper than either surface lets it, and no well
 // holds it there.
-TEST(ContactDepth, AtTheThroatIsThatOfTheDeepestPointOfASlantedRim) {
+TEST(ContactDepthAtLength, AtTheThroatIsThatOfTheDeepestPointOfASlantedRim) {
   RandomStream random(14, 0, Draw::plan);
   int near = 0, beyond_either = 0;
   for (int scene = 0; scene < 60; ++scene) {

@@ -284,7 +284,7 @@ bool slides_in(const Vector2d& hand, const Vector2d& slope, double lowered) {
   return false;
 }
 
-TEST(Cleave, FartherOutASharpBoreTakesItWhereItsLowestPointSlidesIn) {
+TEST(CleaveAtLength, FartherOutASharpBoreTakesItWhereItsLowestPointSlidesIn) {
   int in = 0;
   for (const double offset : {1.5, 3.0, 6.0})
     for (int k = 0; k < 4; ++k) {

@@ -309,7 +309,7 @@ TEST(Step, BadCommandsLeaveTheStateUnchanged) {
   EXPECT_EQ(step(scene.world, state, state.command, NAN).status, StepStatus::bad_command);
 }
 
-TEST(Step, AHandAtRestForAMillionStepsDoesNotDrift) {
+TEST(StepAtLength, AHandAtRestForAMillionStepsDoesNotDrift) {
   const Scene scene = testing::paper();
   State state = draw_start(scene, 2, 3);
   Pose hand = state.command;

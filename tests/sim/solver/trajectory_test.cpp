@@ -103,7 +103,7 @@ TEST(Trajectory, InertiaIsUnconditionallyStable) {
 
 // Work of the hand on the fibre in a step: it moves while the fibre holds still, then the fibre
 // gives way. Over a closed motion that is what was lost, never less than nothing.
-TEST(Trajectory, AClosedHandMotionNeverGainsWork) {
+TEST(TrajectoryAtLength, AClosedHandMotionNeverGainsWork) {
   for (const bool friction : {true, false})
     for (const bool liquid : {true, false}) {
       std::vector<std::string> settings;
