@@ -74,7 +74,7 @@ class Provenance(Case):
             for episode in old["trained_on"][part]:
                 del episode["seed"], episode["trial"]
         json.dump(old, open(law, "w"))
-        self.assertIn("the name alone", self.first_line("evaluate", law, "--trials", 2))
+        self.assertIn("the name only", self.first_line("evaluate", law, "--trials", 2))
         self.done("evaluate", law, "--trials", 1, "--scene", "bench")
         old["trained_on"]["scenes"] = ["mine"]
         json.dump(old, open(law, "w"))
