@@ -370,7 +370,8 @@ TEST(PlanAtLength, StepsAreRightForAFibreThatRubsInALiquid) {
   EXPECT_GE(static_cast<double>(within), least * static_cast<double>(stretches));
 }
 
-INSTANTIATE_TEST_SUITE_P(Quarters, PlanOfRandomScenesAtLength, ::testing::Range<std::uint64_t>(0, 4));
+INSTANTIATE_TEST_SUITE_P(Quarters, PlanOfRandomScenesAtLength,
+                         ::testing::Range<std::uint64_t>(0, 4));
 
 }  // namespace
 }  // namespace ferrule
