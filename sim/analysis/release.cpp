@@ -11,9 +11,9 @@ namespace ferrule {
 namespace {
 
 constexpr std::array kSurface = {Term::van_der_waals, Term::electrostatic, Term::capillary};
-constexpr int kPanels = 400;                     // of the integral of a peel
-constexpr double kFirst = 1e-12, kRatio = 1.02;  // separations that are looked at [m]
-constexpr int kRefined = 60;                     // halvings about the largest
+constexpr int kPanels = 400;                               // of the integral of a peel
+constexpr double kFirstSeparation = 1e-12, kRatio = 1.02;  // separations that are looked at [m]
+constexpr int kRefined = 60;                               // halvings about the largest
 
 double& at(std::array<double, kTerms>& terms, Term term) {
   return terms[static_cast<std::size_t>(term)];
@@ -99,7 +99,7 @@ Release largest(ReleasePath path, double most, const Terms& terms) {
     const double f = sum(terms(s));
     if (f > force) force = f, best = s;
   };
-  for (double s = kFirst; s < most; s *= kRatio) look(s);
+  for (double s = kFirstSeparation; s < most; s *= kRatio) look(s);
   look(kInteratomicDistance);
   double reach = (kRatio - 1) * best;
   for (int i = 0; i < kRefined; ++i, reach *= 0.7)

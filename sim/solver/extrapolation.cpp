@@ -4,7 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/terms/contact.hpp"
 #include "sim/terms/particle_depth.hpp"
+#include "sim/terms/surface.hpp"
 
 namespace ferrule {
 namespace {
@@ -46,7 +48,7 @@ class Compliance {
   Compliance(const World& world, const FrozenCoefficients& frozen,
              const Iterate& iterate) noexcept {
     const Energy& bore = iterate.potential.bore;
-    Energy all = without_friction(frozen, iterate.tip, bore.gradient, bore.hessian);
+    Energy all = without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian);
     std::array<Vector3d, kContactPlaces> slip;
     for (std::size_t at = 0; at < kContactPlaces; ++at) {
       if (!frozen.friction[at].acts) continue;

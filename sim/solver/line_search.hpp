@@ -4,6 +4,7 @@
 #pragma once
 
 #include "sim/solver/local_model.hpp"
+#include "sim/terms/nonsmooth.hpp"
 
 namespace ferrule {
 

@@ -2,7 +2,7 @@
 // mapping, and one block factorisation that solves it.
 #pragma once
 
-#include "sim/terms/potential.hpp"
+#include "sim/terms/friction.hpp"
 
 namespace ferrule {
 

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "sim/solver/line_search.hpp"
+#include "sim/terms/contact.hpp"
+#include "sim/terms/surface.hpp"
 
 namespace ferrule {
 namespace {
@@ -282,7 +284,7 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int max_eval
       return note(iterate, SolverStage::newton, "converged: residual");
     }
     const Energy smooth =
-        without_friction(frozen, iterate.tip, potential.bore.gradient, potential.bore.hessian);
+        without_friction(world, frozen, iterate.tip, potential.bore.gradient, potential.bore.hessian);
     NewtonStep newton(world, frozen, smooth, iterate.tip);
     if (before && iterate.iterations > 0 && !newton.convex)
       return note(iterate, SolverStage::newton, "ends: concave");

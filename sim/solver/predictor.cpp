@@ -53,7 +53,7 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
   end.reason = "no linearization: the search begins where the sub-step does";
   if (!state.linearization || state.linearization->at != state.tip) return end;
   const Linearization& bore = *state.linearization;
-  Energy start = without_friction(frozen, end.tip, bore.gradient, bore.hessian);
+  Energy start = without_friction(world, frozen, end.tip, bore.gradient, bore.hessian);
   start.gradient += bore.curvature;
   std::optional<NewtonStep> newton;
   end.reason = "no prediction: the stiffness is not positive";
@@ -97,7 +97,7 @@ double stiffness_determinant(const World& world, const State& state) noexcept {
   const PoseVector tip(state.tip);
   const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
   const Linearization& bore = *state.linearization;
-  const NewtonStep newton(world, frozen, without_friction(frozen, tip, bore.gradient, bore.hessian),
+  const NewtonStep newton(world, frozen, without_friction(world, frozen, tip, bore.gradient, bore.hessian),
                           tip, 1, Pivots::as_they_are, true);
   return FrictionCoupling(world, frozen, tip, kSlidingOn).determinant(newton);
 }

@@ -7,6 +7,7 @@
 #include "sim/solver/extrapolation.hpp"
 #include "sim/solver/free_flight.hpp"
 #include "sim/solver/sub_step.hpp"
+#include "sim/terms/contact.hpp"
 
 namespace ferrule {
 namespace {
@@ -173,6 +174,30 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
 
 // --- Solving ---
 
+// Where the next sub-step of a path ends, as a part of it, and whether it may be divided.
+struct SubStep {
+  double to;
+  bool last;
+  Divisible divisible;
+};
+SubStep next_sub_step(const World& world, const State& state, double along_x, double travel,
+                      double shortest, double first, int evaluations_left,
+                      const EventSearch& events) noexcept {
+  const SolverParameters& parameters = world.numerics.solver;
+  const double done = events.done(), edge = part_to_edge(world, state, along_x);
+  SubStep next{events.bracketed() ? events.next() : done + std::min(first, edge), false,
+               Divisible::no};
+  const bool affordable =
+      evaluations_left > parameters.reserved_evaluations + parameters.divisible_evaluations;
+  next.last = !affordable || next.to > 1 - 1e-9;
+  if (next.last) next.to = 1;
+  const double length = (next.to - done) * travel;
+  const bool over_edge = !events.bracketed() && edge < first && length <= 1.01 * edge_step(world);
+  if (affordable && (events.bracketed() ? events.divisible(next.to) : length > shortest))
+    next.divisible = over_edge ? Divisible::where_end_opens : Divisible::at_events;
+  return next;
+}
+
 // Follows the path to `command` over `dt` in sub-steps, long ones while nothing happens and short
 // ones where it does, with at most SolverParameters::max_evaluations together.
 void follow_path(const World& world, const Pose& command, double dt, StepResult& now,
@@ -187,31 +212,22 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
   const double first = first_part(world, state, command);
   EventSearch events(shortest / travel);
   for (double longest = NAN; events.done() < 1;) {
-    // Where the sub-step ends, and whether it may be divided.
     const double done = events.done();
-    const double edge = part_to_edge(world, state, command[0] - from[0]);
-    double to = events.bracketed() ? events.next() : done + std::min(first, edge);
     const int left = budget - now.evaluations;
-    const bool affordable =
-        left > parameters.reserved_evaluations + parameters.divisible_evaluations;
-    const bool last = !affordable || to > 1 - 1e-9;
-    if (last) to = 1;
-    const double length = (to - done) * travel;
-    const bool over_edge = !events.bracketed() && edge < first && length <= 1.01 * edge_step(world);
-    Divisible divisible = Divisible::no;
-    if (affordable && (events.bracketed() ? events.divisible(to) : length > shortest))
-      divisible = over_edge ? Divisible::where_end_opens : Divisible::at_events;
+    const SubStep next =
+        next_sub_step(world, state, command[0] - from[0], travel, shortest, first, left, events);
+    const double to = next.to;
     shorten_curvature((to - done) / longest, state);
     longest = std::fmin(longest, to - done);
-    const Pose goal = last ? command : Pose(from + to * (command - from));
+    const Pose goal = next.last ? command : Pose(from + to * (command - from));
     const double over = (to - done) * dt;
-    const int most = last ? left : left - parameters.reserved_evaluations;
+    const int most = next.last ? left : left - parameters.reserved_evaluations;
     if (trace) trace->part = to;
 
     // Predict, correct, minimise, couple friction.
     FrozenCoefficients frozen = freeze(world, state, goal, over);
     double where = NAN;  // about which part of the sub-step something happens at
-    const bool stops = divisible == Divisible::at_events;
+    const bool stops = next.divisible == Divisible::at_events;
     const Iterate iterate =
         solve_sub_step(world, state, goal, over, most, stops ? &where : nullptr, frozen, trace);
     now.evaluations += iterate.evaluations;
@@ -221,7 +237,7 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
     const Contacts contacts = ferrule::contacts(world, frozen, iterate.tip, iterate.potential);
     const char* event =
         event_in(world, state, frozen, iterate, contacts, command_travel(world, state, goal));
-    if (const char* why = rejection(divisible, state, iterate, contacts, event)) {
+    if (const char* why = rejection(next.divisible, state, iterate, contacts, event)) {
       note(iterate, SolverStage::rejected, why);
       events.reject(world, state, to, where);
       ++now.rejected;
@@ -236,7 +252,7 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
                              : "not converged");
     accept(world, goal, over, frozen, iterate, contacts, state);
     ++now.substeps;
-    if (last) {
+    if (next.last) {
       now.forces = {};
       forces(world, frozen, iterate.tip, iterate.potential, now.forces);
       set_extrapolation(world, frozen, iterate, over, state);

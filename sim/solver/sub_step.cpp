@@ -6,6 +6,7 @@
 #include "sim/solver/find_root.hpp"
 #include "sim/solver/friction_coupling.hpp"
 #include "sim/solver/predictor.hpp"
+#include "sim/terms/contact.hpp"
 
 namespace ferrule {
 namespace {
@@ -86,7 +87,7 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
     if (iterate.evaluations >= max_evaluations) return false;
     const Energy& bore = iterate.potential.bore;
     const NewtonStep newton(world, frozen,
-                            without_friction(frozen, iterate.tip, bore.gradient, bore.hessian),
+                            without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
                             iterate.tip, 1, Pivots::as_they_are);
     const std::array limit = {frozen.friction[kEnd].limit, frozen.friction[kSide].limit};
     const auto move = coupling.newton_step(newton, frozen);

@@ -3,7 +3,7 @@
 #include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/scene/terms.hpp"
-#include "sim/terms/potential.hpp"
+#include "sim/terms/contact.hpp"
 #include "tests/allocations.hpp"
 #include "tests/compare.hpp"
 #include "tests/scenes.hpp"

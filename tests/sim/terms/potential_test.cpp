@@ -3,6 +3,7 @@
 #include "sim/base/random.hpp"
 #include "sim/solver/newton.hpp"
 #include "sim/solver/step.hpp"
+#include "sim/terms/contact.hpp"
 #include "tests/compare.hpp"
 #include "tests/energy_derivatives.hpp"
 #include "tests/scenes.hpp"
