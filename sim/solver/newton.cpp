@@ -283,8 +283,8 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int max_eval
       iterate.converged = true;
       return note(iterate, SolverStage::newton, "converged: residual");
     }
-    const Energy smooth =
-        without_friction(world, frozen, iterate.tip, potential.bore.gradient, potential.bore.hessian);
+    const Energy smooth = without_friction(world, frozen, iterate.tip, potential.bore.gradient,
+                                           potential.bore.hessian);
     NewtonStep newton(world, frozen, smooth, iterate.tip);
     if (before && iterate.iterations > 0 && !newton.convex)
       return note(iterate, SolverStage::newton, "ends: concave");

@@ -97,8 +97,9 @@ double stiffness_determinant(const World& world, const State& state) noexcept {
   const PoseVector tip(state.tip);
   const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
   const Linearization& bore = *state.linearization;
-  const NewtonStep newton(world, frozen, without_friction(world, frozen, tip, bore.gradient, bore.hessian),
-                          tip, 1, Pivots::as_they_are, true);
+  const NewtonStep newton(world, frozen,
+                          without_friction(world, frozen, tip, bore.gradient, bore.hessian), tip, 1,
+                          Pivots::as_they_are, true);
   return FrictionCoupling(world, frozen, tip, kSlidingOn).determinant(newton);
 }
 

@@ -86,9 +86,9 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
     if (agrees && iterate.converged) return true;
     if (iterate.evaluations >= max_evaluations) return false;
     const Energy& bore = iterate.potential.bore;
-    const NewtonStep newton(world, frozen,
-                            without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
-                            iterate.tip, 1, Pivots::as_they_are);
+    const NewtonStep newton(
+        world, frozen, without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
+        iterate.tip, 1, Pivots::as_they_are);
     const std::array limit = {frozen.friction[kEnd].limit, frozen.friction[kSide].limit};
     const auto move = coupling.newton_step(newton, frozen);
     iterate.converged = false;

@@ -79,7 +79,8 @@ TEST(FrictionCoupling, SettleWhereLimitAndDepthAgree) {
     const FrictionCoupling missed(world, frozen, state.tip, there);
     if (!(missed.largest_error() > 0.02)) continue;  // nothing slips
     const NewtonStep newton(
-        world, frozen, without_friction(world, frozen, state.tip, there.bore.gradient, there.bore.hessian),
+        world, frozen,
+        without_friction(world, frozen, state.tip, there.bore.gradient, there.bore.hessian),
         state.tip, 1);
     if (!newton.convex) continue;
     const PoseVector end = retract(world, frozen, state.tip, *missed.newton_step(newton, frozen));
