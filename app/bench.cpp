@@ -583,8 +583,8 @@ void add_bench(CLI::App& app, Run& run) {
           "from how far off the axis an end goes in; tail: the worst steps; events: the same "
           "motions at ever finer steps; turns: the same turned about the axis, mirrored, and "
           "continued from saved rows; parameters: the solver's, each halved and doubled; peers: "
-          "other engines in the same motion; recording: the cost "
-          "of a row; parts: success with curl, cleave, edge and the like; plans: planned against "
+          "other engines in the same motion; recording: the cost of a row; parts: success with "
+          "curl, cleave, edge and the like; plans: planned against "
           "full campaigns; sensors: success against noise and bias of the force sensor")
       ->check(one_of({"hard", "capture", "tail", "events", "turns", "parameters", "peers",
                       "recording", "parts", "plans", "sensors"}));
@@ -602,8 +602,7 @@ void add_bench(CLI::App& app, Run& run) {
       ->capture_default_str();
   verb->add_option("--scenes", a->scenes,
                    "Random scenes, and starts in shipped scenes, of tail, events, turns and "
-                   "parameters; 200, 2 "
-                   "for events and 1 for parameters, unless given")
+                   "parameters; 200, 2 for events and 1 for parameters, unless given")
       ->check(whole_number(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);

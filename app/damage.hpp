@@ -1,4 +1,5 @@
-// The forces at which the fibre of a scene takes damage (sim/analysis/damage.hpp), beside the scene's limit.
+// The forces at which the fibre of a scene takes damage (sim/analysis/damage.hpp), beside the
+// scene's limit.
 #pragma once
 
 #include <array>

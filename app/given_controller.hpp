@@ -37,8 +37,8 @@ GivenController given_program(const PolicyArguments& how, std::uint64_t seed);
 
 // Why trials ended in which somebody else's failed, and how many of each.
 std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& results);
-// Adds that to a row of JSON, where there are any; of CSV, whose columns are always the same, as one
-// text.
+// Adds that to a row of JSON, where there are any; of CSV, whose columns are always the same, as
+// one text.
 void add_failures(const std::vector<TrialResult>& results, const Output& output, Json& row);
 // Says it on stderr.
 void tell_failures(const std::string& name, const std::vector<TrialResult>& results);

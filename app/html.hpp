@@ -12,8 +12,8 @@ namespace ferrule {
 std::string escaped(const std::string& text);
 // The beginning of a page, up to what is in its body.
 std::string html_head(const std::string& title);
-// A table. Headings, titles and cells are HTML. On a narrow screen every row is a list of its cells,
-// each beside its heading.
+// A table. Headings, titles and cells are HTML. On a narrow screen every row is a list of its
+// cells, each beside its heading.
 class HtmlTable {
  public:
   struct Column {
@@ -34,8 +34,8 @@ class HtmlTable {
   std::string rows_;
 };
 
-// A plot over its caption, which is HTML. Where it cannot be drawn, as without gnuplot, the page says
-// so, and a note on stderr.
+// A plot over its caption, which is HTML. Where it cannot be drawn, as without gnuplot, the page
+// says so, and a note on stderr.
 std::string figure(const Plot& plot, const std::string& caption);
 
 }  // namespace ferrule

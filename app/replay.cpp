@@ -185,7 +185,7 @@ constexpr std::array<const char*, 4> kStatusNames = {"ok", "not converged", "bad
 constexpr const char* kCostliest = "costliest";
 
 TracedStep traced_step(const Episode& episode, const std::string& which) {
-  if (which == kCostliest) return trace_step(episode, costliest_row(episode));
+  if (which == kCostliest) return trace_step(episode, std::nullopt);
   double time = 0;
   if (!CLI::detail::lexical_cast(which, time))
     throw BadInput("--trace " + printable(which, 40) + ": expected a time [s], or " + kCostliest);

@@ -120,8 +120,8 @@ Json json_list(const Rows& rows, const Of& of) {
 std::string number_or(const char* otherwise, const char* format, double x);
 
 // Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
-// and ends the program where the verb does not hear it within a second, by asking interrupted(); the
-// second ends the program at once.
+// and ends the program where the verb does not hear it within a second, by asking interrupted();
+// the second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;  // from any thread
 // While one of these lives, the first signal is heard at the end of a case, however long that

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "bench/random_scene.hpp"
+#include "controller/statistics.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/solver/step.hpp"
 
@@ -81,9 +82,8 @@ ParameterRow measure(ParameterRow row, const SolverParameters& parameters, std::
         drive(scene, motion, seed, k, row, errors);
   }
   row.evaluations /= static_cast<double>(row.steps);
-  std::sort(errors.begin(), errors.end());
-  row.error_p99 = errors[static_cast<std::size_t>(0.99 * static_cast<double>(errors.size() - 1))];
-  row.error_max = errors.back();
+  row.error_p99 = quantile(errors, 0.99);
+  row.error_max = quantile(errors, 1);
   return row;
 }
 

@@ -21,8 +21,8 @@ struct ParameterRow {
   double error_p99 = 0, error_max = 0;
 };
 
-// Each parameter halved and doubled, along motions in the given scenes from `starts` starts each, in
-// steps of 1 ms, drawn under `seed`.
+// Each parameter halved and doubled, along motions in the given scenes from `starts` starts each,
+// in steps of 1 ms, drawn under `seed`.
 std::vector<ParameterRow> bench_parameters(std::uint64_t seed, std::size_t starts,
                                            const std::vector<std::string>& scenes,
                                            const GoOn& go_on = {});

@@ -104,36 +104,26 @@ std::optional<Difference> verify(const Episode& episode) {
   return comparison.first;
 }
 
-Eigen::Index costliest_row(const Episode& episode) {
-  int most = -1;
-  Eigen::Index row = 0, costliest = 0;
-  insert_again(recorded_scene(episode, "the episode's scene"), episode, [&](const Tick& tick) {
-    if (tick.result.evaluations > most) {
-      most = tick.result.evaluations;
-      costliest = row;
-    }
-    ++row;
-    return true;
-  });
-  return costliest;
-}
-
-TracedStep trace_step(const Episode& episode, Eigen::Index n) {
+TracedStep trace_step(const Episode& episode, std::optional<Eigen::Index> at) {
   const Scene scene = recorded_scene(episode, "the episode's scene");
+  StepResult last(draw_start(scene, episode.info.seed, episode.info.trial)), before;
+  Pose command;
   TracedStep traced;
-  StepResult before(draw_start(scene, episode.info.seed, episode.info.trial));
   Eigen::Index row = 0;
+  int most = -1;
   insert_again(scene, episode, [&](const Tick& tick) {
-    if (row++ < n) {
-      before = tick.result;
-      return true;
+    if (at ? row == *at : tick.result.evaluations > most) {
+      most = tick.result.evaluations;
+      before = last;
+      command = tick.result.state.command;
+      traced.dt = row == 0 ? 0 : episode.info.period;
     }
-    traced.before = before.state;
-    traced.dt = row == 1 ? 0 : episode.info.period;
-    traced.result = before;
-    step_on(scene.world, tick.result.state.command, traced.dt, traced.result, &traced.trace);
-    return false;
+    last = tick.result;
+    return row++ != at;
   });
+  traced.before = before.state;
+  traced.result = before;
+  step_on(scene.world, command, traced.dt, traced.result, &traced.trace);
   return traced;
 }
 

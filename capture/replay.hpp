@@ -16,17 +16,14 @@ void verify(const Episode& episode, Verification& comparison);
 // The first difference, of every bit.
 std::optional<Difference> verify(const Episode& episode);
 
-// The row at which the step ends that takes the most evaluations, the first of them.
-Eigen::Index costliest_row(const Episode& episode);
-
-// The step of an episode that ends at row n, taken again with a trace. Throws BadInput if the scene is
-// not valid.
+// The step of an episode that ends at a row, or else the first of those that take the most
+// evaluations, taken again with a trace. Throws BadInput if the scene is not valid.
 struct TracedStep {
   State before;
   StepResult result;
   double dt;  // [s]
   StepTrace trace;
 };
-TracedStep trace_step(const Episode& episode, Eigen::Index n);
+TracedStep trace_step(const Episode& episode, std::optional<Eigen::Index> row);
 
 }  // namespace ferrule

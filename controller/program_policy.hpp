@@ -1,7 +1,7 @@
 // A policy that is somebody else's, in a process of its own, asked through a pipe.
 //
-// A program is run by the shell and talks JSON, a line each, in turns: it gets a line on its standard
-// input and answers with one on its standard output.
+// A program is run by the shell and talks JSON, a line each, in turns: it gets a line on its
+// standard input and answers with one on its standard output.
 //   {"reset": {"trial": k, "seed": s, "control_hz": f}}       before every trial; {} answers
 //   {"wrench": [Fx, Fy, Fz, My, Mz], "depth": d, "time": t}   an observation, in the hand's world
 //                                                             [N, N m], [m], [s]
@@ -9,8 +9,9 @@
 //   {"error": "why"}                                          answers what it cannot answer
 // One process serves one trial at a time and many after one another, each thread its own. One that
 // ends, is silent for too long, or answers anything else ends its trial, which then says why, and
-// is ended itself; the next trial begins another. One that failed in each of its first ten trials is
-// not asked any more: it fails in all. No process outlives this program (sim/base/child_process.hpp).
+// is ended itself; the next trial begins another. One that failed in each of its first ten trials
+// is not asked any more: it fails in all. No process outlives this program
+// (sim/base/child_process.hpp).
 #pragma once
 
 #include <string>

@@ -1,5 +1,6 @@
-// Can a scene be felt on a device? The felt stiffness of an insertion (sim/solver/held_stiffness.hpp,
-// scaled) against what the device renders stably (haptic/stability.hpp).
+// Can a scene be felt on a device? The felt stiffness of an insertion
+// (sim/solver/held_stiffness.hpp, scaled) against what the device renders stably
+// (haptic/stability.hpp).
 #pragma once
 
 #include <string>

@@ -34,7 +34,8 @@ class Probe {
   // The end at rest at `tip`.
   void begin(const Pose& tip) noexcept { state_ = at_rest(scene_.world, tip); }
 
-  // In a straight line of steps of half a clearance to where the end would be at `goal` in free air.
+  // In a straight line of steps of half a clearance to where the end would be at `goal` in free
+  // air.
   void drive(const Pose& goal) {
     if (stopped_) return;
     move(goal);

@@ -20,11 +20,11 @@ struct StiffnessRange {
   std::size_t two_point = 0;  // of these, with end and side touching at once
 };
 
-// Deterministic, some thousand states, 100,000 at most: the start, the way to the axis and to the success depth,
-// at half of it and at it pushes sideways and tilts to both sides (two-point contact), and the end
-// pressed on the lead-in cone and on the front face. Every motion ends where the force at the
-// holder, weight apart, exceeds limits.force. `dt` [s], > 0, is the period that B is for. `go_on` is
-// told how many of all motions are done; false ends it there.
+// Deterministic, some thousand states, 100,000 at most: the start, the way to the axis and to the
+// success depth, at half of it and at it pushes sideways and tilts to both sides (two-point
+// contact), and the end pressed on the lead-in cone and on the front face. Every motion ends where
+// the force at the holder, weight apart, exceeds limits.force. `dt` [s], > 0, is the period that B
+// is for. `go_on` is told how many of all motions are done; false ends it there.
 StiffnessRange insertion_stiffness(
     const Scene& scene, double dt,
     const std::function<bool(std::size_t done, std::size_t all)>& go_on = {});

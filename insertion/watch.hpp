@@ -39,7 +39,8 @@ struct InsertionSummary {
   double depth = 0;          // inserted length [m]
   double offset = 0;         // distance of the end's centre from the bore's axis [m]
   double tilt = 0;           // angle of the end to it [rad]
-  // Steps, and how many of them ended without a minimum (StepStatus::iteration_limit or not_converged).
+  // Steps, and how many of them ended without a minimum (StepStatus::iteration_limit or
+  // not_converged).
   std::int64_t steps = 0, unfinished = 0;
 
   // What an insertion took: until the success depth, or else to its end [s].

@@ -1,8 +1,8 @@
 // What the operator's window shows of one tick: a frame, made of a row (capture/row.hpp), so that
 // an insertion that runs and one that was recorded look the same.
 //
-// Columns, all at the tip's scale, in the frame of sim/geometry/pose.hpp (x out of the bore, y up, z to the
-// viewer; insertion is motion along -x), in the units that end their names:
+// Columns, all at the tip's scale, in the frame of sim/geometry/pose.hpp (x out of the bore, y up,
+// z to the viewer; insertion is motion along -x), in the units that end their names:
 //   t                          time of the row
 //   holder_*                   pose of the fibre's holder, as that of an end that nothing bends
 //   tip_*                      pose of the fibre's end: its bending is tip - holder

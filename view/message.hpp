@@ -1,7 +1,8 @@
 // What a page says to the program: one JSON object a message, of at most kMostMessage bytes.
 //
 //   {"type":"hand","v":[x,y,z],"buttons":n,"seq":k}   how the hand moves, of full deflection, each
-//                                                     cut to [-1, 1], in the frame of sim/geometry/pose.hpp
+//                                                     cut to [-1, 1], in the frame of
+//                                                     sim/geometry/pose.hpp
 //   {"type":"start"} {"type":"stop"} {"type":"discard"} {"type":"rate","stars":1..5}
 //   {"type":"fit","episodes":[file names]}            none named: all
 //   {"type":"insert"}                                 with the controller that was fitted last

@@ -5,9 +5,9 @@
 // x <= 0; as general engines collide convex bodies, its wall is a ring of boxes that touch the
 // bore's circle with the middle of their inner face. The peg is a free body. A holder pulls it by
 // its end: a spring in the end's position and in the tilts, as that of a rigid hand
-// (sim/model/holder.hpp), with critical damping relative to the hand's velocity. No gravity, no friction:
-// what is right then is known in closed form (bench/peers.hpp). The mass is the drawn fibre's; the
-// forces scale so that the spring is the scene's.
+// (sim/model/holder.hpp), with critical damping relative to the hand's velocity. No gravity, no
+// friction: what is right then is known in closed form (bench/peers.hpp). The mass is the drawn
+// fibre's; the forces scale so that the spring is the scene's.
 #pragma once
 
 #include <Eigen/Geometry>

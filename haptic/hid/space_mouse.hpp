@@ -26,8 +26,9 @@ bool never_a_space_mouse(std::uint16_t vendor, std::uint16_t product) noexcept;
 AxisReader space_mouse_axes(const HidInfo& info);
 
 // Full deflection is `speed` [m/s] along the axes and `tilt_rate` [rad/s] about them. The axes are
-// those of the scene as it is looked at (sim/model/state.hpp's frame, z to the viewer): push the cap left
-// to insert, lift it for up, pull it for towards the viewer; the tilts turn the same way round.
+// those of the scene as it is looked at (sim/model/state.hpp's frame, z to the viewer): push the
+// cap left to insert, lift it for up, pull it for towards the viewer; the tilts turn the same way
+// round.
 Mapping space_mouse_mapping(const AxisReader& axes, double speed, double tilt_rate) noexcept;
 
 class SpaceMouse : public HidDevice {

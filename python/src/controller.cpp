@@ -119,8 +119,7 @@ auto of_file(const Of& of) {
 void LoadedController::expect_scaling_of(const Scene& scene) const {
   if (other_scaling) return;
   const std::string trouble = scaling_trouble(trained_on(read).scaling, name, scene);
-  if (!trouble.empty())
-    throw BadInput(trouble + "; Controller.other_scaling = True does it all the same");
+  if (!trouble.empty()) throw BadInput(trouble + "; Controller.other_scaling = True allows it");
 }
 
 void add_controller(nb::module_& module) {

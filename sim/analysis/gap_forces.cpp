@@ -114,13 +114,6 @@ double particle_at_gap(const World& world, const Posture& at) {
   return particle_push(law, law.height - gap).force;
 }
 
-// In the order of `Term`.
-using AtGap = double (*)(const World&, const Posture&);
-constexpr std::array<AtGap, kTerms> kAtGap = {
-    van_der_waals_at_gap, electrostatic_at_gap, gravity_at_gap,  capillary_at_gap,
-    adhesion_at_gap,      wall_at_gap,          friction_at_gap, drag_at_gap,
-    meniscus_at_gap,      flow_at_gap,          particle_at_gap};
-
 }  // namespace
 
 void expect_fits(const World& world, double gap_nm, double length_um, double tilt_mrad) {
@@ -174,7 +167,31 @@ double mean_line_force(const std::function<double(double)>& law, const World& wo
 }
 
 double force_at_gap(const World& world, Term term, const Posture& posture) {
-  return kAtGap[static_cast<std::size_t>(term)](world, posture);
+  switch (term) {
+    case Term::van_der_waals:
+      return van_der_waals_at_gap(world, posture);
+    case Term::electrostatic:
+      return electrostatic_at_gap(world, posture);
+    case Term::gravity:
+      return gravity_at_gap(world, posture);
+    case Term::capillary:
+      return capillary_at_gap(world, posture);
+    case Term::adhesion:
+      return adhesion_at_gap(world, posture);
+    case Term::wall:
+      return wall_at_gap(world, posture);
+    case Term::friction:
+      return friction_at_gap(world, posture);
+    case Term::drag:
+      return drag_at_gap(world, posture);
+    case Term::meniscus:
+      return meniscus_at_gap(world, posture);
+    case Term::flow:
+      return flow_at_gap(world, posture);
+    case Term::particle:
+      return particle_at_gap(world, posture);
+  }
+  return 0;
 }
 
 GapForces gap_forces(const World& world, const Posture& posture) {

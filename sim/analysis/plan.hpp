@@ -38,9 +38,9 @@
 // period, and smooth stretches are followed along the tangent to 0.3 or 0.03 of the tolerance.
 // Scenes with inertia are planned for the motion.
 //
-// The full model follows smooth stretches along the tangent (sim/solver/extrapolation.hpp) where and as closely
-// as the scene does, and locates events as it does: to 0.1 nm of the hand's travel, in scenes with
-// printed surface laws or adhesion not at all unless they ask for it.
+// The full model follows smooth stretches along the tangent (sim/solver/extrapolation.hpp) where
+// and as closely as the scene does, and locates events as it does: to 0.1 nm of the hand's travel,
+// in scenes with printed surface laws or adhesion not at all unless they ask for it.
 //
 // Where the scene does not say which dynamics it has, inertia is judged by the acceleration of the
 // command, and where it states how the fibre is damped (holder.loss_factor, eta) by how long a snap
@@ -48,7 +48,7 @@
 //   t = 2 log(1/tolerance)/(eta omega_1),
 // and how far the hand goes until then, at limits.speed over the clearance, is what leaving inertia
 // out changes, as of any event that comes later. Without damping the bound does not cover how long
-// a fibre rings where it snaps or contact_set_changed. Parts with a tolerance are planned for as a pair of the
+// a fibre rings where it snaps or hits. Parts with a tolerance are planned for as a pair of the
 // nominal diameters.
 #pragma once
 

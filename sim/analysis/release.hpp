@@ -14,11 +14,11 @@
 //           attraction of the surfaces presses it to, meniscus, and drag at a speed.
 //
 // The weight, as much of it as the holder leaves to the end (Holder::weight: all of a rigid hand's,
-// half of an elastic fibre's), counts against the hand: the wall is the one below. In equilibrium nothing else
-// presses the fibre to the wall. A soft hand pulls with the force, not the way: it lets go at the
-// largest pull. Closed forms: the pull-off force of one place lies between that of JKR, 3/2 pi w
-// R_s, and that of DMT, 2 pi w R_s (sim/laws/maugis.hpp has it for any lambda); surface forces,
-// weight, friction and meniscus are those of their laws.
+// half of an elastic fibre's), counts against the hand: the wall is the one below. In equilibrium
+// nothing else presses the fibre to the wall. A soft hand pulls with the force, not the way: it
+// lets go at the largest pull. Closed forms: the pull-off force of one place lies between that of
+// JKR, 3/2 pi w R_s, and that of DMT, 2 pi w R_s (sim/laws/maugis.hpp has it for any lambda);
+// surface forces, weight, friction and meniscus are those of their laws.
 #pragma once
 
 #include <array>

@@ -37,8 +37,9 @@ class ChildProcess {
   std::optional<int> status_;
 };
 
-// For `work`: executes a program found on PATH with `in`, `out` and `error` as its standard files, -1:
-// /dev/null. `words` begins with its name. Ends with exit code 127 where there is no such program.
+// For `work`: executes a program found on PATH with `in`, `out` and `error` as its standard files,
+// -1: /dev/null. `words` begins with its name. Ends with exit code 127 where there is no such
+// program.
 [[noreturn]] void execute(const std::vector<std::string>& words, int in, int out, int error);
 
 // For `work` on what strangers made. Crashes leave no core, and what libraries print goes nowhere.

@@ -1,6 +1,6 @@
 // Reading a JSON object strictly: every key is asked for with its rule, unknown keys are refused.
-// Each error is a BadInput of one line: file: key = value: rule. Where a file was read, json_file.hpp
-// adds the line.
+// Each error is a BadInput of one line: file: key = value: rule. Where a file was read,
+// json_file.hpp adds the line.
 #pragma once
 
 #include <Eigen/Core>

@@ -7,8 +7,8 @@
 
 namespace ferrule {
 
-// The one of `known` that is nearest to `name` by Levenshtein's distance, where one that begins with
-// `name` is at 1. Empty: none is within a third of the longer one's letters, or within 2.
+// The one of `known` that is nearest to `name` by Levenshtein's distance, where one that begins
+// with `name` is at 1. Empty: none is within a third of the longer one's letters, or within 2.
 std::string nearest(const std::string& name, const std::vector<std::string>& known);
 
 // ": did you mean X?", with the nearest; empty where none is near.

@@ -1,10 +1,10 @@
 // An oval bore: R(theta) = R + q cos 2(theta - theta_0), q = o/4, with o the ovality, largest less
 // smallest diameter. To first order in q/c the wall is q cos 2(theta - theta_0) farther from the
 // axis in the direction that the fibre is nearest to it: so for contacts on bore, cone and mouth
-// (sim/geometry/contact_depth.hpp). Laws of the annulus (surface forces, drag, flow) are taken in the round
-// bore that stretching across by c/(c + q) and c/(c - q) makes of the clearance's ellipse, which
-// keeps axes straight: they miss the gap by 1.5 q^2/c at most, 2 nm for 0.1 um in a clearance of
-// 0.5 um. The opening that an end rests over stays round.
+// (sim/geometry/contact_depth.hpp). Laws of the annulus (surface forces, drag, flow) are taken in
+// the round bore that stretching across by c/(c + q) and c/(c - q) makes of the clearance's
+// ellipse, which keeps axes straight: they miss the gap by 1.5 q^2/c at most, 2 nm for 0.1 um in a
+// clearance of 0.5 um. The opening that an end rests over stays round.
 #pragma once
 
 #include "sim/geometry/energy.hpp"

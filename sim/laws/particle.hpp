@@ -3,12 +3,12 @@
 // Of height h over the wall, in the direction u from the axis, s_p behind the entrance, and as wide
 // as it is high: a paraboloid of the curvature 1/h,
 //   b(x) = h - (x + s_p)^2/(2 h).
-// sim/terms/particle_depth.hpp says how deep the fibre is in it; it pushes back as Hertz's sphere of the
-// radius h does (sim/laws/wall.hpp), K being that of fibre and ferrule. It is stuck to the wall and
-// as hard as that is, and has neither adhesion nor friction of its own; the wall that it presses
-// the fibre to has both. A rigid upright fibre that passes it has the room c - h on its side: up
-// to h = c nothing changes for one that is centred, up to 2 c it shifts aside, and beyond that it
-// does not pass.
+// sim/terms/particle_depth.hpp says how deep the fibre is in it; it pushes back as Hertz's sphere
+// of the radius h does (sim/laws/wall.hpp), K being that of fibre and ferrule. It is stuck to the
+// wall and as hard as that is, and has neither adhesion nor friction of its own; the wall that it
+// presses the fibre to has both. A rigid upright fibre that passes it has the room c - h on its
+// side: up to h = c nothing changes for one that is centred, up to 2 c it shifts aside, and beyond
+// that it does not pass.
 //
 // Dirt is on fibres too. A bump there takes the same room from the fibre once both are in the bore,
 // and besides has to come in over lead-in and mouth; a fibre is wiped before it goes in, a bore is

@@ -16,8 +16,9 @@ struct Numerics {
   // A step in which a contact or bridge opens or closes, a contact turns over an edge, or the fibre
   // snaps, is divided until the command travels no more than this in it [m].
   double event_travel = std::numeric_limits<double>::infinity();
-  // Where these are not 0, steps are extrapolated over smooth intervals (sim/solver/extrapolation.hpp),
-  // to about this error of the end [m] and of the force at the holder [N]; else every step is solved.
+  // Where these are not 0, steps are extrapolated over smooth intervals
+  // (sim/solver/extrapolation.hpp), to about this error of the end [m] and of the force at the
+  // holder [N]; else every step is solved.
   double extrapolation_tip = 0, extrapolation_force = 0;
   Quadrature quadrature;  // of surface forces along the inserted length
   // Corrected van der Waals and electrostatic forces in closed form instead

@@ -341,11 +341,7 @@ void set_trust_radius(const World& world, const State& before, StepResult& resul
   if (!now.extrapolation || !before.extrapolation || result.status != StepStatus::ok ||
       result.rejected > 0)
     return;
-  for (std::size_t at = 0; at < kContactPlaces; ++at)
-    if (now.contact[at].closed != before.contact[at].closed ||
-        now.contact[at].branch != before.contact[at].branch)
-      return;
-  if (now.bridge != before.bridge) return;
+  if (contact_set_changed(before, {now.contact, now.bridge})) return;
   const Extrapolation& last = *before.extrapolation;
   const Pose by = now.command - before.command, move = follow_hand(world, last, by);
   const double length = last.arc_length + arc_length_of(world, before, by, move);

@@ -7,20 +7,21 @@
 // (Numerics::extrapolation_tip) a step on a smooth interval is that product and no more: pose,
 // holder's force, contacts and sliding friction move along. With drag the fibre lags behind, and
 //   d tip_n = (H + K + D/dt)^-1 (K d command_n + D/dt d tip_n-1)
-// in steps of one length. So does friction across the sliding direction, which is that of a step and
-// not of the path: of the lateral slip s after a step the part s L/l goes on, where L is the elastic
-// slip at the limit, and l what the slip was before it slid.
+// in steps of one length. So does friction across the sliding direction, which is that of a step
+// and not of the path: of the lateral slip s after a step the part s L/l goes on, where L is the
+// elastic slip at the limit, and l what the slip was before it slid.
 //
 // An interval ends, and the step is solved (sim/solver/step.cpp), where
-//   an open contact would close, a sticking one slide, a sliding one turn back, or a bridge begin or
-//   end,
+//   an open contact would close, a sticking one slide, a sliding one turn back, or a bridge begin
+//   or end,
 //   the end comes near an edge of the ferrule, or
-//   the arc length exceeds the trust radius. The extrapolation's error is measured where an interval
-//   ends, grows with the square of the arc length, and so sets the next trust radius. After an event
-//   every step is solved until two agree with the extrapolation.
+//   the arc length exceeds the trust radius.
+// The extrapolation's error is measured where an interval ends, grows with the square of the arc
+// length, and so sets the next trust radius. After an event every step is solved until two agree
+// with the extrapolation.
 //
-// For quasi-static worlds without flow, and an end in the bore or in its cone; all others are solved
-// step by step.
+// For quasi-static worlds without flow, and an end in the bore or in its cone; all others are
+// solved step by step.
 #pragma once
 
 #include "sim/solver/newton.hpp"

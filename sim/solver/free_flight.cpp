@@ -21,8 +21,8 @@ bool flies_free(const World& world, const State& state, const Pose& goal) noexce
          reach;
 }
 
-// How far the rim of an end at `p` is at least from the walls of the opening, across the bore, where
-// all of it is in front of the bore [m]; else negative.
+// How far the rim of an end at `p` is at least from the walls of the opening, across the bore,
+// where all of it is in front of the bore [m]; else negative.
 double room_across(const World& world, const Pose& p) noexcept {
   const FerruleProfile& profile = world.profile;
   const double r = world.annulus.fibre_radius;

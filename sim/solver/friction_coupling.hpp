@@ -1,7 +1,7 @@
 // The coupling of friction and pose within a step: the limits of friction are those of the contacts
 // where the step ends, which are as deep as the limits let them be. No energy contains its own
-// friction limit; so the limits are held while a minimum is sought (sim/solver/newton.hpp), and then
-// moved, by Newton's method in limits and pose, to where they and the depths agree.
+// friction limit; so the limits are held while a minimum is sought (sim/solver/newton.hpp), and
+// then moved, by Newton's method in limits and pose, to where they and the depths agree.
 #pragma once
 
 #include <optional>
@@ -12,8 +12,8 @@ namespace ferrule {
 
 class FrictionCoupling {
  public:
-  // With the errors of the limits of `frozen` against those of the contacts of `potential`, which is
-  // at `tip`. What sticks has none.
+  // With the errors of the limits of `frozen` against those of the contacts of `potential`, which
+  // is at `tip`. What sticks has none.
   FrictionCoupling(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                    const Potential& potential) noexcept;
   // Without errors, for an end at `tip` near to where the limits were frozen. What has less slip
@@ -28,9 +28,9 @@ class FrictionCoupling {
   // `newton`. It falls to 0 at a fold, where the pose is lost.
   double determinant(const NewtonStep& newton) const noexcept;
 
-  // One Newton step in limits and pose, for what `newton` has of the pose at given limits: moves the
-  // limits of `frozen`, and returns the move of the pose. What is no minimum at given limits may
-  // still be stable, as the limits fall when the contact opens: as long as the determinant is
+  // One Newton step in limits and pose, for what `newton` has of the pose at given limits: moves
+  // the limits of `frozen`, and returns the move of the pose. What is no minimum at given limits
+  // may still be stable, as the limits fall when the contact opens: as long as the determinant is
   // positive. Nothing, and the limits as they are, where it is not.
   std::optional<PoseVector> newton_step(const NewtonStep& newton,
                                         FrozenCoefficients& frozen) const noexcept;

@@ -1,6 +1,6 @@
 // The line search among nonsmooth terms: the energy along a Newton step with these terms as they
-// are, and not as the local model has them. Depths cost little to compute, so a step is cut to where
-// they say that the energy is least, before the potential is evaluated.
+// are, and not as the local model has them. Depths cost little to compute, so a step is cut to
+// where they say that the energy is least, before the potential is evaluated.
 #pragma once
 
 #include "sim/solver/local_model.hpp"
@@ -33,8 +33,8 @@ class MeritModel {
   // The part, up to `most`, at which the energy is least before it rises.
   double least(double most) const noexcept;
   // The part, up to `most`, at which a contact that the step opens, and that adhesion holds, pulls
-  // most: what is beyond may be lower and is yet not to be had, as it holds while another one opens.
-  // Not looked for among printed laws, which take much longer to evaluate.
+  // most: what is beyond may be lower and is yet not to be had, as it holds while another one
+  // opens. Not looked for among printed laws, which take much longer to evaluate.
   double largest_adhesion(double most) const noexcept;
 
  private:

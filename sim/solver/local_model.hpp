@@ -61,9 +61,9 @@ inline constexpr int kMaxReturnMappings = 8;  // until sticking and sliding cont
 enum class Pivots { magnitudes, as_they_are };
 
 // A Newton step from `tip`: to the minimum of the quadratic of `smooth`, which is all but friction,
-// together with friction by return mapping: every contact sticks or slides as it does where the step
-// ends. With one round, or where more do not agree, as it does at `tip` (with `slides_on`, sliding
-// where it just did).
+// together with friction by return mapping: every contact sticks or slides as it does where the
+// step ends. With one round, or where more do not agree, as it does at `tip` (with `slides_on`,
+// sliding where it just did).
 //
 // Where the Hessian is not positive definite the step takes the magnitudes of its pivots (towards
 // lower energy) or the pivots as they are (towards where the gradient vanishes).

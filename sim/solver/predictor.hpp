@@ -25,8 +25,8 @@ Prediction predict(const World& world, const State& state, FrozenCoefficients& f
 bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
              const PoseVector& curvature, Iterate& iterate) noexcept;
 
-// Determinant of the stiffness that holds the end in a state that a sub-step left, with friction and
-// how its limits change, from its linearization [(N/m)^3 (N m/rad)^2]; NaN without one. Up to a
+// Determinant of the stiffness that holds the end in a state that a sub-step left, with friction
+// and how its limits change, from its linearization [(N/m)^3 (N m/rad)^2]; NaN without one. Up to a
 // fold, where the pose is lost, it falls to 0 as the root of what is left of the path.
 double stiffness_determinant(const World& world, const State& state) noexcept;
 

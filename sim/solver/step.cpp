@@ -55,8 +55,8 @@ double edge_step(const World& world) noexcept {
 }
 
 // The largest part of a path along x of length `along_x` [m] for an end in frictional contact near
-// the edge between bore and cone: up to where its rim goes round the edge, and there in short parts,
-// as friction and adhesion turn.
+// the edge between bore and cone: up to where its rim goes round the edge, and there in short
+// parts, as friction and adhesion turn.
 double part_to_edge(const World& world, const State& state, double along_x) noexcept {
   const double tangent = world.profile.lead_in_tangent;
   if (!state.contact[kEnd].closed || state.side == EdgeSide::face || !(tangent > 0))
@@ -71,7 +71,8 @@ double part_to_edge(const World& world, const State& state, double along_x) noex
   return std::max(edge_step(world), left - turning - 2 * near) / std::abs(along_x);
 }
 
-// The linearization's curvature is that of a sub-step as long as the one before; for `part` of that.
+// The linearization's curvature is that of a sub-step as long as the one before; for `part` of
+// that.
 void shorten_curvature(double part, State& state) noexcept {
   if (!(part < 1) || !state.linearization) return;
   PoseVector& curvature = state.linearization->curvature;
@@ -112,8 +113,8 @@ const char* rejection(Divisible divisible, const State& before, const Iterate& i
 
 // --- What is accepted ---
 
-// Contacts after a sub-step that has moved the end: new ones stick where they are, sliding ones drag
-// their sticking point along. Where a contact moves on over the fibre it is another material
+// Contacts after a sub-step that has moved the end: new ones stick where they are, sliding ones
+// drag their sticking point along. Where a contact moves on over the fibre it is another material
 // point's, and the elastic slip stays. A spot that grows is not sheared where it is new: the force
 // stays and the slip becomes less; one that shrinks gives up its part of the force (Mindlin and
 // Deresiewicz, 1953). So no energy is gained.

@@ -10,7 +10,6 @@ namespace ferrule {
 enum class SolverStage {
   extrapolation,  // without an evaluation, along the tangent
   free_flight,    // without an evaluation, in free air
-  sub_step,       // of the command's way
   predictor,      // from the linearization of the step before
   corrector,      // the prediction is evaluated
   newton,         // an iteration of Newton's method
@@ -18,14 +17,14 @@ enum class SolverStage {
   accepted,       // the end of the sub-step is the new state
   rejected,       // the sub-step was too long and is divided
 };
-inline constexpr const char* kStageNames[] = {"extrapolation", "free flight", "sub-step",
-                                              "predictor",     "corrector",   "Newton",
-                                              "friction",      "accepted",    "rejected"};
+inline constexpr const char* kStageNames[] = {"extrapolation", "free flight", "predictor",
+                                              "corrector",     "Newton",      "friction",
+                                              "accepted",      "rejected"};
 
 struct TraceEntry {
   SolverStage stage;
   const char* decision;  // and why
-  double part;           // of the command's way, where the sub-step ends [-]
+  double part;           // of the command's path, where the sub-step ends [-]
   int evaluations;       // of the potential, in this sub-step so far
   double residual;       // over the sum of all forces [-]; NaN where nothing was evaluated
   double move;  // of the end in this stage, over the clearance [-]; NaN where none was made

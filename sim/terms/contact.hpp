@@ -9,6 +9,8 @@
 // lies along the wall) its printed adhesion and friction are shared between them in equal parts.
 #pragma once
 
+#include <algorithm>
+
 #include "sim/terms/potential.hpp"
 
 namespace ferrule {

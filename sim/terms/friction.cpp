@@ -23,33 +23,24 @@ Vector3d material_point(const PoseVector& tip, double arm, const Vector2d& offse
   return {tip.x + offset.dot(tip.t), e.x(), e.y()};
 }
 
-// Huber's potential of the tangential displacement: elastic while it sticks, constant force beyond.
-Vector3d friction_force(const FrozenFriction& friction, const Vector3d& material) noexcept {
-  const Vector3d slip = friction.tangential * (material - friction.stuck);
-  const double elastic = friction.stiffness * slip.norm();
-  return elastic <= friction.limit ? Vector3d(-friction.stiffness * slip)
-                                   : Vector3d(-friction.limit * slip.normalized());
-}
+// Huber's potential of the elastic slip: elastic while the contact sticks, constant force beyond.
+struct Huber {
+  double energy;   // [J]
+  Vector3d slope;  // minus the force [N]
+  Matrix3d curve;  // [N/m]
 
-void add_friction(Energy& total, const FrozenFriction& friction, const Vector2d& offset,
-                  const PoseVector& tip) noexcept {
-  const Vector3d slip =
-      friction.tangential * (material_point(tip, friction.arm, offset) - friction.stuck);
-  const double length = slip.norm();
-  Vector3d slope = friction.stiffness * slip;
-  Matrix3d curve = friction.stiffness * friction.tangential;
-  double value = 0.5 * friction.stiffness * length * length;
-  if (friction.stiffness * length > friction.limit) {
+  Huber(const FrozenFriction& friction, const Vector3d& slip) noexcept {
+    const double length = slip.norm();
+    energy = 0.5 * friction.stiffness * length * length;
+    slope = friction.stiffness * slip;
+    curve = friction.stiffness * friction.tangential;
+    if (!friction.slides(slip)) return;
     const Vector3d direction = slip / length;
-    value = friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
+    energy = friction.limit * (length - 0.5 * friction.limit / friction.stiffness);
     slope = friction.limit * direction;
     curve = friction.limit / length * (friction.tangential - direction * direction.transpose());
   }
-  total.value += value;
-  total.value_scale += value;
-  total.force_scale += slope.norm();
-  total.add_point(friction.arm, offset, slope, curve);
-}
+};
 
 }  // namespace
 
@@ -133,7 +124,12 @@ void FrictionTerm::add(const World& world, const FrozenCoefficients& frozen, con
                        Energy& total) noexcept {
   for (int place = 0; place < kContactPlaces; ++place) {
     const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
-    if (friction.acts) add_friction(total, friction, offset(world, frozen, place), tip);
+    if (!friction.acts) continue;
+    const Huber huber(friction, elastic_slip(world, frozen, place, tip));
+    total.value += huber.energy;
+    total.value_scale += huber.energy;
+    total.force_scale += huber.slope.norm();
+    total.add_point(friction.arm, offset(world, frozen, place), huber.slope, huber.curve);
   }
 }
 
@@ -144,9 +140,8 @@ void FrictionTerm::report(const World& world, const FrozenCoefficients& frozen,
     const auto at = static_cast<std::size_t>(place);
     const FrozenFriction& friction = frozen.friction[at];
     if (!friction.acts || potential.depth[at].value == -INFINITY) continue;
-    const Vector2d to_axis = offset(world, frozen, place);
-    const Vector2d surface = eccentricity(tip, friction.arm) - to_axis;
-    b[Term::friction][at] = {friction_force(friction, material_point(tip, friction.arm, to_axis)),
+    const Vector2d surface = eccentricity(tip, friction.arm) - offset(world, frozen, place);
+    b[Term::friction][at] = {-Huber(friction, elastic_slip(world, frozen, place, tip)).slope,
                              {tip.x + friction.arm, surface.x(), surface.y()}};
   }
 }

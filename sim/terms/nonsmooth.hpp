@@ -1,6 +1,7 @@
-// The terms that are stiff or have kinks, as energies of one length each: the depths of both contacts
-// (wall and adhesion), the printed laws' gap, less the clearance, and the depth in a particle. They
-// cost little to compute, and are what the line search looks at (sim/solver/line_search.hpp).
+// The terms that are stiff or have kinks, as energies of one length each: the depths of both
+// contacts (wall and adhesion), the printed laws' gap, less the clearance, and the depth in a
+// particle. They cost little to compute, and are what the line search looks at
+// (sim/solver/line_search.hpp).
 #pragma once
 
 #include "sim/terms/potential.hpp"

@@ -20,7 +20,6 @@ PoseMatrix by_tip(const World& world, PoseMatrix m) noexcept {
 
 }  // namespace
 
-// Where the fibre is whole around, in the round bore that an oval one is stretched to.
 PoseVector whole(const World& world, const PoseVector& tip) noexcept {
   PoseVector at = world.oval.stretched(tip);
   at.x += world.end.behind;
@@ -28,7 +27,6 @@ PoseVector whole(const World& world, const PoseVector& tip) noexcept {
   return at;
 }
 
-// The length that the printed laws act along.
 double printed_length(const World& world, const FrozenCoefficients& frozen) noexcept {
   return std::max(0.0, frozen.length - world.end.behind);
 }

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "tests/compare.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -27,7 +29,7 @@ TEST(Bisect, TakesBracketsInEitherDirection) {
   const auto above = [](double x) { return x > 0.3; };
   const auto end = bisect(Bracket<double>{1, 0}, 30, above, midpoint);
   EXPECT_GT(end.holds, 0.3);
-  EXPECT_NEAR(end.fails, 0.3, 1e-9);
+  EXPECT_CLOSE(end.fails, 0.3, 3e-9);
 }
 
 // Geometric means reach a place that is many decades below the bracket.
@@ -35,7 +37,7 @@ TEST(Bisect, TakesTheMiddleItIsGiven) {
   const auto below = [](double x) { return x < 1e-9; };
   const auto geometric = [](double a, double b) { return std::sqrt(a * b); };
   const auto end = bisect(Bracket<double>{1e-16, 1}, 20, below, geometric);
-  EXPECT_NEAR(end.holds / 1e-9, 1, 1e-4);
+  EXPECT_CLOSE(end.holds, 1e-9, 1e-4);
 }
 
 }  // namespace
