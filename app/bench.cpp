@@ -421,17 +421,16 @@ int parameters(const BenchArguments& a) {
 }
 
 Json turn_json(const TurnRow& r) {
-  return {{"scene", r.scene},       {"motion", r.motion},     {"starts", r.starts},
-          {"off", r.off},           {"turned_90", r.quarter}, {"turned_37", r.any},
-          {"mirrored", r.mirrored}, {"from_row", r.from_row}};
+  return {{"scene", r.scene},       {"motion", r.motion}, {"starts", r.starts},    {"off", r.off},
+          {"turned_90", r.quarter}, {"turned_37", r.any}, {"mirrored", r.mirrored}};
 }
 
 void print_turns(const std::vector<TurnRow>& rows) {
-  fmt::print("{:<10} {:<10} {:>13} {:>12} {:>12} {:>9} {:>12} {:>12}\n", "scene", "motion",
-             "turned by 90", "by 37 deg", "mirrored", "from row", "starts", "off by 1e-6");
+  fmt::print("{:<10} {:<10} {:>13} {:>12} {:>12} {:>12} {:>12}\n", "scene", "motion",
+             "turned by 90", "by 37 deg", "mirrored", "starts", "off by 1e-6");
   for (const TurnRow& r : rows)
-    fmt::print("{:<10} {:<10} {:>13.2g} {:>12.2g} {:>12.2g} {:>9.2g} {:>12} {:>12}\n", r.scene,
-               r.motion, r.quarter, r.any, r.mirrored, r.from_row, r.starts, r.off);
+    fmt::print("{:<10} {:<10} {:>13.2g} {:>12.2g} {:>12.2g} {:>12} {:>12}\n", r.scene, r.motion,
+               r.quarter, r.any, r.mirrored, r.starts, r.off);
 }
 
 int turns(const BenchArguments& a) {

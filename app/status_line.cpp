@@ -14,8 +14,8 @@ constexpr std::size_t kBar = 20;
 }  // namespace
 
 std::string status_text(const RowVector& row, const Scene& scene) {
-  const StepResult now = step_of(row);
-  const double force = holder_force(scene.world, now.forces).norm();
+  const StepResult now = step_of(row).result;
+  const double force = holder_force(scene.world, now.holder).norm();
   const double share = std::clamp(force / scene.limits.force, 0.0, 1.0);
   const auto filled = static_cast<std::size_t>(std::lround(share * kBar));
   const double gap = smallest_gap(scene.world, now.state), depth = now.state.inserted_length();

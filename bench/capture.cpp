@@ -28,13 +28,13 @@ bool goes_in(const World& world, const Vector2d& offset, double speed, double dt
   Pose hand = Pose::Zero();
   hand[0] = above + height;
   hand.segment<2>(1) = offset;
-  State state = at_rest(world, hand);
+  StepResult now(at_rest(world, hand));
   const auto steps = static_cast<long>(std::ceil(travel / (speed * dt)));
   for (long n = 1; n <= steps; ++n) {
     hand[0] = above + height - travel * static_cast<double>(n) / static_cast<double>(steps);
-    state = step(world, state, hand, dt).state;
+    step_on(world, hand, dt, now);
   }
-  return state.tip[0] < -depth;
+  return now.state.tip[0] < -depth;
 }
 
 // A fibre's end over a bore, that of `paper`, rigid and upright, without forces.

@@ -33,7 +33,7 @@ Trace follow_hand(const World& world, const State& start, const std::vector<Pose
     trace.capped += r.status == StepStatus::iteration_limit;
     if (n % static_cast<std::size_t>(parts) != 0) continue;
     trace.tips.emplace_back(r.state.tip);
-    trace.forces.emplace_back(r.forces.holder.head<3>());
+    trace.forces.emplace_back(r.holder.head<3>());
   }
   trace.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
   return trace;

@@ -25,35 +25,32 @@ Pose pose(double x, double y, double z, double ty = 0, double tz = 0) {
 // hand.
 struct Run {
   const World& world;
-  State state;
-  Breakdown forces;
+  StepResult now;
   double dt = 1e-3;
   bool finite = true;
   long steps = 0, not_converged = 0;
-  HandWork work{world, state};
+  HandWork work{world, now.state};
 
   void to(const Pose& hand) {
-    const StepResult r = step(world, state, hand, dt);
-    if (r.status != StepStatus::bad_command) work.move(state, hand);
-    state = r.state;
-    forces = r.forces;
-    finite = finite && to_row(state).allFinite() && forces.holder.allFinite();
-    not_converged += r.status == StepStatus::not_converged;
+    if (hand.allFinite()) work.move(now.state, hand);
+    step_on(world, hand, dt, now);
+    finite = finite && to_row(now.state).allFinite() && now.holder.allFinite();
+    not_converged += now.status == StepStatus::not_converged;
     ++steps;
   }
   void sweep(const Pose& goal, long n) {
-    const Pose from = state.command;
+    const Pose from = now.state.command;
     for (long i = 1; i <= n; ++i)
       to(from + (goal - from) * (static_cast<double>(i) / static_cast<double>(n)));
   }
   // Goes far out and to `start`, a state in free air. Whether the closed motion gained energy, or
   // the fibre did not come back.
   bool gained_on_the_way_back(const State& start, long n) {
-    Pose out = state.command;
+    Pose out = now.state.command;
     out[0] = start.command[0] + 100e-6;
     sweep(out, n);
     sweep(start.command, n);
-    return work.gained(state) || (state.tip - start.tip).head<3>().norm() > 1e-12;
+    return work.gained(now.state) || (now.state.tip - start.tip).head<3>().norm() > 1e-12;
   }
 };
 
@@ -76,11 +73,11 @@ HardRow snap_in() {
   const double c = world.annulus.clearance();
   // From free air into the bore, 400 nm from the wall, to 100 nm and on.
   const State start = at_rest(world, pose(5e-6, 400e-9 - c, 0));
-  Run run{world, start, {}};
+  Run run{world, StepResult(start)};
   run.sweep(start.command + pose(-55e-6, 0, 0), 2000);
   run.sweep(start.command + pose(-55e-6, -300e-9, 0), 100);
   run.sweep(start.command + pose(-55e-6, -20e-6, 0), 2000);
-  const bool closed = run.state.contact[kEnd].closed || run.state.contact[kSide].closed;
+  const bool closed = run.now.state.contact[kEnd].closed || run.now.state.contact[kSide].closed;
   const long failed = run.not_converged, steps = run.steps;
   const bool gained = run.gained_on_the_way_back(start, 4000);
   return {"snap-in from 100 nm, printed singular laws",
@@ -99,20 +96,20 @@ HardRow pull_off(double lambda) {
   const MaugisContact& contact = *std::get<Adhesion>(world.laws.adhesion).contact;
   const MaugisCurve& curve = contact.curve;
   const double c = world.annulus.clearance();
-  Run run{world, {}, {}};
+  Run run{world, {}};
   // Five micrometres inside, tilted away from the mouth's rim: only the end touches.
   const double apart = curve.begins(1) - 2, deep = 3;
   const auto hand = [&](double depth) { return pose(-5e-6, c + depth * contact.depth, 0, -0.02); };
-  run.state.tip = run.state.command = hand(apart);
+  run.now.state.tip = run.now.state.command = hand(apart);
   double work = 0, turned = 0;
   const long n = 20000;
   for (int way = 0; way < 2; ++way)
     for (long i = 1; i <= n; ++i) {
       const double part = static_cast<double>(i) / n;
       const Pose to = hand(way == 0 ? apart + (deep - apart) * part : deep + (apart - deep) * part);
-      const double move = to[1] - run.state.command[1], before = run.forces.holder[1];
+      const double move = to[1] - run.now.state.command[1], before = run.now.holder[1];
       run.to(to);
-      const double more = -0.5 * (before + run.forces.holder[1]) * move;
+      const double more = -0.5 * (before + run.now.holder[1]) * move;
       work += more;
       turned += std::abs(more);
     }
@@ -150,10 +147,10 @@ World resting_world() {
 }
 
 Run resting(const World& world) {
-  Run run{world, {}, {}};
-  run.state.tip = run.state.command =
+  Run run{world, {}};
+  run.now.state.tip = run.now.state.command =
       pose(-20e-6, -world.annulus.clearance() - 10.1e-9, 0, 2e-3, 0);
-  for (int i = 0; i < 5; ++i) run.to(run.state.command);
+  for (int i = 0; i < 5; ++i) run.to(run.now.state.command);
   return run;
 }
 
@@ -161,8 +158,8 @@ HardRow stick_slip() {
   const World world = resting_world();
   Run run = resting(world);
   const double limit = friction(*friction_law(world.laws), printed::contact_radius(10e-9));
-  run.sweep(run.state.command + pose(-0.6e-6, 0, 0), 6000);  // 0.1 um/s for 6 s
-  const double force = run.forces[Term::friction][kEnd].force.x();
+  run.sweep(run.now.state.command + pose(-0.6e-6, 0, 0), 6000);  // 0.1 um/s for 6 s
+  const double force = forces(world, run.now)[Term::friction][kEnd].force.x();
   return {"slow drive at 0.1 um/s: slips at the Hurtado-Kim force",
           run.dt,
           fmt::format("{:.6g} uN, law {:.6g} uN", 1e6 * force, 1e6 * limit),
@@ -175,11 +172,11 @@ HardRow creep() {
   const World world = resting_world();
   Run run = resting(world);
   const double limit = friction(*friction_law(world.laws), printed::contact_radius(10e-9));
-  const Pose held = run.state.command + pose(-0.9 * limit / 0.5, 0, 0);
+  const Pose held = run.now.state.command + pose(-0.9 * limit / 0.5, 0, 0);
   for (int i = 0; i < 10; ++i) run.to(held);
-  const double from = run.state.tip[0];
+  const double from = run.now.state.tip[0];
   for (int i = 0; i < 100000; ++i) run.to(held);
-  const double nm = 1e9 * std::abs(run.state.tip[0] - from);
+  const double nm = 1e9 * std::abs(run.now.state.tip[0] - from);
   return {"creep under 0.9 of the friction force, 100 s",
           run.dt,
           fmt::format("{:.2g} nm (error in nm)", nm),
@@ -192,12 +189,12 @@ HardRow jam() {
   const World world = bare({"holder.tilt_stiffness_N_m_rad=1e-6", "holder.stiffness_N_m=5"});
   const double tilt = 12e-3;
   const State start = at_rest(world, pose(1e-6, 0, 0, tilt, 0));
-  Run run{world, start, {}};
+  Run run{world, StepResult(start)};
   run.sweep(start.command + pose(-200e-6, 0, 0), 20000);
   // It turns as it goes deeper, so that at every depth it touches at two points: depth tilt = 2 c.
-  const double depth = run.state.inserted_length();
-  const bool two = run.state.contact[kEnd].closed && run.state.contact[kSide].closed;
-  const double tilt_now = run.state.tip[3];
+  const double depth = run.now.state.inserted_length();
+  const bool two = run.now.state.contact[kEnd].closed && run.now.state.contact[kSide].closed;
+  const double tilt_now = run.now.state.tip[3];
   const bool gained = run.gained_on_the_way_back(start, 20000);
   return {"two-point jam of a tilted fibre",
           run.dt,
@@ -231,13 +228,13 @@ HardRow step_size(double dt) {
   const Pose goal = pose(-10e-6, 0, 0, 5e-4, 0);
   constexpr double duration = 1.0;
   const auto end = [&](double period) {
-    Run run{world, start, {}};
+    Run run{world, StepResult(start)};
     run.dt = period;
     run.sweep(goal, std::lround(duration / period));
     return run;
   };
   Run run = end(dt);
-  const double nm = 1e9 * (run.state.tip - end(1e-4).state.tip).head<3>().norm();
+  const double nm = 1e9 * (run.now.state.tip - end(1e-4).now.state.tip).head<3>().norm();
   const bool gained =
       run.gained_on_the_way_back(start, std::min(20000L, std::lround(duration / dt)));
   return {"insertion, step size",
@@ -252,16 +249,16 @@ HardRow step_size(double dt) {
 
 HardRow drift() {
   const World world = load_scene("paper").world;
-  Run run{world, at_rest(world, pose(5e-6, -1e-6, 0, 5e-4, 0)), {}};
+  Run run{world, StepResult(at_rest(world, pose(5e-6, -1e-6, 0, 5e-4, 0)))};
   run.sweep(pose(-10e-6, 0, 0, 5e-4, 0), 2000);
-  const Pose held = run.state.command;
+  const Pose held = run.now.state.command;
   for (int i = 0; i < 10; ++i) run.to(held);
-  const Pose from = run.state.tip;
-  for (long i = 0; i < 10'000'000; ++i) run.state = step(world, run.state, held, 1e-3).state;
-  const double nm = 1e9 * (run.state.tip - from).head<3>().norm();
+  const Pose from = run.now.state.tip;
+  for (long i = 0; i < 10'000'000; ++i) step_on(world, held, 1e-3, run.now);
+  const double nm = 1e9 * (run.now.state.tip - from).head<3>().norm();
   return {
       "1e7 steps at rest in contact", 1e-3, fmt::format("{:.2g} nm (error in nm)", nm), nm, 1e-6,
-      run.state.tip.allFinite()};
+      run.now.state.tip.allFinite()};
 }
 
 // Corrected surface laws at an eccentricity within 1e-9 of the clearance, smooth surfaces.
@@ -296,11 +293,11 @@ HardRow forces_apart() {
                             "laws.meniscus={\"form\":\"corrected\",\"surface_tension_N_m\":1e-9,"
                             "\"contact_angle_deg\":0}"});
   const State start = at_rest(world, pose(2e-6, 0, 0));
-  Run run{world, start, {}};
+  Run run{world, StepResult(start)};
   run.sweep(start.command + pose(-52e-6, 0, 0), 100);
   run.sweep(start.command + pose(-52e-6, 400e-6, 0), 400);
-  const double push = run.forces.holder[1], pull = run.forces[Term::meniscus][0].force.x();
-  const Wrench left = run.forces.sum(run.state.tip) - run.forces.holder;
+  const double push = run.now.holder[1], pull = forces(world, run.now)[Term::meniscus][0].force.x();
+  const Wrench left = forces(world, run.now).sum(run.now.state.tip) - run.now.holder;
   const bool gained = run.gained_on_the_way_back(start, 400);
   return {"forces 1e6 apart in one scene",
           run.dt,
@@ -315,9 +312,9 @@ HardRow forces_apart() {
 HardRow bad_device() {
   const World world = load_scene("paper").world;
   const State start = at_rest(world, pose(5e-6, -1e-6, 0));
-  Run run{world, start, {}};
+  Run run{world, StepResult(start)};
   run.sweep(pose(-10e-6, 0, 0), 1000);
-  const State before = run.state;
+  const State before = run.now.state;
   int wrong = 0;
   Pose hand = before.command;
   hand[1] = NAN;
@@ -325,11 +322,11 @@ HardRow bad_device() {
   wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
   r = step(world, before, before.command, -1e-3);
   wrong += r.status != StepStatus::bad_command || to_row(r.state) != to_row(before);
-  run.to(before.command + pose(0, 1e-3, -1e-3));             // a jump of 1.4 mm, 0.35 m in the hand
-  for (int i = 0; i < 1000; ++i) run.to(run.state.command);  // a stall
-  wrong += run.state.tip.segment<2>(1).norm() > world.annulus.clearance() + 50e-9;
+  run.to(before.command + pose(0, 1e-3, -1e-3));  // a jump of 1.4 mm, 0.35 m in the hand
+  for (int i = 0; i < 1000; ++i) run.to(run.now.state.command);  // a stall
+  wrong += run.now.state.tip.segment<2>(1).norm() > world.annulus.clearance() + 50e-9;
   run.to(before.command);
-  wrong += (run.state.tip - before.tip).head<3>().norm() > 2e-6;
+  wrong += (run.now.state.tip - before.tip).head<3>().norm() > 2e-6;
   const bool gained = run.gained_on_the_way_back(start, 1000);
   return {"NaN, time running backwards, jump and stall of a device",
           1e-3,

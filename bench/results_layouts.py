@@ -266,9 +266,9 @@ def turns(result: Result) -> str:
         where = f" (`{most['scene']}`)" if len({r["scene"] for r in rows}) > 1 and most[what] > 1e-6 else ""
         return digits(most[what], 2) + where
 
-    return markdown(columns("scenes | turned by 90 degrees | by 37 | mirrored | from a row"
+    return markdown(columns("scenes | turned by 90 degrees | by 37 | mirrored"
                             " | starts off by more than 1e-6"),
-                    [[name, *(worst(rows, what) for what in ("turned_90", "turned_37", "mirrored", "from_row")),
+                    [[name, *(worst(rows, what) for what in ("turned_90", "turned_37", "mirrored")),
                       f"{sum(r['off'] for r in rows)} of {sum(r['starts'] for r in rows)}"]
                      for name, rows in groups.items()])
 

@@ -161,7 +161,9 @@ Case wedged(const std::string& name, const std::string& friction) {
   };
   c.hand = hand;
   // Closed and at rest before it moves.
-  for (int n = 0; n < 2000; ++n) c.start = step(world, c.start, hand(0), 1e-3).state;
+  StepResult now(c.start);
+  for (int n = 0; n < 2000; ++n) step_on(world, hand(0), 1e-3, now);
+  c.start = now.state;
   c.start.time = 0;
   return c;
 }
@@ -178,13 +180,12 @@ Case two_contacts_with_friction() {
   Case c = wedged("two contacts with friction", "laws.friction.form=corrected");
   World world = c.world;
   world.numerics.extrapolation_tip = 0;
-  State state = c.start;
-  state.extrapolation.reset();
+  StepResult now(c.start);
   long n = 0;
   for (const double time : c.times) {
     for (; static_cast<double>(n) * kFineStep < time - 0.5 * kFineStep; ++n)
-      state = step(world, state, c.hand(static_cast<double>(n + 1) * kFineStep), kFineStep).state;
-    c.exact.push_back(state.tip);
+      step_on(world, c.hand(static_cast<double>(n + 1) * kFineStep), kFineStep, now);
+    c.exact.push_back(now.state.tip);
   }
   return c;
 }

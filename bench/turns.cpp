@@ -14,7 +14,6 @@ namespace {
 
 constexpr double kStep = 1e-3;
 constexpr double kOff = 1e-6;  // [clearances]
-constexpr int kEvery = 100;    // steps from a row of the state to the next
 const Matrix2d kQuarter = (Matrix2d() << 0, -1, 1, 0).finished();
 const Matrix2d kAny = Eigen::Rotation2Dd(37 * std::numbers::pi / 180).toRotationMatrix();
 const Matrix2d kMirror = Eigen::Vector2d(1, -1).asDiagonal();
@@ -27,17 +26,15 @@ Pose turned(const Matrix2d& turn, Pose p) {
 
 // The end's largest distance from where it should be [clearances].
 double difference(const World& world, const State& start, const std::vector<Pose>& hand,
-                  const Matrix2d& turn, int every) {
+                  const Matrix2d& turn) {
   State other = start;
   other.tip = turned(turn, start.tip);
   other.command = turned(turn, start.command);
   StepResult here(start), there(other);
   double most = 0;
-  int n = 0;
   for (const Pose& to : hand) {
     step_on(world, to, kStep, here);
     step_on(world, turned(turn, to), kStep, there);
-    if (every > 0 && ++n % every == 0) there.state = state_of(to_row(there.state));
     most = std::max(most, (turned(turn, here.state.tip) - there.state.tip).head<3>().norm());
   }
   return most / world.annulus.clearance();
@@ -51,16 +48,15 @@ TurnRow measured(const std::string& name, Motion motion, std::uint64_t seed, std
   for (std::size_t k = 0; k < starts; ++k) {
     const State start = draw_start(scene, seed, k);
     const std::vector<Pose> hand = commands(scene, start, motion, kStep, seed, k);
-    const auto off = [&](const Matrix2d& turn, int every, double& most) {
-      const double by = difference(scene.world, start, hand, turn, every);
+    const auto off = [&](const Matrix2d& turn, double& most) {
+      const double by = difference(scene.world, start, hand, turn);
       most = std::max(most, by);
       return by > kOff;
     };
-    const bool quarter = off(kQuarter, 0, row.quarter), any = off(kAny, 0, row.any);
-    const bool mirrored = off(kMirror, 0, row.mirrored);
-    const bool from_row = off(Matrix2d::Identity(), kEvery, row.from_row);
+    const bool quarter = off(kQuarter, row.quarter), any = off(kAny, row.any);
+    const bool mirrored = off(kMirror, row.mirrored);
     ++row.starts;
-    row.off += quarter || any || mirrored || from_row;
+    row.off += quarter || any || mirrored;
   }
   return row;
 }

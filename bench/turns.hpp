@@ -1,4 +1,4 @@
-// Does a scene care how it lies about its axis, or whether it goes on from a file?
+// Does a scene care how it lies about its axis?
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@ namespace ferrule {
 struct TurnRow {
   std::string scene, motion;
   // How far from each other the ends are at most, over all starts [clearances]: of the same motion
-  // turned about the bore's axis by 90 and by 37 degrees, mirrored, and gone on with from a row of
-  // the state every 0.1 s. Starts of which one is off by more than 1e-6.
-  double quarter = 0, any = 0, mirrored = 0, from_row = 0;
+  // turned about the bore's axis by 90 and by 37 degrees, and mirrored. Starts of which one is off
+  // by more than 1e-6.
+  double quarter = 0, any = 0, mirrored = 0;
   long starts = 0, off = 0;
 };
 

@@ -131,9 +131,9 @@ bool agrees(const Episode& whole, const Episode& journal) {
 // How the insertion ended, where its rows say so.
 Outcome outcome_of(const Episode& episode, const std::string& file) {
   const Scene scene = recorded_scene(episode, file);
-  InsertionWatch watch(scene, step_of(episode.rows.row(0)).state);
+  InsertionWatch watch(scene, step_of(episode.rows.row(0)).result.state);
   for (Eigen::Index n = 0; n < episode.rows.rows(); ++n)
-    if (const auto seen = watch.after(step_of(episode.rows.row(n)))) return *seen;
+    if (const auto seen = watch.after(step_of(episode.rows.row(n)).result, nullptr)) return *seen;
   return Outcome::interrupted;
 }
 

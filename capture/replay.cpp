@@ -74,13 +74,9 @@ void verify(const Episode& episode, Verification& comparison) {
   const Rows& rows = episode.rows;
   const EpisodeInfo& info = episode.info;
   const Eigen::RowVectorXd scale = row_scale(rows);
-  std::vector<Block> unknown;  // to files of formats of before
-  for (const Block& block : {kLinearization, kTangent})
-    if (!rows.col(block.begin).any()) unknown.push_back(block);
   Eigen::Index n = 0;
   const InsertionEnd end = insert_again(scene, episode, [&](const Tick& tick) {
     RowVector recomputed = make_row(tick);
-    for (const Block& block : unknown) recomputed.segment(block.begin, block.width).setZero();
     // The last command is what the recorded hand was built from, not a result.
     if (n == rows.rows() - 1)
       recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);

@@ -35,36 +35,10 @@ std::vector<std::string> state_names() {
   return all;
 }
 
-std::vector<std::string> tangent_names() {
-  std::vector<std::string> all;
-  const std::vector<std::string> poses = words(kPoseNames), vectors = words("x y z");
-  const auto add = [&](const std::string& name, const std::vector<std::string>& parts) {
-    for (const std::string& part : parts) all.push_back(name + part);
-  };
-  add("", {"on_tangent"});
-  for (const char* by : {"_by_command_", "_by_before_"})
-    for (const std::string& column : poses)
-      for (const std::string& row : poses) all.push_back("tip_" + row + by + column);
-  add("before_", poses);
-  add("", words("period way reach determinant least_x most_x"));
-  for (const std::string place : {"end_", "side_"}) {
-    add(place, words("near rubs slips depth longest longer slid turned"));
-    add(place + "depth_by_", poses);
-    add(place + "stretch_", vectors);
-    add(place + "across_", vectors);
-    for (const std::string& row : poses) all.push_back(place + "tip_" + row + "_by_turned");
-    for (const std::string& column : poses)
-      for (const std::string& row : vectors)
-        all.push_back(place + "stretch_" + row + "_by_" + column);
-  }
-  return all;
-}
-
 }  // namespace
 
 std::vector<std::string> column_names(const Block& block) {
   if (block.begin == kStates.begin) return state_names();
-  if (block.begin == kTangent.begin) return tangent_names();
   if (block.width == 1) return {block.name};
   if (block.begin != kForces.begin) {
     const std::string text = block.columns;
@@ -84,21 +58,21 @@ RowVector make_row(const Tick& tick) noexcept {
   row.segment<kPose>(kHandPose.begin) = tick.hand.transpose();
   row.segment<kPose>(kHandVelocity.begin) = tick.velocity.transpose();
   row.segment<kPose>(kCommand.begin) = tick.command.transpose();
-  row.segment<kPose>(kHolder.begin) = result.forces.holder.transpose();
+  row.segment<kPose>(kHolder.begin) = result.holder.transpose();
   for (const Term term : kAllTerms)
-    row.segment<3>(force_column(term)) = result.forces.force(term).transpose();
+    row.segment<3>(force_column(term)) = tick.forces.force(term).transpose();
   row[kStatus.begin] = static_cast<double>(result.status);
   row.segment<kStateSize>(kStates.begin) = to_row(result.state).transpose();
   return row;
 }
 
-StepResult step_of(const RowVector& row) noexcept {
-  StepResult result(state_of(row.segment<kStateSize>(kStates.begin).transpose()));
-  result.forces.holder = block(row, kHolder).transpose();
+RecordedStep step_of(const RowVector& row) noexcept {
+  RecordedStep step{StepResult(state_of(row.segment<kStateSize>(kStates.begin).transpose())), {}};
+  step.result.holder = step.forces.holder = block(row, kHolder).transpose();
+  step.result.status = static_cast<StepStatus>(static_cast<int>(row[kStatus.begin]));
   for (const Term term : kAllTerms)
-    result.forces[term][0].force = row.segment<3>(force_column(term)).transpose();
-  result.status = static_cast<StepStatus>(static_cast<int>(row[kStatus.begin]));
-  return result;
+    step.forces[term][0].force = row.segment<3>(force_column(term)).transpose();
+  return step;
 }
 
 }  // namespace ferrule

@@ -59,35 +59,14 @@ constexpr int force_column(Term term) noexcept {
 inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
                                "0 ok, 1 not converged, 2 bad command, 3 capped"};
 inline constexpr Block kStates{
-    "states", kStatus.begin + 1, kLinearized, "m, rad, s",
+    "states", kStatus.begin + 1, kStateSize, "m, rad, s",
     "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "
     "bridge; "
     "end contact: closed depth stuck_x stuck_y stuck_z branch; side contact: the same; "
     "velocity (5); tip before (5); velocity before (5); period before; air"};
-// The rest of the state.
-inline constexpr Block kLinearization{
-    "linearization", kStates.begin + kLinearized, kExtrapolated - kLinearized,
-    "1 N N N N.m N.m N/m N/m N/m N N N/m N/m N/m N/m N N N N N.m N.m N.m N.m N N N N.m N.m",
-    "there gradient_x gradient_y gradient_z gradient_tilt_y gradient_tilt_z xx xy xz xty xtz yy zy "
-    "yz zz yty zty ytz ztz tyty tzty tytz tztz curvature_x curvature_y curvature_z "
-    "curvature_tilt_y curvature_tilt_z; of the forces in the bore about the tip, from which the "
-    "next step is predicted"};
-inline constexpr Block kTangent{
-    "tangent", kStates.begin + kExtrapolated, kStateSize - kExtrapolated,
-    "1 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m m/rad m/rad m/rad 1 1 m/rad m/rad "
-    "m/rad 1 1 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m 1 1 1 rad/m rad/m m/rad m/rad m/rad 1 1 m/rad "
-    "m/rad m/rad 1 1 m m m rad rad s 1 1 N5/m/rad2 m m 1 1 1 m m 1 m m 1 1 1 m/rad m/rad m m m 1 "
-    "1 1 1 1 1 rad/m rad/m 1 1 1 1 1 1 1 1 1 m/rad m/rad m/rad m/rad m/rad m/rad 1 1 1 m m 1 m m "
-    "1 1 1 m/rad m/rad m m m 1 1 1 1 1 1 rad/m rad/m 1 1 1 1 1 1 1 1 1 m/rad m/rad m/rad m/rad "
-    "m/rad m/rad",
-    "on_tangent; tip by command (5 x 5, column by column); tip by the move before (the same); "
-    "that move (5); its period; way; reach; determinant; least x; most x; end contact: near rubs "
-    "slips depth longest longer slid turned, depth by tip (5), stretch (3), across (3), tip by "
-    "turned (5), stretch by tip (3 x 5); side contact: the same; along which the next step goes "
-    "where it can"};
 inline constexpr int kRowSize = kStates.begin + kStateSize;
-inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,       kHolder,
-                                       kForces, kStatus,   kStates,       kLinearization, kTangent};
+inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,
+                                       kHolder, kForces,   kStatus,       kStates};
 
 using RowVector = Eigen::Matrix<double, 1, kRowSize>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
@@ -99,7 +78,11 @@ RowVector make_row(const Tick& tick) noexcept;
 
 // The step that a row was made of, as far as a row tells: forces without their points of action,
 // those of both points as the first's.
-StepResult step_of(const RowVector& row) noexcept;
+struct RecordedStep {
+  StepResult result;
+  Breakdown forces;
+};
+RecordedStep step_of(const RowVector& row) noexcept;
 
 inline auto block(const RowVector& row, const Block& b) {
   return row.segment(b.begin, b.width);

@@ -120,7 +120,7 @@ int movements(const Eigen::VectorXd& velocity, double limit, double period) {
 Measures measure(const Episode& episode, const Scene& scene) {
   const Rows& rows = episode.rows;
   const double period = episode.info.period;
-  InsertionWatch watch(scene, step_of(rows.row(0)).state);
+  InsertionWatch watch(scene, step_of(rows.row(0)).result.state);
   PhaseWatch phases;
   Measures m{};
   m.clearance = scene.world.annulus.clearance();
@@ -131,8 +131,8 @@ Measures measure(const Episode& episode, const Scene& scene) {
   std::vector<Phase> phase_of;
   Eigen::Index arrived = rows.rows();  // rows until the goal
   for (Eigen::Index n = 0; n < rows.rows(); ++n) {
-    const StepResult result = step_of(rows.row(n));
-    const std::optional<Outcome> seen = watch.after(result);
+    const auto [result, forces] = step_of(rows.row(n));
+    const std::optional<Outcome> seen = watch.after(result, &forces[Term::friction]);
     // The row that reaches the goal is on the way to it.
     const bool arrives = watch.summary().reached == result.state.time;
     if (arrives) arrived = n + 1;
@@ -140,7 +140,7 @@ Measures measure(const Episode& episode, const Scene& scene) {
         phase_of.emplace_back(phases.after(result.state, arrives ? std::nullopt : seen));
     depth = std::max(depth, watch.summary().depth);
     deepest = std::min(deepest, result.state.tip[0]);
-    const double now = holder_force(scene.world, result.forces).norm();
+    const double now = holder_force(scene.world, result.holder).norm();
     if (now > at(Part::peak_force, phase)) {
       at(Part::peak_force, phase) = now;
       m.off_axis[place(phase)] = way_to_axis(scene.world, result.state).norm();

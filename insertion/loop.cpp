@@ -134,8 +134,8 @@ const std::optional<InsertionEnd>& Insertion::feel() {
           p.ticks == 0 ? 0.0 : p.settings.period, p.result);
   if (p.result.status == StepStatus::bad_command)
     return p.ends(Outcome::invalid_output, kNotFinite);
-  p.sensed.read(p.result.forces.holder, p.result.state.command[0]);
-  p.grip.render(p.time(), p.now.sample.age, p.result.forces.holder, p.sensed.relative());
+  p.sensed.read(p.result.holder, p.result.state.command[0]);
+  p.grip.render(p.time(), p.now.sample.age, p.result.holder, p.sensed.relative());
   if (p.grip.fault()) return p.ends(Outcome::interrupted, p.grip.fault());
   p.seen = p.watch.after(p.result);
   if (p.seen && p.outcome != Outcome::inserted) p.outcome = *p.seen;
@@ -150,9 +150,9 @@ const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
   if (!next.holder.allFinite())
     return p.over ? p.ends(*p.seen) : p.ends(Outcome::invalid_output, kNotFinite);
   const HandTwist command = (next.holder - p.now.holder) / period;
-  if (on_tick) p.result.forces = all_forces(p.scene.world, p.result);
   const bool go_on = !on_tick || on_tick({p.time(), p.now.sample, p.now.holder, p.velocity, command,
-                                          p.result, p.sensed.absolute(), p.sensed.relative()});
+                                          p.result, forces(p.scene.world, p.result),
+                                          p.sensed.absolute(), p.sensed.relative()});
   if (p.over) return p.ends(*p.seen);
   if (next.sample.lost) return p.ends(Outcome::interrupted, "the device was lost", true);
   const bool stopped = p.ticks % kStopEvery == 0 && p.settings.stop && p.settings.stop();

@@ -32,7 +32,8 @@ struct Tick {
   const HandPose& hand;        // pose of the fibre's holder: the sample's, or what a coupling made
   const HandTwist& velocity;   // of it over [t_n-1, t_n); 0 in the first tick [m/s, rad/s]
   const HandTwist& command;    // of it over [t_n, t_n+1) [m/s, rad/s]
-  const StepResult& result;    // state and forces at t_n, at the tip's scale
+  const StepResult& result;    // state at t_n, at the tip's scale
+  const Breakdown& forces;     // on the fibre there
   const HandWrench& wrench;    // at the holder, as the sensor reads it [N, N m]
   const HandWrench& relative;  // to that of the first tick, at rest [N, N m]
 };

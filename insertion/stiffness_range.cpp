@@ -63,7 +63,7 @@ class Probe {
           step(world, state_, i == steps ? to : Pose(from + part * (to - from)),
                travel / steps / scene_.limits.speed);
       state_ = result.state;
-      if (holder_force(world, result.forces).norm() > scene_.limits.force) return;
+      if (holder_force(world, result.holder).norm() > scene_.limits.force) return;
       look();
     }
   }

@@ -25,15 +25,21 @@ InsertionWatch::InsertionWatch(const Scene& scene, const State& start) noexcept
     : scene_(scene), tip_before_(start.tip) {}
 
 std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept {
+  if (result.evaluations == 0) return after(result, nullptr);
+  const Breakdown now = forces(scene_.world, result);
+  return after(result, &now[Term::friction]);
+}
+
+std::optional<Outcome> InsertionWatch::after(const StepResult& result,
+                                             const TermForces* friction) noexcept {
   const State& now = result.state;
-  const Breakdown& f = result.forces;
-  const double force = holder_force(scene_.world, f).squaredNorm();  // [N^2]
+  const double force = holder_force(scene_.world, result.holder).squaredNorm();  // [N^2]
   summary_.time = now.time;
   if (force > summary_.peak_force * summary_.peak_force) summary_.peak_force = std::sqrt(force);
-  if (!now.extrapolation || now.extrapolation->arc_length == 0) {  // a stretch at its end
+  if (friction) {
     const Vector3d move = (now.tip - tip_before_).head<3>();
-    for (const PointForce& friction : f[Term::friction])
-      summary_.friction_work += std::max(0.0, -friction.force.dot(move));
+    for (const PointForce& at : *friction)
+      summary_.friction_work += std::max(0.0, -at.force.dot(move));
     tip_before_ = now.tip;
   }
   summary_.peak_stress =
@@ -52,7 +58,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result) noexcept 
     if (now.contact[kEnd].closed && now.contact[kSide].closed) return Outcome::jam;
     return Outcome::force_limit;
   }
-  if (f.holder[0] > scene_.world.holder.euler_load) return Outcome::buckled;
+  if (result.holder[0] > scene_.world.holder.euler_load) return Outcome::buckled;
   if (summary_.peak_stress > scene_.limits.proof_stress) return Outcome::broken;
   if (summary_.depth >= scene_.success.depth) return Outcome::inserted;
   if (now.time >= scene_.limits.time) return Outcome::timeout;

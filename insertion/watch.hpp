@@ -55,6 +55,9 @@ class InsertionWatch {
   // After each step. Empty while the insertion goes on; `inserted` once deep enough, and the
   // failures of the fibre (force_limit, jam, missed, buckled) and of time.
   std::optional<Outcome> after(const StepResult& result) noexcept;
+  // The same with the forces of friction there; null where a later step tells the friction's work
+  // since.
+  std::optional<Outcome> after(const StepResult& result, const TermForces* friction) noexcept;
 
   const InsertionSummary& summary() const noexcept { return summary_; }
 

@@ -70,7 +70,7 @@ void Replays::replay(const World& world, const Recording& r, Steps steps, double
            const Eigen::Index row = n * by;
            if (row % every != 0) return true;
            Eigen::Map<Wrench> error(residual + 5 * (row / every));
-           error = (now.forces.holder - r.wrench.row(row).transpose()).cwiseQuotient(unit_);
+           error = (now.holder - r.wrench.row(row).transpose()).cwiseQuotient(unit_);
            return true;
          });
 }

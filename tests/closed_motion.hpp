@@ -21,7 +21,8 @@ struct ClosedMotion {
 
 inline void expect_no_energy_gained(const World& world, const Pose& start,
                                     const ClosedMotion& motion, RandomStream& random) {
-  State state = at_rest(world, start);
+  StepResult r(at_rest(world, start));
+  const State& state = r.state;
   Pose hand = state.command;
   HandWork work(world, state);
   for (int n = 0; n < motion.all; ++n) {
@@ -32,10 +33,9 @@ inline void expect_no_energy_gained(const World& world, const Pose& start,
     else
       hand += (start - hand) / (motion.all - n);
     work.move(state, hand);
-    const StepResult r = step(world, state, hand, 1e-3);
+    step_on(world, hand, 1e-3, r);
     ASSERT_LE(r.evaluations, SolverParameters{}.max_evaluations);
-    ASSERT_TRUE(to_row(r.state).allFinite());
-    state = r.state;
+    ASSERT_TRUE(to_row(state).allFinite());
   }
   EXPECT_FALSE(work.gained(state));
 }

@@ -44,13 +44,13 @@ FrameMaker::FrameMaker(const Scene& scene, const ForceSensor& sensor, double per
       sensed_(scaling_, sensor, period, scene_tare(scene)) {}
 
 Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noexcept {
-  const StepResult result = step_of(row);
+  const auto [result, forces] = step_of(row);
   const State& state = result.state;
   const World& world = scene_.world;
   const bool first = !watch_;
   if (first) watch_.emplace(scene_, state);
-  const std::optional<Outcome> seen = watch_->after(result);
-  sensed_.read(result.forces.holder, state.command[0]);
+  const std::optional<Outcome> seen = watch_->after(result, &forces[Term::friction]);
+  sensed_.read(result.holder, state.command[0]);
 
   Frame frame{};
   std::size_t at = 0;
@@ -66,7 +66,7 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
   }
   put_micro((row.segment<3>(kHandVelocity.begin) / scaling_.motion).eval());
   put_micro((sensed_.relative().head<3>() / scaling_.force).eval());
-  put(kMicro * holder_force(world, result.forces).norm());
+  put(kMicro * holder_force(world, result.holder).norm());
   put(kMicro * scene_.limits.force);
   put(kMicro * state.inserted_length());
   put(kMicro * smallest_gap(world, state));
@@ -84,7 +84,7 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
     slips = slips || (!first && contact.closed && before.closed && contact.stuck != before.stuck);
   }
   contact_before_ = state.contact;
-  for (const Term term : kAllTerms) put_micro(result.forces.force(term));
+  for (const Term term : kAllTerms) put_micro(forces.force(term));
   put(state.bridge);
   put(slips);
   put(static_cast<double>(phase_.after(state, seen)));

@@ -96,10 +96,6 @@ void add_episode(nb::module_& module) {
   add("forces", kForces, "x y z [N] of each of ferrule.terms, at the tip's scale; (N, 33).");
   add("status", kStatus, "0 ok, 1 not converged, 2 bad command, 3 capped; (N,).");
   add("states", kStates, "The simulator's state, at the tip's scale; (N, 42).");
-  add("linearization", kLinearization,
-      "More of the state: the forces in the bore about the tip; (N, 28).");
-  add("tangent", kTangent,
-      "The rest of it: what the next step follows where it is not solved; (N, 140).");
 }
 
 }  // namespace ferrule::python

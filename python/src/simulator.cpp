@@ -62,9 +62,9 @@ class Simulator {
 };
 
 nb::dict force_dict(const SteppedTrial& trial) {
-  const Breakdown forces = all_forces(trial.scene().world, trial.result());
+  const Breakdown breakdown = forces(trial.scene().world, trial.result());
   nb::dict all;
-  for (const Term term : kAllTerms) all[info(term).name] = array(forces.force(term));
+  for (const Term term : kAllTerms) all[info(term).name] = array(breakdown.force(term));
   return all;
 }
 
@@ -274,9 +274,7 @@ void add_simulator(nb::module_& module) {
           [](const Simulator& s) {
             return s.look([](const SteppedTrial& t) { return array(to_row(t.result().state)); });
           },
-          kOwned,
-          "The state as an episode's `states`, `linearization` and `tangent` have it, at the tip's "
-          "scale; shape (210,).")
+          kOwned, "The state as an episode's `states` have it, at the tip's scale; shape (42,).")
       .def_prop_ro(
           "tip",
           [](const Simulator& s) {
@@ -292,7 +290,7 @@ void add_simulator(nb::module_& module) {
       .def_prop_ro(
           "holder_wrench",
           [](const Simulator& s) {
-            return s.look([](const SteppedTrial& t) { return array(t.result().forces.holder); });
+            return s.look([](const SteppedTrial& t) { return array(t.result().holder); });
           },
           kOwned,
           "Of the fibre on its holder, at the tip's scale: Fx, Fy, Fz [N], My, Mz [N m]; shape "

@@ -37,23 +37,27 @@ Reference::Reference(Scene full, Runs& watched)
     const Probe& p = probes.back();
     std::size_t sample = 0, number = 0;
     std::vector<State>& begin = stretches.emplace_back();
-    runs.push_back(sample_run(world, p.start, p.hand, scene.limits.force,
-                              [&](const State& s, const Breakdown& b) {
-                                if (number++ % kEveryForStretches == 0) begin.push_back(s);
-                                for (const Term term : kAllTerms) {
-                                  const double force = b.force(term).norm();
-                                  Extreme& most = extremes[static_cast<std::size_t>(term)];
-                                  if (force > most.force) most = {force, s};
-                                }
-                                if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0)
-                                  inside.push_back(s);
-                              }));
+    runs.push_back(sample_run(world, p.start, p.hand, scene.limits.force, [&](const StepResult& r) {
+      const State& s = r.state;
+      if (number++ % kEveryForStretches == 0) begin.push_back(s);
+      if (!r.extrapolated()) find_extremes(r);
+      if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0) inside.push_back(s);
+    }));
     force_scale = std::min(force_scale, largest_force(runs.back()));
     sticks = sticks || snaps(runs.back(), p.hand, clearance);
   }
   sticks = sticks || extreme(Term::friction).force > 0 ||
            depends_on_speed(world.laws);  // drag slows a snap down and hides it
   force_scale = std::max(force_scale, clearance / compliance);
+}
+
+void Reference::find_extremes(const StepResult& now) {
+  const Breakdown breakdown = forces(scene.world, now);
+  for (const Term term : kAllTerms) {
+    const double force = breakdown.force(term).norm();
+    Extreme& most = extremes[static_cast<std::size_t>(term)];
+    if (force > most.force) most = {force, now.state};
+  }
 }
 
 double Reference::error(const World& reduced, double enough) const {
@@ -76,12 +80,11 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
     for (std::size_t n = 0; n < runs[k].tip.size(); ++n) {
       const double dt = n == 0 ? 0 : kSamplePeriod;
       const bool compared = n % kEveryForSteps == 0;
-      State before = compared ? reached.state : State();
+      const State before = compared ? end_extrapolation(reduced, reached) : State();
       step_on(reduced, hand[n], dt, reached);
       if (!compared) continue;
-      end_extrapolation(reduced, before);
       const StepResult exact = step(full, before, hand[n], dt);
-      const Vector3d force = (reached.forces.holder - exact.forces.holder).head<3>();
+      const Vector3d force = (reached.holder - exact.holder).head<3>();
       errors.push_back(std::max((reached.state.tip - exact.state.tip).head<3>().norm() / clearance,
                                 force.norm() / force_scale));
     }
@@ -112,7 +115,7 @@ double Reference::error_of_stretches() const {
         const StepResult reached = step(finer, state, hand[n], kSamplePeriod);
         state = reached.state;
         exact.tip.push_back(state.tip.head<3>());
-        exact.force.push_back(reached.forces.holder.head<3>());
+        exact.force.push_back(reached.holder.head<3>());
       }
       errors.push_back(run_error(run, exact, hand, scene.world));
     }
@@ -138,7 +141,7 @@ double Reference::sampled_twice() const {
         [&](std::ptrdiff_t n, const StepResult& r) {
           if (n % 2 != 0) return true;
           twice.tip.push_back(r.state.tip.head<3>());
-          twice.force.push_back(r.forces.holder.head<3>());
+          twice.force.push_back(r.holder.head<3>());
           return true;
         });
     worst = std::max(worst, run_error(twice, runs[k], hand, scene.world));

@@ -43,6 +43,7 @@ struct Reference {
     State where;
   };
   std::array<Extreme, kTerms> extremes;
+  void find_extremes(const StepResult& now);
   double compliance;                          // of the holder [m/N]
   double clearance;                           // [m]
   double force_scale = INFINITY;              // what force errors are relative to [N]

@@ -15,9 +15,9 @@ SampledRun sample_run(const World& world, const State& start, const std::vector<
       [&](std::ptrdiff_t n) { return hand[static_cast<std::size_t>(n)]; },
       [&](std::ptrdiff_t, const StepResult& r) {
         samples.tip.push_back(r.state.tip.head<3>());
-        samples.force.push_back(r.forces.holder.head<3>());
-        if (watch) watch(r.state, r.forces);
-        return holder_force(world, r.forces).norm() <= force_limit;
+        samples.force.push_back(r.holder.head<3>());
+        if (watch) watch(r);
+        return holder_force(world, r.holder).norm() <= force_limit;
       });
   return samples;
 }

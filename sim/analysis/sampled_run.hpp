@@ -4,8 +4,8 @@
 #include <functional>
 #include <vector>
 
-#include "sim/model/breakdown.hpp"
 #include "sim/model/world.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 
@@ -16,7 +16,7 @@ struct SampledRun {
   std::vector<Vector3d> force;  // at the holder [N]
 };
 
-using WatchSample = std::function<void(const State&, const Breakdown&)>;
+using WatchSample = std::function<void(const StepResult&)>;
 
 // The first sample is the state at hand[0]. The run ends early where the holder's force, weight
 // apart, exceeds `force_limit` [N]. `watch`, if any, is shown every sample.

@@ -11,8 +11,8 @@ Wrench Breakdown::sum(const Pose& tip) const noexcept {
   return total;
 }
 
-Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept {
-  return (breakdown.holder - world.holder.weight).head<3>();
+Vector3d holder_force(const World& world, const Wrench& holder) noexcept {
+  return (holder - world.holder.weight).head<3>();
 }
 
 }  // namespace ferrule

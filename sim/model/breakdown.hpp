@@ -47,7 +47,7 @@ struct Breakdown {
   Wrench sum(const Pose& tip) const noexcept;
 };
 
-// Force at the holder without the fibre's weight [N].
-Vector3d holder_force(const World& world, const Breakdown& breakdown) noexcept;
+// Force of a wrench at the holder without the fibre's weight [N].
+Vector3d holder_force(const World& world, const Wrench& holder) noexcept;
 
 }  // namespace ferrule

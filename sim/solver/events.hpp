@@ -29,23 +29,23 @@ class EventSearch {
   }
   bool divisible(double to) const noexcept { return to - done_ > 2.02 * near_; }
 
-  // A sub-step from `state` was rejected: something happens before `to`, about at the part `where`
+  // A sub-step from `now` was rejected: something happens before `to`, about at the part `where`
   // of it, or NaN.
-  void reject(const World& world, const State& state, double to, double where) noexcept {
+  void reject(const World& world, const StepResult& now, double to, double where) noexcept {
     const bool halved =
         !bracketed() || to - done_ < 0.6 * (beyond_ - done_);  // else `where` misleads
     event_ = halved ? done_ + where * (to - done_) : NAN;
     beyond_ = to;
-    if (std::isnan(determinant_)) determinant_ = stiffness_determinant(world, state);
+    if (std::isnan(determinant_)) determinant_ = stiffness_determinant(world, now);
   }
 
-  // It was accepted, and ended in `state`.
-  void accept(const World& world, const State& state, double to, bool happened) noexcept {
+  // It was accepted, and ended in `now`.
+  void accept(const World& world, const StepResult& now, double to, bool happened) noexcept {
     if (happened || to >= beyond_) {
       beyond_ = INFINITY;
       determinant_ = NAN;
     } else if (bracketed()) {
-      const double fold = extrapolated_fold(to, stiffness_determinant(world, state));
+      const double fold = extrapolated_fold(to, stiffness_determinant(world, now));
       if (!(event_ > to)) event_ = fold;
     }
     done_ = to;

@@ -142,8 +142,8 @@ Extrapolation::Place place_of(const World& world, const FrozenCoefficients& froz
 
 // How far the hand or the fibre goes, by what changes as they do: in clearances across, and in
 // parts of the gaps.
-double arc_length_of(const World& world, const State& state, const Pose& by,
-                     const Pose& move) noexcept {
+double arc_length_of(const World& world, const State& state, const Extrapolation& extrapolation,
+                     const Pose& by, const Pose& move) noexcept {
   const double lever = state.inserted_length() + world.annulus.fibre_radius;
   const auto more = [](const auto& a, const auto& b) {
     return std::sqrt(std::max(a.squaredNorm(), b.squaredNorm()));
@@ -152,7 +152,7 @@ double arc_length_of(const World& world, const State& state, const Pose& by,
       (kAlongTheBore * std::max(std::abs(by[0]), std::abs(move[0])) +
        more(by.segment<2>(1), move.segment<2>(1)) + lever * more(by.tail<2>(), move.tail<2>())) /
       world.annulus.clearance();
-  for (const Extrapolation::Place& place : state.extrapolation->place)
+  for (const Extrapolation::Place& place : extrapolation.place)
     if (place.open || place.friction_acts)
       length += std::abs(place.depth_slope.dot(move)) / std::max(std::abs(place.depth), kLeastGap);
   return length;
@@ -205,16 +205,18 @@ struct ExtrapolatedStep {
   std::array<Vector3d, kContactPlaces> slid = {Vector3d::Zero(), Vector3d::Zero()};  // [m]
 };
 
-// That from a `state` with an extrapolation to `command`. Null, or why the step is to be solved.
-const char* try_extrapolated(const World& world, const State& state, const Pose& command, double dt,
-                             ExtrapolatedStep& next) noexcept {
-  if (!extrapolates(world) || !state.linearization) return "solved: nothing is extrapolated";
-  const Extrapolation& extrapolation = *state.extrapolation;
+// That from `now`, which has an extrapolation, to `command`. Null, or why the step is to be solved.
+const char* try_extrapolated(const World& world, const StepResult& now, const Pose& command,
+                             double dt, ExtrapolatedStep& next) noexcept {
+  if (!extrapolates(world)) return "solved: nothing is extrapolated";
+  const State& state = now.state;
+  const Extrapolation& extrapolation = *now.warm_start.extrapolation;
   if (extrapolation.trust_radius == 0) return "solved: no trust radius yet";
   const Pose by = command - state.command;
   if (world.laws.drag && dt != extrapolation.dt) return "solved: another step in time";
   next.move = follow_hand(world, extrapolation, by);
-  next.arc_length = extrapolation.arc_length + arc_length_of(world, state, by, next.move);
+  next.arc_length =
+      extrapolation.arc_length + arc_length_of(world, state, extrapolation, by, next.move);
   if (!(next.arc_length <= extrapolation.trust_radius)) return "solved: beyond the trust radius";
   const Pose tip = state.tip + next.move;
   if (!(tip[0] >= extrapolation.least_x && tip[0] <= extrapolation.most_x))
@@ -237,9 +239,9 @@ const char* try_extrapolated(const World& world, const State& state, const Pose&
 void take(const World& world, const Pose& command, double dt, const ExtrapolatedStep& next,
           StepResult& now) noexcept {
   State& state = now.state;
-  Extrapolation& extrapolation = *state.extrapolation;
+  Extrapolation& extrapolation = *now.warm_start.extrapolation;
   state.tip += next.move;
-  Linearization& bore = *state.linearization;
+  Linearization& bore = now.warm_start.linearization;
   bore.gradient += bore.hessian.times(PoseVector(next.move));
   bore.at = state.tip;
   state.command = command;
@@ -252,7 +254,7 @@ void take(const World& world, const Pose& command, double dt, const Extrapolated
     if (place.slides) place.lateral = lateral_after(place, next.slid[at]);
     if (place.friction_acts) (place.slides ? state.contact[at].stuck : place.slip) += next.slid[at];
   }
-  now.forces.holder = world.holder.stiffness * (state.tip - command);
+  now.holder = world.holder.stiffness * (state.tip - command);
   now.status = StepStatus::ok;
   now.evaluations = now.iterations = now.rejected = 0;
   now.substeps = 1;
@@ -262,9 +264,9 @@ void take(const World& world, const Pose& command, double dt, const Extrapolated
 
 bool extrapolate(const World& world, const Pose& command, double dt, StepResult& now,
                  StepTrace* trace) noexcept {
-  if (!now.state.extrapolation) return false;
+  if (!now.warm_start.extrapolation) return false;
   ExtrapolatedStep next;
-  const char* why = try_extrapolated(world, now.state, command, dt, next);
+  const char* why = try_extrapolated(world, now, command, dt, next);
   if (trace)
     trace->add({SolverStage::extrapolation, why ? why : "extrapolated", 1, 0, NAN,
                 why ? NAN : next.move.head<3>().norm() / world.annulus.clearance()});
@@ -272,11 +274,11 @@ bool extrapolate(const World& world, const Pose& command, double dt, StepResult&
   return !why;
 }
 
-void end_extrapolation(const World& world, State& state) noexcept {
-  if (!state.extrapolation) return;
-  const Extrapolation extrapolation = *state.extrapolation;
-  state.extrapolation.reset();
-  if (extrapolation.arc_length == 0) return;
+State end_extrapolation(const World& world, const StepResult& now) noexcept {
+  State state = now.state;
+  if (!now.warm_start.extrapolation) return state;
+  const Extrapolation& extrapolation = *now.warm_start.extrapolation;
+  if (extrapolation.arc_length == 0) return state;
   const ContactSide side = contact_side(world, state.tip, state.side);
   const PoseVector tip(state.tip);
   const auto depth = contact_depths(world, side, tip);
@@ -294,26 +296,13 @@ void end_extrapolation(const World& world, State& state) noexcept {
     }
     contact.stuck = material_point(world, side, at, tip) - slip;
   }
-}
-
-State before_extrapolated(const World& world, const State& state) noexcept {
-  State before = state;
-  end_extrapolation(world, before);
-  if (!world.laws.drag) return before;
-  const PoseVector tip(state.tip);
-  before.tip -= state.extrapolation->last;
-  const PoseVector from(before.tip);
-  const ContactSide side = contact_side(world, before.tip, before.side);
-  for (int at = 0; at < kContactPlaces; ++at)
-    if (state.extrapolation->place[at].slides)
-      before.contact[at].stuck +=
-          material_point(world, side, at, from) - material_point(world, side, at, tip);
-  return before;
+  return state;
 }
 
 void set_extrapolation(const World& world, const FrozenCoefficients& frozen, const Iterate& iterate,
-                       double dt, State& state) noexcept {
-  state.extrapolation.reset();
+                       double dt, StepResult& now) noexcept {
+  const State& state = now.state;
+  now.warm_start.extrapolation.reset();
   if (!extrapolates(world) || !iterate.converged || state.side == EdgeSide::face) return;
   if (std::abs(printed_gap(world, frozen, iterate.tip)) < kFromPrinted) return;
   Extrapolation extrapolation;
@@ -333,32 +322,31 @@ void set_extrapolation(const World& world, const FrozenCoefficients& frozen, con
   for (int at = 0; at < kContactPlaces; ++at)
     extrapolation.place[at] =
         place_of(world, frozen, iterate, compliance, side, at, state.contact[at]);
-  state.extrapolation = extrapolation;
+  now.warm_start.extrapolation = extrapolation;
 }
 
-void set_trust_radius(const World& world, const State& before, StepResult& result) noexcept {
-  State& now = result.state;
-  if (!now.extrapolation || !before.extrapolation || result.status != StepStatus::ok ||
-      result.rejected > 0)
-    return;
-  if (contact_set_changed(before, {now.contact, now.bridge})) return;
-  const Extrapolation& last = *before.extrapolation;
-  const Pose by = now.command - before.command, move = follow_hand(world, last, by);
-  const double length = last.arc_length + arc_length_of(world, before, by, move);
-  const Pose error = now.tip - before.tip - move;
+void set_trust_radius(const World& world, const State& before, const Extrapolation& last,
+                      StepResult& now) noexcept {
+  if (!now.warm_start.extrapolation || now.status != StepStatus::ok || now.rejected > 0) return;
+  const State& state = now.state;
+  Extrapolation& extrapolation = *now.warm_start.extrapolation;
+  if (contact_set_changed(before, {state.contact, state.bridge})) return;
+  const Pose by = state.command - before.command, move = follow_hand(world, last, by);
+  const double length = last.arc_length + arc_length_of(world, before, last, by, move);
+  const Pose error = state.tip - before.tip - move;
   const Numerics& n = world.numerics;
-  const double lever = now.inserted_length() + world.annulus.fibre_radius;
+  const double lever = state.inserted_length() + world.annulus.fibre_radius;
   const double tip = error.head<3>().norm() + lever * error.tail<2>().norm();
   const double force = (world.holder.stiffness * error).head<3>().norm();
   const double relative = std::max(tip / n.extrapolation_tip, force / n.extrapolation_force);
   const double factor = relative > 0 ? std::sqrt(n.solver.extrapolation_error / relative)
                                      : n.solver.extrapolation_growth;
-  double& radius = now.extrapolation->trust_radius;
+  double& radius = extrapolation.trust_radius;
   radius = std::min(length * std::min(factor, n.solver.extrapolation_growth),
                     n.solver.extrapolation_longest);
   // Up to a fold, where the pose is lost, the determinant falls as the root of what is left of the
   // path.
-  const double det_before = last.determinant, det_now = now.extrapolation->determinant;
+  const double det_before = last.determinant, det_now = extrapolation.determinant;
   if (det_now < det_before)
     radius = std::min(radius, kToFold * length * det_now * det_now /
                                   (det_before * det_before - det_now * det_now));

@@ -34,17 +34,15 @@ namespace ferrule {
 bool extrapolate(const World& world, const Pose& command, double dt, StepResult& now,
                  StepTrace* trace) noexcept;
 
-// From where a step that is solved, over Extrapolation::dt, ends where an extrapolated one did.
-State before_extrapolated(const World& world, const State& state) noexcept;
-
-// Before a step that is solved: the state without its extrapolation, and contacts with the elastic
-// slip that they had: where a contact moves on over the fibre that is more than a slide, to first
-// order, tells.
-void end_extrapolation(const World& world, State& state) noexcept;
+// now.state where its extrapolation, if there is one, ends: contacts have their depth there, and
+// the elastic slip that they had. Where a contact moves on over the fibre that is more than a
+// slide, to first order, tells.
+State end_extrapolation(const World& world, const StepResult& now) noexcept;
 
 // For a step that has been solved, from `before`: the extrapolation there, with its trust radius.
 void set_extrapolation(const World& world, const FrozenCoefficients& frozen, const Iterate& iterate,
-                       double dt, State& state) noexcept;
-void set_trust_radius(const World& world, const State& before, StepResult& result) noexcept;
+                       double dt, StepResult& now) noexcept;
+void set_trust_radius(const World& world, const State& before, const Extrapolation& last,
+                      StepResult& now) noexcept;
 
 }  // namespace ferrule

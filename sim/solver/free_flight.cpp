@@ -57,26 +57,20 @@ bool fly_free(const World& world, const Pose& command, double dt, StepResult& no
   const bool in_opening = !flies_free(world, state, goal);
   if (in_opening && !hangs_in_opening(world, state, goal)) return false;
   // What a free step before this one has cleared is clear.
-  const bool was_free = now.substeps > 0 && now.evaluations == 0 && !state.extrapolation;
+  const bool was_free = now.substeps > 0 && now.evaluations == 0 && !now.warm_start.extrapolation;
   if (!was_free) {
     state.bridge = false;
     state.air = 0;
     state.contact = {};
-    state.extrapolation.reset();
-    if (now.substeps > 0) now.forces = {};
+    now.warm_start.linearization = {};
+    now.warm_start.extrapolation.reset();
   }
   state.tip = goal;
   state.command = command;
   state.time += dt;
-  if (in_opening) {
-    state.side = EdgeSide::throat;
-    state.linearization = Linearization{state.tip, {}, {}, {}};
-  } else {
-    state.linearization.reset();
-  }
-  now.forces.holder = world.holder.weight;
-  now.forces[Term::gravity][0] = {{0, world.holder.weight[1], 0},
-                                  state.tip.head<3>() + world.holder.weight_arm};
+  if (in_opening) state.side = EdgeSide::throat;
+  now.warm_start.linearization.at = in_opening ? state.tip : Pose::Constant(NAN);
+  now.holder = world.holder.weight;
   now.status = StepStatus::ok;
   now.evaluations = now.iterations = now.rejected = 0;
   now.substeps = 1;

@@ -47,12 +47,13 @@ std::optional<PoseVector> predict_with_friction(const World& world, const Energy
 
 }  // namespace
 
-Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept {
+Prediction predict(const World& world, const StepResult& now, FrozenCoefficients& frozen) noexcept {
+  const State& state = now.state;
   Prediction end;
   end.tip = state.tip;
   end.reason = "no linearization: the search begins where the sub-step does";
-  if (!state.linearization || state.linearization->at != state.tip) return end;
-  const Linearization& bore = *state.linearization;
+  const Linearization& bore = now.warm_start.linearization;
+  if (bore.at != state.tip) return end;
   Energy start = without_friction(world, frozen, end.tip, bore.gradient, bore.hessian);
   start.gradient += bore.curvature;
   std::optional<NewtonStep> newton;
@@ -92,11 +93,12 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
   return true;
 }
 
-double stiffness_determinant(const World& world, const State& state) noexcept {
-  if (!state.linearization || state.linearization->at != state.tip) return NAN;
+double stiffness_determinant(const World& world, const StepResult& now) noexcept {
+  const State& state = now.state;
+  const Linearization& bore = now.warm_start.linearization;
+  if (bore.at != state.tip) return NAN;
   const PoseVector tip(state.tip);
   const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
-  const Linearization& bore = *state.linearization;
   const NewtonStep newton(world, frozen,
                           without_friction(world, frozen, tip, bore.gradient, bore.hessian), tip, 1,
                           Pivots::as_they_are, true);

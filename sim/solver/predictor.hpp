@@ -3,6 +3,7 @@
 #pragma once
 
 #include "sim/solver/newton.hpp"
+#include "sim/solver/step.hpp"
 
 namespace ferrule {
 
@@ -16,19 +17,19 @@ struct Prediction {
   const char* reason = "";  // why it is valid, or not
 };
 
-// From `state`, whose linearization may be missing. Moves the friction limits of `frozen` to those
+// From `now`, whose linearization may be missing. Moves the friction limits of `frozen` to those
 // at the end; they are of no use where the prediction is not valid.
-Prediction predict(const World& world, const State& state, FrozenCoefficients& frozen) noexcept;
+Prediction predict(const World& world, const StepResult& now, FrozenCoefficients& frozen) noexcept;
 
 // The corrector: goes on from the prediction, evaluated there, with the `curvature` of the
 // linearization. False where the prediction is too far from a minimum.
 bool correct(const World& world, const FrozenCoefficients& frozen, const Prediction& end,
              const PoseVector& curvature, Iterate& iterate) noexcept;
 
-// Determinant of the stiffness that holds the end in a state that a sub-step left, with friction
+// Determinant of the stiffness that holds the end where a sub-step left it, with friction
 // and how its limits change, from its linearization [(N/m)^3 (N m/rad)^2]; NaN without one. Up to a
 // fold, where the pose is lost, it falls to 0 as the root of what is left of the path.
-double stiffness_determinant(const World& world, const State& state) noexcept;
+double stiffness_determinant(const World& world, const StepResult& now) noexcept;
 
 // At which part of the move to its prediction, with the potential evaluated there, an open contact
 // begins, as its depth goes to first order; NaN where none does.

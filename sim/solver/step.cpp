@@ -73,9 +73,9 @@ double part_to_edge(const World& world, const State& state, double along_x) noex
 
 // The linearization's curvature is that of a sub-step as long as the one before; for `part` of
 // that.
-void shorten_curvature(double part, State& state) noexcept {
-  if (!(part < 1) || !state.linearization) return;
-  PoseVector& curvature = state.linearization->curvature;
+void shorten_curvature(double part, WarmStart& warm_start) noexcept {
+  if (!(part < 1)) return;
+  PoseVector& curvature = warm_start.linearization.curvature;
   curvature = part * part * curvature;
 }
 
@@ -158,7 +158,8 @@ void update_velocity(const FrozenCoefficients& frozen, const Pose& tip, double d
 
 // Takes the iterate as the state after a sub-step over `dt` to `command`.
 void accept(const World& world, const Pose& command, double dt, const FrozenCoefficients& frozen,
-            const Iterate& iterate, const Contacts& contacts, State& state) noexcept {
+            const Iterate& iterate, const Contacts& contacts, StepResult& now) noexcept {
+  State& state = now.state;
   const Pose tip = iterate.tip.full();
   update_velocity(frozen, tip, dt, state);
   // A velocity that jumps is not extrapolated.
@@ -170,7 +171,7 @@ void accept(const World& world, const Pose& command, double dt, const FrozenCoef
   state.bridge = contacts.bridge;
   state.air = tip[0] < 0 ? frozen.flow.air_at(-tip[0]) : 0;
   const Energy& bore = iterate.potential.bore;
-  state.linearization = Linearization{tip, bore.gradient, bore.hessian, iterate.curvature};
+  now.warm_start.linearization = {tip, bore.gradient, bore.hessian, iterate.curvature};
 }
 
 // --- Solving ---
@@ -218,7 +219,7 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
     const SubStep next =
         next_sub_step(world, state, command[0] - from[0], travel, shortest, first, left, events);
     const double to = next.to;
-    shorten_curvature((to - done) / longest, state);
+    shorten_curvature((to - done) / longest, now.warm_start);
     longest = std::fmin(longest, to - done);
     const Pose goal = next.last ? command : Pose(from + to * (command - from));
     const double over = (to - done) * dt;
@@ -230,7 +231,7 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
     double where = NAN;  // about which part of the sub-step something happens at
     const bool stops = next.divisible == Divisible::at_events;
     const Iterate iterate =
-        solve_sub_step(world, state, goal, over, most, stops ? &where : nullptr, frozen, trace);
+        solve_sub_step(world, now, goal, over, most, stops ? &where : nullptr, frozen, trace);
     now.evaluations += iterate.evaluations;
     now.iterations += iterate.iterations;
 
@@ -240,7 +241,7 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
         event_in(world, state, frozen, iterate, contacts, command_travel(world, state, goal));
     if (const char* why = rejection(next.divisible, state, iterate, contacts, event)) {
       note(iterate, SolverStage::rejected, why);
-      events.reject(world, state, to, where);
+      events.reject(world, now, to, where);
       ++now.rejected;
       continue;
     }
@@ -251,14 +252,15 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
          event               ? event
          : iterate.converged ? "converged"
                              : "not converged");
-    accept(world, goal, over, frozen, iterate, contacts, state);
+    accept(world, goal, over, frozen, iterate, contacts, now);
     ++now.substeps;
     if (next.last) {
-      now.forces = {};
-      forces(world, frozen, iterate.tip, iterate.potential, now.forces);
-      set_extrapolation(world, frozen, iterate, over, state);
+      now.warm_start.forces = {};
+      forces(world, frozen, iterate.tip, iterate.potential, now.warm_start.forces);
+      now.holder = now.warm_start.forces.holder;
+      set_extrapolation(world, frozen, iterate, over, now);
     }
-    events.accept(world, state, to, event != nullptr);
+    events.accept(world, now, to, event != nullptr);
   }
 }
 
@@ -266,10 +268,12 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
 void solve(const World& world, const Pose& command, double dt, StepResult& now,
            StepTrace* trace) noexcept {
   const State before = now.state;
+  const std::optional<Extrapolation> last = now.warm_start.extrapolation;
   now.status = StepStatus::ok;
   now.evaluations = now.iterations = now.substeps = now.rejected = 0;
   now.state.time = before.time + dt;
-  end_extrapolation(world, now.state);
+  now.state = end_extrapolation(world, now);
+  now.warm_start.extrapolation.reset();
   const int parts = parts_of(world, dt);
   for (int k = 1; k <= parts; ++k)
     follow_path(world,
@@ -277,16 +281,14 @@ void solve(const World& world, const Pose& command, double dt, StepResult& now,
                            : Pose(before.command +
                                   static_cast<double>(k) / parts * (command - before.command)),
                 dt / parts, now, trace);
-  set_trust_radius(world, before, now);
+  if (last) set_trust_radius(world, before, *last, now);
 }
 
-// A command that is no command: the state is unchanged, and so are the forces.
+// A command that is no command: the state is unchanged.
 void refuse(const World& world, StepResult& now) noexcept {
-  const State state = now.state;
-  now = StepResult(state);
+  now = StepResult(now.state);
   now.status = StepStatus::bad_command;
-  const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
-  forces(world, frozen, state.tip, Potential(world, frozen, state.tip), now.forces);
+  now.holder = forces(world, now).holder;
 }
 
 bool is_valid(const Pose& command, double dt) noexcept {
@@ -311,16 +313,36 @@ StepResult step(const World& world, const State& state, const Pose& command, dou
                 StepTrace* trace) noexcept {
   StepResult result(state);
   step_on(world, command, dt, result, trace);
-  result.forces = all_forces(world, result);
   return result;
 }
 
-Breakdown all_forces(const World& world, const StepResult& now) noexcept {
-  if (now.evaluations > 0 || !now.state.extrapolation) return now.forces;
-  StepResult solved(before_extrapolated(world, now.state));
-  solve(world, now.state.command, now.state.extrapolation->dt, solved, nullptr);
-  solved.forces.holder = now.forces.holder;
-  return solved.forces;
+Breakdown forces(const World& world, const StepResult& now) noexcept {
+  if (now.evaluations > 0) return now.warm_start.forces;
+  const State here = end_extrapolation(world, now);
+  PoseVector tip(here.tip);
+  Breakdown breakdown;
+  if (!now.extrapolated()) {
+    const FrozenCoefficients frozen = freeze(world, here, here.command, 0);
+    forces(world, frozen, tip, Potential(world, frozen, tip), breakdown);
+    return breakdown;
+  }
+  // Walls are so stiff that within the extrapolation's error forces are out of balance: a Newton
+  // step, without another evaluation, to where they are in it.
+  const Extrapolation& extrapolation = *now.warm_start.extrapolation;
+  FrozenCoefficients frozen = freeze(world, here, here.command, extrapolation.dt);
+  frozen.from -= extrapolation.last;
+  frozen.load += PoseMatrix(world.holder.stiffness).times(extrapolation.last);
+  Potential potential(world, frozen, tip);
+  const Energy& bore = potential.bore;
+  const PoseVector move =
+      NewtonStep(world, frozen, without_friction(world, frozen, tip, bore.gradient, bore.hessian),
+                 tip)
+          .move;
+  potential.follow(move, tip);
+  tip += move;
+  forces(world, frozen, tip, potential, breakdown);
+  breakdown.holder = now.holder;
+  return breakdown;
 }
 
 }  // namespace ferrule

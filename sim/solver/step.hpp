@@ -9,6 +9,7 @@
 #include "sim/model/breakdown.hpp"
 #include "sim/model/world.hpp"
 #include "sim/solver/trace.hpp"
+#include "sim/solver/warm_start.hpp"
 
 namespace ferrule {
 
@@ -24,27 +25,31 @@ struct StepResult {
   StepResult() = default;
   explicit StepResult(const State& start) noexcept : state(start) {}
 
+  // Was the step taken without an evaluation, along the tangent of one before?
+  bool extrapolated() const noexcept { return evaluations == 0 && warm_start.extrapolation; }
+
   State state;
-  // Where the step was extrapolated only the holder's is that of now, and the terms those of the
-  // step solved last (all_forces()).
-  Breakdown forces;
+  Wrench holder = Wrench::Zero();  // of the fibre on its holder [N, N m]
   StepStatus status = StepStatus::ok;
   int evaluations = 0;  // of the potential
   int iterations = 0;   // Newton iterations, all sub-steps together
   int substeps = 0;     // accepted
   int rejected = 0;     // sub-steps: not converged soon, or something happened in them
+  WarmStart warm_start;
 };
 
-// The forces of all terms where a step has ended.
-Breakdown all_forces(const World& world, const StepResult& now) noexcept;
-
-// From `state` over `dt` [s] to `command` [m, rad]. Never throws and never allocates, but for a
-// `trace`, which it appends to; never returns a value that is not finite (if `state` is finite).
-StepResult step(const World& world, const State& state, const Pose& command, double dt,
-                StepTrace* trace = nullptr) noexcept;
-// The same from now.state, in place, bit for bit, but for the forces of terms where the step is
-// extrapolated. `now` is what a step made, or StepResult(state).
+// From now.state over `dt` [s] to `command` [m, rad], in place, with the warm start of the step
+// before. `now` is what a step made, or StepResult(state). Never throws and never allocates, but
+// for a `trace`, which it appends to; never makes a value that is not finite (if now.state is
+// finite).
 void step_on(const World& world, const Pose& command, double dt, StepResult& now,
              StepTrace* trace = nullptr) noexcept;
+// The same from a state alone.
+StepResult step(const World& world, const State& state, const Pose& command, double dt,
+                StepTrace* trace = nullptr) noexcept;
+
+// The force of each term where a step has ended. Where the step was extrapolated that takes an
+// evaluation.
+Breakdown forces(const World& world, const StepResult& now) noexcept;
 
 }  // namespace ferrule

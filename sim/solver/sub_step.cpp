@@ -206,9 +206,10 @@ void reject_divergence(const World& world, const State& state, const Pose& comma
 
 }  // namespace
 
-Iterate solve_sub_step(const World& world, const State& state, const Pose& command, double dt,
+Iterate solve_sub_step(const World& world, const StepResult& now, const Pose& command, double dt,
                        int max_evaluations, double* event, FrozenCoefficients& frozen,
                        StepTrace* trace) noexcept {
+  const State& state = now.state;
   const int most = max_evaluations - kReturnEvaluations;
   const int few = event ? std::min(world.numerics.solver.divisible_evaluations, most) : most;
   const bool holds_still = world.dynamics == Dynamics::inertial && dt == 0;
@@ -219,7 +220,7 @@ Iterate solve_sub_step(const World& world, const State& state, const Pose& comma
   Prediction end;
   end.tip = state.tip;
   end.reason = "no move: over no time nothing with inertia does";
-  if (!holds_still) end = predict(world, state, frozen);
+  if (!holds_still) end = predict(world, now, frozen);
   if (!end.valid) frozen.friction = friction;
   Iterate iterate(world, frozen, end.tip, trace);
   iterate.converged = holds_still;
@@ -234,7 +235,7 @@ Iterate solve_sub_step(const World& world, const State& state, const Pose& comma
   // Correct.
   if (end.valid && !event) restore_contacts(world, state, frozen, iterate);
   bool coupled = false;
-  if (end.valid && !correct(world, frozen, end, state.linearization->curvature, iterate)) {
+  if (end.valid && !correct(world, frozen, end, now.warm_start.linearization.curvature, iterate)) {
     frozen.friction = friction;
     evaluate_at(world, frozen, state.tip, iterate);
     note(iterate, SolverStage::corrector, "prediction error too large: back to the start");

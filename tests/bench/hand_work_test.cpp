@@ -13,12 +13,13 @@ namespace {
 double lost_share(const World& world, int steps) {
   const State start = at_rest(world, testing::pose(5e-6, 0, 0));
   const Pose way = testing::pose(-35e-6, 2e-6, -1e-6, 2e-3, 0);
-  State state = start;
+  StepResult now(start);
+  State& state = now.state;
   HandWork work(world, start);
   for (int n = 1; n <= steps; ++n) {
     const Pose hand = start.command + static_cast<double>(n) / steps * way;
     work.move(state, hand);
-    state = step(world, state, hand, 1e-3).state;
+    step_on(world, hand, 1e-3, now);
   }
   EXPECT_FALSE(work.gained(state));
   const double stored = stored_energy(world, state) - stored_energy(world, start);

@@ -263,8 +263,8 @@ TEST(Score, AgreesWithTheWatchThatSawTheInsertion) {
   const Episode episode{testing::info_of(scene, 1, 3), recorded.matrix(), {}};
   const Measures m = measure(episode, scene);
   EXPECT_CLOSE(m[Part::peak_force], end.summary.peak_force, 1e-12);
-  EXPECT_CLOSE(m[Part::friction_work], end.summary.friction_work, 1e-2);
-  EXPECT_LE(m[Part::friction_work], end.summary.friction_work * (1 + 1e-12));
+  // Of every step, and of every stretch that was extrapolated.
+  EXPECT_CLOSE(m[Part::friction_work], end.summary.friction_work, 1e-3);
 }
 
 }  // namespace

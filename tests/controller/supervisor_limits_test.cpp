@@ -147,7 +147,8 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   const Scaling scaling = scene_scaling(scene);
   const SupervisorLimits limits = supervisor_limits(scene, scaling);
   Supervisor supervisor(std::make_unique<Adversary>(kind, seed, limits), limits);
-  State state = draw_start(scene, seed, static_cast<std::uint64_t>(kind));
+  StepResult result(draw_start(scene, seed, static_cast<std::uint64_t>(kind)));
+  const State& state = result.state;
   InsertionWatch watch(scene, state);
   HandPose pose = scaling.motion_to_hand(state.command);
   ForceSensor sensor(scene.sensor, seed, static_cast<std::uint64_t>(kind));
@@ -158,12 +159,9 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   Closed closed;
   for (int n = 0;; ++n) {
     pose += limits.period * v;
-    const StepResult result =
-        step(scene.world, state, scaling.motion_to_tip(pose), n == 0 ? 0 : limits.period);
-    state = result.state;
-    const HandWrench wrench = scaling.wrench_to_hand(result.forces.holder);
-    const HandWrench read =
-        scaling.wrench_to_hand(sensor.read(result.forces.holder, limits.period));
+    step_on(scene.world, scaling.motion_to_tip(pose), n == 0 ? 0 : limits.period, result);
+    const HandWrench wrench = scaling.wrench_to_hand(result.holder);
+    const HandWrench read = scaling.wrench_to_hand(sensor.read(result.holder, limits.period));
     if (n == 0) {
       rest = wrench;
       read_rest = read;

@@ -221,24 +221,23 @@ TEST(Stability, AQuantisedSpringRestsExactlyBelowItsBound) {
 struct Touching {
   Scene scene = load_scene("demo");
   Scaling scaling = scene_scaling(scene);
-  State state;
+  StepResult now;
   double K = 0;  // felt sideways [N/m]
   Vector3d force = Vector3d::Zero();
 
   Touching() {
     const World& world = scene.world;
-    state = at_rest(world, testing::pose(20e-6, 0, 0));
-    Pose hand = state.command;
+    now = StepResult(at_rest(world, testing::pose(20e-6, 0, 0)));
+    Pose hand = now.state.command;
     for (int i = 0; i < 200; ++i) advance(hand = hand - testing::pose(0.2e-6, 0, 0));
     for (int i = 0; i < 300; ++i) advance(hand = hand - testing::pose(0, 20e-9, 0));
     for (int i = 0; i < 10; ++i) advance(hand);
-    K = scaling.force / scaling.motion * held_stiffness(world, state)(1, 1);
+    K = scaling.force / scaling.motion * held_stiffness(world, now.state)(1, 1);
   }
   void advance(const Pose& hand) {
-    const StepResult result = step(scene.world, state, hand, 1e-3);
-    EXPECT_EQ(result.status, StepStatus::ok);
-    state = result.state;
-    force = scaling.wrench_to_hand(result.forces.holder).head<3>();
+    step_on(scene.world, hand, 1e-3, now);
+    EXPECT_EQ(now.status, StepStatus::ok);
+    force = scaling.wrench_to_hand(now.holder).head<3>();
   }
 };
 
@@ -246,13 +245,13 @@ struct Touching {
 // largest distance from there over the first and last tenth [m].
 std::pair<double, double> let_go_on_the_wall(double share, bool controlled) {
   Touching loop;
-  EXPECT_TRUE(loop.state.contact[kEnd].closed);
+  EXPECT_TRUE(loop.now.state.contact[kEnd].closed);
   EXPECT_CLOSE(loop.K, 1692, 0.02);  // of the holder's 0.5 N/m, magnified 3384 times
   const DeviceProfile d =
       device(loop.K, 1e-3, 0, share * damping_needed(device(loop.K, 1e-3, 0, 0), loop.K));
   PassivityController passivity(d.period, 0.5 * d.mass / d.period);
   HandAndDevice hand(d);
-  const HandPose rest = loop.scaling.motion_to_hand(loop.state.command);
+  const HandPose rest = loop.scaling.motion_to_hand(loop.now.state.command);
   const Vector3d held = loop.force;  // what the hand leans against
   hand.hand_force = -held.y();
   hand.x = 2e-6;
@@ -293,7 +292,8 @@ double wandering_on_the_face(bool coupled) {
   const double magnified = scaling.force / scaling.motion;
   const DeviceProfile d = load_device_profile("pen");
   const double face = world.profile.lead_in_length;
-  State state = at_rest(world, testing::pose(face + 0.05e-6, 150e-6, 0));
+  StepResult result(at_rest(world, testing::pose(face + 0.05e-6, 150e-6, 0)));
+  const State& state = result.state;
   HandAndDevice hand(d);
   hand.hand_force = -2;
   const HandPose begin = scaling.motion_to_hand(state.command);
@@ -307,9 +307,8 @@ double wandering_on_the_face(bool coupled) {
       const Matrix3d K = magnified * held_stiffness(world, state).topLeftCorner<3, 3>();
       pose.head<3>() = coupling.move(pose.head<3>(), force, K);
     }
-    const StepResult result = step(world, state, scaling.motion_to_tip(pose), d.period);
-    state = result.state;
-    force = scaling.wrench_to_hand(result.forces.holder - world.holder.weight).head<3>();
+    step_on(world, scaling.motion_to_tip(pose), d.period, result);
+    force = scaling.wrench_to_hand(result.holder - world.holder.weight).head<3>();
     hand.advance(std::clamp(coupled ? coupling.force().x() : force.x(), -d.max_force, d.max_force));
     if (n < 2500) continue;
     low = std::min(low, hand.x);

@@ -23,16 +23,17 @@ struct Seen {
 std::vector<PoseVector> in_and_out(const Scene& scene, std::uint64_t k, int parts, Seen& seen) {
   const State start = draw_start(scene, 1, k);
   const std::vector<Pose> hand = commands(scene, start, Motion::insertion, kPeriod / parts, 1, k);
-  State state = start;
+  StepResult r(start);
+  const State& state = r.state;
   std::vector<PoseVector> tips;
   for (std::size_t n = 0; n < hand.size(); ++n) {
-    const StepResult r = step(scene.world, state, hand[n], n == 0 ? 0 : kPeriod / parts);
-    state = r.state;
+    step_on(scene.world, hand[n], n == 0 ? 0 : kPeriod / parts, r);
+    const TermForces friction = forces(scene.world, r)[Term::friction];
     ++seen.steps;
     for (std::size_t place = 0; place < kContactPlaces; ++place) {
       const bool closed = state.contact[place].closed;
       seen.touches += closed;
-      seen.open_rubs += !closed && r.forces[Term::friction][place].force.norm() > 0;
+      seen.open_rubs += !closed && friction[place].force.norm() > 0;
     }
     if (n % static_cast<std::size_t>(parts)) continue;
     tips.emplace_back(state.tip);
@@ -80,20 +81,19 @@ std::vector<double> friction_at_mouth(const World& world, double way, int parts)
   const double from = way > 0 ? -2e-6 : 1e-6;
   Pose hand = Pose::Zero();
   hand[0] = from;
-  State state = at_rest(world, hand);
+  StepResult now(at_rest(world, hand));
   const double aside = 5 * world.annulus.clearance();
   for (int n = 1; n <= 200; ++n) {
     hand[1] = -aside * n / 200;
-    state = step(world, state, hand, kPeriod).state;
+    step_on(world, hand, kPeriod, now);
   }
-  std::vector<double> forces;
+  std::vector<double> along;
   for (int n = 1; n <= 200 * parts; ++n) {
     hand[0] = from + way * n / (200 * parts);
-    const StepResult r = step(world, state, hand, kPeriod / parts);
-    state = r.state;
-    if (n % parts == 0) forces.push_back(r.forces[Term::friction][kSide].force.x());
+    step_on(world, hand, kPeriod / parts, now);
+    if (n % parts == 0) along.push_back(forces(world, now)[Term::friction][kSide].force.x());
   }
-  return forces;
+  return along;
 }
 
 // Not a step later: by a twentieth of the force, with 15 nm in a step.

@@ -28,15 +28,15 @@ void follow_closed_motion(std::uint64_t seed, std::uint64_t k, Motion motion, do
   SCOPED_TRACE(::testing::Message() << seed << " " << k << " " << name(motion));
   const Scene scene = random_scene(seed, k);
   const World& world = scene.world;
-  State state = draw_start(scene, seed, k);
+  StepResult r(draw_start(scene, seed, k));
+  const State& state = r.state;
   HandWork work(world, state);
   for (const Pose& hand : commands(scene, state, motion, dt, seed, k, longest)) {
     work.move(state, hand);
-    const StepResult r = step(world, state, hand, dt);
+    step_on(world, hand, dt, r);
     ASSERT_LE(r.evaluations, SolverParameters{}.max_evaluations);
-    ASSERT_TRUE(to_row(r.state).allFinite() && r.forces.holder.allFinite());
-    ASSERT_EQ(r.state.command, hand);
-    state = r.state;
+    ASSERT_TRUE(to_row(state).allFinite() && r.holder.allFinite());
+    ASSERT_EQ(state.command, hand);
     ++steps.all;
     steps.unfinished += r.status != StepStatus::ok;
   }

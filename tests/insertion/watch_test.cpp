@@ -9,13 +9,12 @@ namespace ferrule {
 namespace {
 
 Outcome push_straight(const Scene& scene, const Pose& tip) {
-  State state = at_rest(scene.world, tip);
-  InsertionWatch watch(scene, state);
+  StepResult r(at_rest(scene.world, tip));
+  InsertionWatch watch(scene, r.state);
   for (int n = 0;; ++n) {
-    Pose hand = state.command;
+    Pose hand = r.state.command;
     hand[0] -= scene.limits.speed * 1e-3;
-    const StepResult r = step(scene.world, state, hand, 1e-3);
-    state = r.state;
+    step_on(scene.world, hand, 1e-3, r);
     if (const auto outcome = watch.after(r)) return *outcome;
   }
 }

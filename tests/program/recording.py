@@ -106,35 +106,36 @@ class Recording(Case):
                 for key, value in attributes.items():
                     demo[name].attrs[key] = value.replace(last.encode(), b"") if (
                         key == "columns") else value
-            del demo["rows/linearization"], demo["rows/tangent"]
             f.attrs["format_version"] = numpy.int64(1)
             del f.attrs["inputs_sha1"]
         self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
         self.assertEqual(json.loads(self.done("forces", file, "--json").stdout)["terms"], terms)
 
-    def leave_out(self, file, rows):
-        table = file["data/demo_0/rows"][rows]
-        scale = table.dims[1][0].name
-        del file["data/demo_0/rows"][rows], file[scale]
-
-    def test_files_of_format_3_are_read_and_verified(self):
-        self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
-                  "--out", self.path("third"))
-        file = self.path("third/episode_0001.h5")
-        with h5py.File(file, "r+") as f:  # as it was: no tangent
-            self.leave_out(f, "tangent")
-            f.attrs["format_version"] = numpy.int64(3)
-            del f.attrs["inputs_sha1"]
-        self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
+    def test_files_of_formats_3_and_4_are_read_and_verified(self):
+        for version, extra in ((3, {"linearization": 28}), (4, {"linearization": 28, "tangent": 140})):
+            folder = self.path(f"format{version}")
+            self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
+                      "--out", folder)
+            file = folder + "/episode_0001.h5"
+            with h5py.File(file, "r+") as f:  # as it was: with the warm start of the next step
+                demo = f["data/demo_0"]
+                for name, width in extra.items():
+                    table = demo.create_dataset("rows/" + name, data=numpy.ones((len(demo["time"]), width)))
+                    table.attrs["unit"] = "1"
+                    scale = demo.create_dataset(name, data=numpy.arange(width))
+                    scale.make_scale(name)
+                    table.dims[0].attach_scale(demo["time"])
+                    table.dims[1].attach_scale(scale)
+                f.attrs["format_version"] = numpy.int64(version)
+                del f.attrs["inputs_sha1"]
+            self.assertIn("every bit", self.done("replay", file, "--verify").stdout)
 
     def test_files_of_format_2_are_read_and_verified(self):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",
                   "--out", self.path("second"))
         file = self.path("second/episode_0001.h5")
         terms = json.loads(self.done("forces", file, "--json").stdout)["terms"]
-        with h5py.File(file, "r+") as f:  # as it was: no particle among the forces, no linearization
-            self.leave_out(f, "linearization")
-            self.leave_out(f, "tangent")
+        with h5py.File(file, "r+") as f:  # as it was: no particle among the forces
             demo, forces = f["data/demo_0"], f["data/demo_0/rows/forces"]
             scales = [list(dimension.values()) for dimension in forces.dims]
             names = [c for c in scales[1][0][:] if not c.startswith(b"particle")]

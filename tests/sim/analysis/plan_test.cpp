@@ -327,14 +327,13 @@ Scene random_scene_in_a_liquid(std::uint64_t k) {
   return parse_scene(d, "random scene");
 }
 
-// The samples after `state`, which moves on.
-SampledRun run_from(State& state, const World& world, const std::vector<Pose>& hand) {
+// The samples after `now`, which moves on.
+SampledRun run_from(StepResult& now, const World& world, const std::vector<Pose>& hand) {
   SampledRun run;
   for (const Pose& command : hand) {
-    const StepResult reached = step(world, state, command, 1e-3);
-    state = reached.state;
-    run.tip.push_back(state.tip.head<3>());
-    run.force.push_back(reached.forces.holder.head<3>());
+    step_on(world, command, 1e-3, now);
+    run.tip.push_back(now.state.tip.head<3>());
+    run.force.push_back(now.holder.head<3>());
   }
   return run;
 }
@@ -351,14 +350,14 @@ TEST(PlanAtLength, StepsAreRightForAFibreThatRubsInALiquid) {
     ++reached;
     const World planned = parse_scene(plan.document, "planned").world;
     const World full = full_model(scene, plan.step / 20);
-    State state = draw_start(scene, 1000 + k, 0);
-    const std::vector<Pose> hand = motion(scene, state, k);
+    StepResult now(draw_start(scene, 1000 + k, 0));
+    const std::vector<Pose> hand = motion(scene, now.state, k);
     constexpr std::ptrdiff_t length = 100;
     for (std::ptrdiff_t from = 0; from + length < std::ssize(hand); from += length) {
       const std::vector<Pose> part(hand.begin() + from, hand.begin() + from + length);
-      State exact_state = state;
-      const SampledRun exact = run_from(exact_state, full, part);
-      const SampledRun run = run_from(state, planned, part);
+      StepResult exact_now(now.state);
+      const SampledRun exact = run_from(exact_now, full, part);
+      const SampledRun run = run_from(now, planned, part);
       ++stretches;
       within += run_error(run, exact, part, scene.world) <= plan.error_bound;
     }

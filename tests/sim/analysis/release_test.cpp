@@ -97,15 +97,14 @@ TEST(Release, IsWhatTheSimulatorTakes) {
             "holder={\"type\":\"rigid_hand\",\"stiffness_N_m\":2,\"tilt_stiffness_N_m_rad\":1}"});
   const World& world = scene.world;
   const double c = world.annulus.clearance();
-  State state = at_rest(world, testing::pose(-kLength, 0, 0));
+  StepResult r(at_rest(world, testing::pose(-kLength, 0, 0)));
+  const State& state = r.state;
   double most = 0;
   const auto go = [&](double from, double to) {
     const int steps = 40000;
     for (int n = 1; n <= steps; ++n) {
-      const StepResult r =
-          step(world, state, testing::pose(-kLength, from + (to - from) * n / steps, 0), 1e-3);
-      state = r.state;
-      if (state.tip[1] < 0) most = std::max(most, -r.forces.holder[1]);  // then the other wall
+      step_on(world, testing::pose(-kLength, from + (to - from) * n / steps, 0), 1e-3, r);
+      if (state.tip[1] < 0) most = std::max(most, -r.holder[1]);  // then the other wall
     }
   };
   go(0, -1.02 * c);

@@ -250,9 +250,10 @@ TEST(Cleave, ASharpBoreTakesAnUprightFibreFromWithinTheClearance) {
   for (const double direction : {0.0, 60.0})
     for (const double offset : {0.5, 0.98, 3.0, 30.0}) {
       const World world = cleaved(1, direction, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
-      State state = at_rest(world, testing::pose(3e-6, 0.5e-6 * offset, 0));
+      StepResult now(at_rest(world, testing::pose(3e-6, 0.5e-6 * offset, 0)));
+      State& state = now.state;
       for (int n = 1; n <= 1400; ++n)
-        state = step(world, state, testing::pose(3e-6 - n * 5e-9, 0.5e-6 * offset, 0), 1e-3).state;
+        step_on(world, testing::pose(3e-6 - n * 5e-9, 0.5e-6 * offset, 0), 1e-3, now);
       EXPECT_EQ(state.tip[0] < -2e-6, offset < 1) << direction << " " << offset;
       EXPECT_TRUE(offset < 1 || state.tip[0] > -1.2e-6) << direction << " " << offset;
     }
@@ -291,9 +292,10 @@ TEST(CleaveAtLength, FartherOutASharpBoreTakesItWhereItsLowestPointSlidesIn) {
       const double angle = 0.1 + k * pi / 2, degrees = 0.5 * pi / 180;
       const Vector2d at = 0.5e-6 * offset * Vector2d(std::cos(angle), std::sin(angle));
       const World world = cleaved(0.5, 0, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
-      State state = at_rest(world, testing::pose(3e-6, at.x(), at.y()));
+      StepResult now(at_rest(world, testing::pose(3e-6, at.x(), at.y())));
+      State& state = now.state;
       for (int n = 1; n <= 1200; ++n)
-        state = step(world, state, testing::pose(3e-6 - n * 5e-9, at.x(), at.y()), 1e-3).state;
+        step_on(world, testing::pose(3e-6 - n * 5e-9, at.x(), at.y()), 1e-3, now);
       const bool expected = slides_in(at, {std::tan(degrees), 0}, 3e-6);
       EXPECT_EQ(state.tip[0] < -2e-6, expected) << offset << " " << k;
       in += expected;
@@ -305,10 +307,11 @@ TEST(CleaveAtLength, FartherOutASharpBoreTakesItWhereItsLowestPointSlidesIn) {
 // The face of a cleaved end meets the ferrule's before its centre does, by r times the slope.
 TEST(Cleave, TheLeadingPointTouchesFirst) {
   const World world = cleaved(1, 90, {"holder.tilt_stiffness_N_m_rad=1e6"}).world;
-  State state = at_rest(world, testing::pose(5e-6, 40e-6, 0));
+  StepResult now(at_rest(world, testing::pose(5e-6, 40e-6, 0)));
+  State& state = now.state;
   double touched = 0;
   for (int n = 1; n <= 1000 && touched == 0; ++n) {
-    state = step(world, state, testing::pose(5e-6 - n * 5e-9, 40e-6, 0), 1e-3).state;
+    step_on(world, testing::pose(5e-6 - n * 5e-9, 40e-6, 0), 1e-3, now);
     if (state.contact[kEnd].closed) touched = state.tip[0];
   }
   EXPECT_NEAR(touched, kFibreRadius * std::tan(pi / 180), 2e-8);

@@ -59,11 +59,12 @@ TEST(OvalBore, AContactIsAsDeepAsTheDeepestPointOfTheRimToFirstOrder) {
 TEST(OvalBore, AFibreHasRoomInTheWideDirection) {
   const Scene scene = testing::bare(oval(0.2, 90));
   const auto rests = [&](const Vector2d& towards) {
-    State state = at_rest(scene.world, testing::pose(-50e-6, 0, 0));
+    StepResult now(at_rest(scene.world, testing::pose(-50e-6, 0, 0)));
+    State& state = now.state;
     Pose hand = state.command;
     for (int n = 0; n < 700; ++n) {
       hand.segment<2>(1) += 1e-9 * towards;
-      state = step(scene.world, state, hand, 1e-3).state;
+      step_on(scene.world, hand, 1e-3, now);
     }
     return state.tip.segment<2>(1).dot(towards) - state.contact[kEnd].depth;
   };

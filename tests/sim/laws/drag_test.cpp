@@ -43,19 +43,17 @@ TEST(Drag, StaysFiniteInContact) {
 // A fibre pulled through a filled bore lags behind the hand by drag over stiffness.
 TEST(Drag, HoldsBackAFibreThatMoves) {
   const Scene scene = testing::bare({"laws.drag={\"form\":\"corrected\",\"viscosity_Pa_s\":1}"});
-  State state;
-  state.tip = state.command = (Pose() << -100e-6, 0, 0, 0, 0).finished();
   StepResult r;
+  State& state = r.state;
+  state.tip = state.command = (Pose() << -100e-6, 0, 0, 0, 0).finished();
   for (int n = 0; n < 3000; ++n) {
     Pose hand = state.command;
     hand[0] -= 5e-9;
-    r = step(scene.world, state, hand, 1e-3);
-    state = r.state;
+    step_on(scene.world, hand, 1e-3, r);
   }
   const double expected = 5e-6 * drag(*scene.world.laws.drag, kAnnulus, 0, -state.tip[0]).axial;
-  EXPECT_CLOSE(r.forces[Term::drag][0].force.x() + r.forces[Term::drag][1].force.x(), expected,
-               1e-2);
-  EXPECT_CLOSE(r.forces.holder[0], expected, 1e-2);
+  EXPECT_CLOSE(forces(scene.world, r).force(Term::drag).x(), expected, 1e-2);
+  EXPECT_CLOSE(r.holder[0], expected, 1e-2);
 }
 
 }  // namespace

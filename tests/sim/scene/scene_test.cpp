@@ -157,17 +157,17 @@ TEST(Scene, EveryKeyIsRequiredAndNamed) {
 
 // Drives a start of the scene in and sideways: everything that is computed on the way is finite.
 bool computes(const Scene& scene) {
-  State state = draw_start(scene, 3, 1);
+  StepResult r(draw_start(scene, 3, 1));
   const double c = scene.world.annulus.clearance();
   Pose end = Pose::Zero();
   end[0] = -std::min(scene.success.depth, 20e-6);
   end[1] = 2 * c;
-  const Pose from = state.command, to = end - scene.world.holder.sag;
+  const Pose from = r.state.command, to = end - scene.world.holder.sag;
   for (int n = 1; n <= 12; ++n) {
-    const StepResult r = step(scene.world, state, from + n / 12.0 * (to - from), 1e-3);
-    state = r.state;
-    bool finite = to_row(state).allFinite() && r.forces.holder.allFinite();
-    for (const TermForces& term : r.forces.terms)
+    step_on(scene.world, from + n / 12.0 * (to - from), 1e-3, r);
+    bool finite = to_row(r.state).allFinite() && r.holder.allFinite();
+    const Breakdown breakdown = forces(scene.world, r);
+    for (const TermForces& term : breakdown.terms)
       for (const PointForce& f : term) finite = finite && f.force.allFinite();
     if (!finite) return false;
   }
@@ -184,8 +184,9 @@ TEST(Scene, AnEndWithInertiaIsNotFlungOutOfTheLeadIn) {
   EXPECT_TRUE(start.contact[kEnd].closed);
   EXPECT_LT(start.contact[kEnd].depth, 1e-6);
   EXPECT_EQ(start.velocity, Pose::Zero());
-  State state = start;
-  for (int n = 0; n < 200; ++n) state = step(scene.world, state, start.command, 1e-5).state;
+  StepResult now(start);
+  State& state = now.state;
+  for (int n = 0; n < 200; ++n) step_on(scene.world, start.command, 1e-5, now);
   EXPECT_LT((state.tip - start.tip).head<3>().norm(), 10e-9);
   EXPECT_LT(state.velocity.head<3>().norm(), 1e-3);
   const State without = draw_start(

@@ -62,12 +62,13 @@ TEST(EventSearch, LocatesASnapInShortStepsToo) {
 // to the fold at which it snaps to the wall.
 TEST(EventSearch, TheStiffnessFallsUpToAFold) {
   const Scene scene = load_scene("bench", {"laws.friction=null", testing::kEveryStepSolved});
-  State state = at_rest(scene.world, pose(-30e-6, 0, 0, -1e-3));
+  StepResult now(at_rest(scene.world, pose(-30e-6, 0, 0, -1e-3)));
+  State& state = now.state;
   const double way = 0.01e-9;
   std::vector<double> determinants;
   for (Pose hand = state.command; !state.contact[kEnd].closed && hand[1] < 1e-6; hand[1] += way) {
-    state = step(scene.world, state, hand, 1e-3).state;
-    determinants.push_back(stiffness_determinant(scene.world, state));
+    step_on(scene.world, hand, 1e-3, now);
+    determinants.push_back(stiffness_determinant(scene.world, now));
   }
   ASSERT_TRUE(state.contact[kEnd].closed);
   const auto n = determinants.size() - 1;  // closed with the last one

@@ -40,19 +40,17 @@ TEST(Extrapolation, LeavesMostStepsUnsolvedAndIsWhereTheWholeModelIsAfterThem) {
   const World world = with_tangent(1e-3);
   const World full = load_scene("bench", {testing::kEveryStepSolved}).world;
   const std::vector<Pose> commands = hand(world);
-  State state = at_rest(world, commands.front() + world.holder.sag);
+  StepResult now(at_rest(world, commands.front() + world.holder.sag));
+  const State& state = now.state;
   int solved = 0, off = 0;
   for (const Pose& command : commands) {
-    State here = state;
-    end_extrapolation(world, here);
-    const StepResult exact = step(full, here, command, 1e-3);
-    const StepResult followed = step(world, state, command, 1e-3);
-    state = followed.state;
-    solved += followed.evaluations > 0;
+    const StepResult exact = step(full, end_extrapolation(world, now), command, 1e-3);
+    step_on(world, command, 1e-3, now);
+    solved += now.evaluations > 0;
     const double miss = (exact.state.tip - state.tip).head<3>().norm();
     off += miss > 0.01 * world.annulus.clearance();
     EXPECT_EQ(state.command, command);
-    EXPECT_TRUE(followed.forces.holder.isApprox(world.holder.stiffness * (state.tip - command)));
+    EXPECT_TRUE(now.holder.isApprox(world.holder.stiffness * (state.tip - command)));
   }
   EXPECT_LT(solved, static_cast<int>(commands.size() / 3));
   EXPECT_LE(off, static_cast<int>(commands.size() / 20));
@@ -70,18 +68,18 @@ TEST(Extrapolation, AlongTheMouthItComesAsNearToTheWholeModelAsItIsAsked) {
                                                testing::pose(-20e-6, 3 * c, -2 * c, -5e-4, -5e-4),
                                                testing::pose(-60e-6, 3 * c, -2 * c, -5e-4, -5e-4)},
                                               4e-9);
-      State state = at_rest(world, commands.front() + world.holder.sag), whole = state;
+      StepResult now(at_rest(world, commands.front() + world.holder.sag)), whole = now;
+      const State& state = now.state;
       int both = 0, after = 0, many = 0;
       double miss = 0;
       for (const Pose& command : commands) {
-        const bool follows = state.extrapolation.has_value();
+        const bool follows = now.warm_start.extrapolation.has_value();
         both += state.contact[kEnd].closed && state.contact[kSide].closed;
-        const StepResult next = step(world, state, command, 1e-3);
-        state = next.state;
-        whole = step(full, whole, command, 1e-3).state;
-        after += follows && next.evaluations > 0;
-        many += follows && next.evaluations > 3;
-        miss = std::max(miss, (state.tip - whole.tip).head<3>().norm());
+        step_on(world, command, 1e-3, now);
+        step_on(full, command, 1e-3, whole);
+        after += follows && now.evaluations > 0;
+        many += follows && now.evaluations > 3;
+        miss = std::max(miss, (state.tip - whole.state.tip).head<3>().norm());
       }
       EXPECT_GT(both, 9000) << scene;
       EXPECT_LT(after, 600) << scene;
@@ -90,51 +88,23 @@ TEST(Extrapolation, AlongTheMouthItComesAsNearToTheWholeModelAsItIsAsked) {
     }
 }
 
-// Free in front of the bore, along stretches and at events, refused commands between them.
-TEST(Extrapolation, AStepInPlaceIsTheSameStep) {
-  const World world = with_tangent(1e-3);
-  const std::vector<Pose> commands = hand(world);
-  State state = at_rest(world, commands.front() + world.holder.sag);
-  StepResult now(state);
-  int followed = 0;
-  for (std::size_t n = 0; n < commands.size(); ++n) {
-    const bool refused = n % 100 == 99;
-    const Pose command = refused ? Pose(commands[n] * NAN) : commands[n];
-    const StepResult expected = step(world, state, command, 1e-3);
-    step_on(world, command, 1e-3, now);
-    state = expected.state;
-    ASSERT_EQ(to_row(now.state), to_row(state)) << n;
-    EXPECT_EQ(now.state.extrapolation.has_value(), state.extrapolation.has_value());
-    EXPECT_EQ(now.status, expected.status);
-    EXPECT_EQ(now.evaluations, expected.evaluations);
-    EXPECT_EQ(now.iterations, expected.iterations);
-    EXPECT_EQ(now.substeps, expected.substeps);
-    EXPECT_EQ(now.rejected, expected.rejected);
-    EXPECT_EQ(now.forces.holder, expected.forces.holder);
-    if (refused) continue;  // with the forces of a step over no time
-    followed += now.substeps == 1 && now.evaluations == 0;
-    const Breakdown forces = all_forces(world, now);
-    for (const Term term : kAllTerms) EXPECT_EQ(forces.force(term), expected.forces.force(term));
-  }
-  EXPECT_GT(followed, 1000);
-}
-
-// What the next step needs of it is part of a row.
-TEST(Extrapolation, GoesOnFromARowToTheLastBit) {
+TEST(Extrapolation, WithoutAWarmStartAStepEndsWithinTheToleranceOfOneWithIt) {
   for (const char* scene : {"bench", "epoxy", "adhesive"}) {
     const World world = load_scene(scene).world;
     const std::vector<Pose> commands = hand(world);
-    StepResult now(at_rest(world, commands.front() + world.holder.sag)), again = now;
-    int followed = 0;
+    StepResult now(at_rest(world, commands.front() + world.holder.sag));
+    int extrapolated = 0, off = 0;
     for (const Pose& command : commands) {
+      const StepResult alone = step(world, state_of(to_row(now.state)), command, 1e-3);
       step_on(world, command, 1e-3, now);
-      again = StepResult(state_of(to_row(again.state)));
-      step_on(world, command, 1e-3, again);
-      followed += now.state.extrapolation && now.evaluations == 0;
-      ASSERT_EQ(to_row(again.state), to_row(now.state)) << scene;
-      ASSERT_EQ(again.forces.holder, now.forces.holder) << scene;
+      EXPECT_FALSE(alone.extrapolated());
+      extrapolated += now.extrapolated();
+      const double miss =
+          (alone.state.tip - now.state.tip).head<3>().norm() / world.annulus.clearance();
+      off += miss > 1e-4;
     }
-    EXPECT_GT(followed, 1000) << scene;
+    EXPECT_LE(off, 1) << scene << ": but for an event on its brink";
+    EXPECT_GT(extrapolated, 1000) << scene;
   }
 }
 
@@ -158,7 +128,7 @@ TEST(Extrapolation, ByDefaultIsFollowedToAHundredThousandthOfTheClearance) {
       solved += now.evaluations > 0;
       solved_whole += whole.evaluations > 0;
       off += (now.state.tip - whole.state.tip).head<3>().norm() > 1e-2 * c;
-      EXPECT_FALSE(whole.state.extrapolation);
+      EXPECT_FALSE(whole.warm_start.extrapolation);
     }
     EXPECT_LT(2 * solved, solved_whole) << name;
     EXPECT_LE(off, 2) << name;
@@ -174,11 +144,11 @@ TEST(Extrapolation, TermsBalanceTheHolder) {
     StepResult now(at_rest(scene.world, commands.front() + scene.world.holder.sag));
     for (const Pose& command : commands) {
       step_on(scene.world, command, 1e-3, now);
-      if (!now.state.extrapolation || now.evaluations > 0 || ++followed % 7) continue;
-      const Breakdown forces = all_forces(scene.world, now);
-      const Wrench left = forces.sum(now.state.tip) - forces.holder;
-      EXPECT_LT(left.head<3>().norm(), 5e-3 * scene.limits.force) << name;
-      rubbing += forces.force(Term::friction).norm() > 0;
+      if (!now.extrapolated() || ++followed % 7) continue;
+      const Breakdown breakdown = forces(scene.world, now);
+      const Wrench left = breakdown.sum(now.state.tip) - now.holder;
+      EXPECT_LT(left.head<3>().norm(), 1e-4 * scene.limits.force) << name;
+      rubbing += breakdown.force(Term::friction).norm() > 0;
     }
   }
   EXPECT_GT(rubbing, 30);
@@ -212,7 +182,7 @@ TEST(Extrapolation, FollowsASlipAroundACorner) {
   }
   EXPECT_LT(solved, 200);
   EXPECT_LT((now.state.tip - whole.state.tip).head<3>().norm(), 1e-4 * c);
-  EXPECT_LT((now.forces.holder - whole.forces.holder).head<3>().norm(), 1e-9);
+  EXPECT_LT((now.holder - whole.holder).head<3>().norm(), 1e-9);
 }
 
 TEST(Extrapolation, IsNotThereWhereItIsNotAskedForOrTimeMatters) {
@@ -228,7 +198,7 @@ TEST(Extrapolation, IsNotThereWhereItIsNotAskedForOrTimeMatters) {
         w, start, 300, 1e-3,
         [&](std::ptrdiff_t n) { return commands[static_cast<std::size_t>(n)]; },
         [&](std::ptrdiff_t, const StepResult& r) {
-          EXPECT_FALSE(r.state.extrapolation);
+          EXPECT_FALSE(r.warm_start.extrapolation);
           return true;
         });
   }

@@ -16,19 +16,19 @@ TEST(FrictionCoupling, AreThoseOfTheContactsWhereAStepEnds) {
   const Scene scene = load_scene("bench");
   const World& world = scene.world;
   const Friction& law = *friction_law(world.laws);
-  State state = draw_start(scene, 1, 1);
+  StepResult r(draw_start(scene, 1, 1));
+  const State& state = r.state;
   int slipped = 0;
   for (const Pose& hand : commands(scene, state, Motion::press, 1e-3, 1, 1)) {
-    const StepResult r = step(world, state, hand, 1e-3);
     const State before = state;
-    state = r.state;
+    step_on(world, hand, 1e-3, r);
     if (r.substeps != 1 || r.status != StepStatus::ok || state.tip[0] > -2e-6) continue;
     for (int place = 0; place < kContactPlaces; ++place) {
       const ContactState& contact = state.contact[place];
       if (!contact.closed || !before.contact[place].closed) continue;
       const double limit =
           friction(law, friction_radius(world, contact.depth, contact.branch).value);
-      const double force = r.forces[Term::friction][place].force.norm();
+      const double force = forces(world, r)[Term::friction][place].force.norm();
       EXPECT_LE(force, 1.005 * limit);
       slipped += force > 0.995 * limit;
     }
@@ -65,10 +65,11 @@ TEST(FrictionLimit, ByDepthIsItsDerivative) {
 TEST(FrictionCoupling, SettleWhereLimitAndDepthAgree) {
   const Scene scene = load_scene("bench");
   const World& world = scene.world;
-  State state = draw_start(scene, 1, 1);
+  StepResult now(draw_start(scene, 1, 1));
+  State& state = now.state;
   int settled = 0;
   for (const Pose& hand : commands(scene, state, Motion::press, 1e-3, 1, 1)) {
-    state = step(world, state, hand, 1e-3).state;
+    step_on(world, hand, 1e-3, now);
     if (!(state.contact[kEnd].closed && state.contact[kSide].closed && state.tip[0] < -2e-6))
       continue;
     FrozenCoefficients frozen = freeze(world, state, hand, 1e-3);

@@ -20,8 +20,8 @@ Matrix5 by_stepping(const World& world, const State& state, double dt) {
     const double h = i < 3 ? 0.2e-9 : 0.2e-9 / world.holder.tilt_length;
     Pose move = Pose::Zero();
     move[i] = h;
-    const Wrench up = step(world, state, state.command + move, dt).forces.holder;
-    const Wrench down = step(world, state, state.command - move, dt).forces.holder;
+    const Wrench up = step(world, state, state.command + move, dt).holder;
+    const Wrench down = step(world, state, state.command - move, dt).holder;
     K.col(i) = (down - up) / (2 * h);
   }
   return K;
@@ -40,14 +40,14 @@ State somewhere(const Scene& scene, std::uint64_t trial) {
   RandomStream random(11, trial, Draw::start);
   const double c = world.annulus.clearance(), depth = (0.2 + 0.8 * random.uniform()) * 50e-6;
   const auto any = [&](double most) { return most * (2 * random.uniform() - 1); };
-  State state = at_rest(world, testing::pose(5e-6, 0, 0));
+  StepResult now(at_rest(world, testing::pose(5e-6, 0, 0)));
+  State& state = now.state;
   const Pose goal =
       testing::pose(-depth, any(3 * c), any(3 * c), any(4 * c / depth), any(4 * c / depth)) -
       world.holder.sag;
   const Pose from = state.command;
-  for (int i = 1; i <= 400; ++i)
-    state = step(world, state, from + i / 400.0 * (goal - from), 1e-3).state;
-  for (int i = 0; i < 5; ++i) state = step(world, state, goal, 1e3).state;  // drag lets it creep
+  for (int i = 1; i <= 400; ++i) step_on(world, from + i / 400.0 * (goal - from), 1e-3, now);
+  for (int i = 0; i < 5; ++i) step_on(world, goal, 1e3, now);  // drag lets it creep
   return state;
 }
 
@@ -61,12 +61,11 @@ TEST(HeldStiffness, IsZeroInFreeAir) {
 
 TEST(HeldStiffness, OfAContactIsHolderAndWallInSeries) {
   const World world = testing::bare().world;
-  State state = at_rest(world, testing::pose(5e-6, 0, 0));
+  StepResult now(at_rest(world, testing::pose(5e-6, 0, 0)));
+  State& state = now.state;
   // The end leans on the wall with its rim: pushed along y at its own height.
-  for (int i = 1; i <= 500; ++i)
-    state = step(world, state, testing::pose(5e-6 - 0.05e-6 * i, 0, 0), 1e-3).state;
-  for (int i = 1; i <= 500; ++i)
-    state = step(world, state, testing::pose(-20e-6, 5e-9 * i, 0), 1e-3).state;
+  for (int i = 1; i <= 500; ++i) step_on(world, testing::pose(5e-6 - 0.05e-6 * i, 0, 0), 1e-3, now);
+  for (int i = 1; i <= 500; ++i) step_on(world, testing::pose(-20e-6, 5e-9 * i, 0), 1e-3, now);
   ASSERT_TRUE(state.contact[kEnd].closed);
   const double k = world.holder.stiffness(1, 1), K = held_stiffness(world, state)(1, 1);
   EXPECT_LT(K, k);
@@ -160,10 +159,10 @@ TEST(HeldStiffness, DampingIsThatOfTheDragBehindAStiffHolder) {
   // Drag along x of a centred fibre: coefficient times length, far softer than the gripper.
   const Scene scene = load_scene("epoxy", {"laws.adhesion=null", "laws.friction=null"});
   const World& world = scene.world;
-  State state = at_rest(world, testing::pose(2e-6, 0, 0));
+  StepResult now(at_rest(world, testing::pose(2e-6, 0, 0)));
+  State& state = now.state;
   const Pose from = state.command;
-  for (int i = 1; i <= 400; ++i)
-    state = step(world, state, from - testing::pose(0.05e-6 * i, 0, 0), 1.0).state;
+  for (int i = 1; i <= 400; ++i) step_on(world, from - testing::pose(0.05e-6 * i, 0, 0), 1.0, now);
   const double length = state.inserted_length(), dt = 1e-3;
   const double c =
       drag(*world.laws.drag, world.annulus, state.tip.segment<2>(1).norm(), length).axial;

@@ -85,7 +85,8 @@ TEST(Trajectory, InertiaIsUnconditionallyStable) {
                           "holder={\"type\":\"elastic_fibre\",\"free_length_mm\":10,"
                           "\"gripper_stiffness_N_m\":100}"})
               .world;
-      State state = at_rest(world, pose(400e-6, 0, 0));
+      StepResult now(at_rest(world, pose(400e-6, 0, 0)));
+      State& state = now.state;
       const Pose rest = state.command;
       state.tip[1] += 5e-6;
       const auto energy = [&](const State& s) {
@@ -95,7 +96,7 @@ TEST(Trajectory, InertiaIsUnconditionallyStable) {
       };
       const double at_start = energy(state);
       for (int n = 0; n < 3000; ++n) {
-        state = step(world, state, rest, dt).state;
+        step_on(world, rest, dt, now);
         ASSERT_LT(energy(state), 1.0001 * at_start) << method << " " << dt << " " << n;
       }
     }
@@ -111,7 +112,8 @@ TEST(TrajectoryAtLength, AClosedHandMotionNeverGainsWork) {
       if (!liquid) settings.push_back("laws.capillary=null");
       const World world = corrected_scene(settings).world;
       // Far enough out for the holder to pull the fibre from the liquid.
-      State state = at_rest(world, pose(200e-6, 0, 0));
+      StepResult now(at_rest(world, pose(200e-6, 0, 0)));
+      State& state = now.state;
       const Pose origin = state.command;
       double lost = 0, turned = 0;
       const auto drive = [&](const Pose& to, int steps) {
@@ -121,7 +123,7 @@ TEST(TrajectoryAtLength, AClosedHandMotionNeverGainsWork) {
           const Pose middle = 0.5 * (state.command + hand);
           const double work =
               -(world.holder.stiffness * (state.tip - middle)).dot(hand - state.command);
-          state = step(world, state, hand, 1e-3).state;
+          step_on(world, hand, 1e-3, now);
           lost += work;
           turned += std::abs(work);
         }
@@ -148,14 +150,15 @@ TEST(PegInHole, TouchesAtTwoPointsWhereWhitneySays) {
   const double c = world.annulus.clearance();
   for (const double tilt : {8e-3, 20e-3, 40e-3}) {
     // The end enters low, so that the side meets the upper rim.
-    State state = at_rest(world, pose(1e-6, 0, 0, tilt, 0));
+    StepResult now(at_rest(world, pose(1e-6, 0, 0, tilt, 0)));
+    State& state = now.state;
     double two_points = 0;
     for (int n = 0; n < 40000 && two_points == 0; ++n) {
       Pose hand = state.command;
       hand[0] -= 10e-9;
       // Kept centred, so that neither point is pressed before both touch.
       hand[1] = -0.5 * tilt * state.inserted_length();
-      state = step(world, state, hand, 1e-3).state;
+      step_on(world, hand, 1e-3, now);
       if (state.contact[kEnd].closed && state.contact[kSide].closed)
         two_points = state.inserted_length();
     }
@@ -167,19 +170,17 @@ TEST(PegInHole, TouchesAtTwoPointsWhereWhitneySays) {
 TEST(PegInHole, TwoPointForcesCarryTheMoment) {
   const World world = testing::bare({"holder.tilt_stiffness_N_m_rad=1e-6"}).world;
   const double length = 80e-6, tilt = 2 * world.annulus.clearance() / length;
-  State state;
+  StepResult r;
+  State& state = r.state;
   state.tip = pose(-length, -0.5 * tilt * length, 0, tilt, 0);
   state.command = state.tip;
   state.command[3] = 1.5 * tilt;
-  StepResult r;
-  for (int n = 0; n < 20; ++n) {
-    r = step(world, state, state.command, 1e-3);
-    state = r.state;
-  }
+  for (int n = 0; n < 20; ++n) step_on(world, Pose(state.command), 1e-3, r);
   ASSERT_TRUE(state.contact[kEnd].closed && state.contact[kSide].closed);
   const double moment = 1e-6 * (state.command[3] - state.tip[3]);
-  EXPECT_CLOSE(r.forces[Term::wall][kEnd].force.y(), moment / state.inserted_length(), 1e-3);
-  EXPECT_CLOSE(-r.forces[Term::wall][kSide].force.y(), moment / state.inserted_length(), 1e-3);
+  const TermForces wall = forces(world, r)[Term::wall];
+  EXPECT_CLOSE(wall[kEnd].force.y(), moment / state.inserted_length(), 1e-3);
+  EXPECT_CLOSE(-wall[kSide].force.y(), moment / state.inserted_length(), 1e-3);
 }
 
 // A fibre touching at two points, held by a moment. Friction of Hurtado and Kim on Hertz contacts
@@ -188,8 +189,8 @@ struct TwoPoints {
   World world = testing::bare({R"(laws={"friction":{"form":"corrected","burgers_nm":0.48}})",
                                "holder.tilt_stiffness_N_m_rad=1e-6", testing::kEveryStepSolved})
                     .world;
-  State state;
   StepResult last;
+  State& state = last.state;
 
   TwoPoints(double length, double moment) {
     const double tilt = 2 * world.annulus.clearance() / length;
@@ -206,9 +207,8 @@ struct TwoPoints {
     }
   }
   void move(const Pose& hand) {
-    last = step(world, state, hand, 1e-3);
+    step_on(world, hand, 1e-3, last);
     ASSERT_EQ(last.status, StepStatus::ok);
-    state = last.state;
   }
   double moment() const { return 1e-6 * (state.command[3] - state.tip[3]); }
   double coefficient(double normal) const {
@@ -247,7 +247,7 @@ TEST(PegInHole, WedgesWhereTheFrictionConesMeet) {
       TwoPoints peg(length, moment);
       for (int n = 0; n < 400; ++n)  // the hand goes where the fibre is, and holds nothing
         peg.move(peg.state.command + 0.2 * (peg.state.tip - peg.state.command));
-      const Breakdown& f = peg.last.forces;
+      const Breakdown f = forces(peg.world, peg.last);
       const double normal = f[Term::wall][kEnd].force.y(), slender = 0.5 * length / 62.5e-6;
       ASSERT_GT(normal, 1e-10) << length << " " << moment;
       EXPECT_LT(f.holder.head<3>().norm(), 1e-6 * normal);

@@ -128,21 +128,21 @@ TEST(ParticleDepth, GradientAndHessianOfTheEnergyAreItsDerivatives) {
 TEST(ParticleDepth, TakesUpClearance) {
   for (const double h : {0.3, 0.7, 0.95, 1.1, 3.0}) {
     const World world = testing::bare({bump(h, 12, 90), "holder.tilt_stiffness_N_m_rad=1e6"}).world;
-    State state = at_rest(world, testing::pose(1e-6, 0, 0));
-    StepResult r(state);
+    StepResult r(at_rest(world, testing::pose(1e-6, 0, 0)));
+    const State& state = r.state;
     for (int n = 1; n <= 2500; ++n) {
-      r = step(world, state, testing::pose(1e-6 - n * 1e-8, 0, 0), 1e-3);
-      state = r.state;
-      EXPECT_LT((r.forces.sum(state.tip) - r.forces.holder).norm(),
-                1e-4 * r.forces.holder.norm() + 1e-13);
+      step_on(world, testing::pose(1e-6 - n * 1e-8, 0, 0), 1e-3, r);
+      EXPECT_LT((forces(world, r).sum(state.tip) - r.holder).norm(),
+                1e-4 * r.holder.norm() + 1e-13);
     }
     const bool in = h < 1;
     EXPECT_EQ(state.tip[0] < -20e-6, in) << h;
-    const double push = r.forces.force(Term::particle).z();
+    const Vector3d by_particle = forces(world, r).force(Term::particle);
+    const double push = by_particle.z();
     EXPECT_LE(push, 0) << h;
     EXPECT_EQ(push<0, h> 0.5) << h;
     if (!in) {
-      EXPECT_GT(r.forces.force(Term::particle).x(), 1e-6) << h;
+      EXPECT_GT(by_particle.x(), 1e-6) << h;
       EXPECT_GT(state.tip[0], -12e-6);
     } else {
       EXPECT_NEAR(state.tip[2], -std::max(0.0, 1e-6 * h - kClearance), 2e-9) << h;
@@ -179,13 +179,14 @@ TEST(ParticleDepth, NoClosedMotionGainsEnergy) {
 
 // The states of a motion in and aside.
 std::vector<StateRow> states(const World& world, double mirror = 1) {
-  State state = at_rest(world, testing::pose(1e-6, 1e-7, mirror * 2e-7, 1e-4, mirror * -2e-4));
+  StepResult now(at_rest(world, testing::pose(1e-6, 1e-7, mirror * 2e-7, 1e-4, mirror * -2e-4)));
+  State& state = now.state;
   Pose hand = state.command;
   std::vector<StateRow> rows;
   for (int n = 0; n < 1200; ++n) {
     hand[0] -= n < 900 ? 3e-8 : 0;
     hand[2] += n < 600 ? 0 : mirror * 3e-9;
-    state = step(world, state, hand, 1e-3).state;
+    step_on(world, hand, 1e-3, now);
     rows.push_back(to_row(state));
   }
   return rows;
@@ -214,15 +215,14 @@ TEST(ParticleDepth, AMirroredOneDoesTheSameToTheLastBit) {
 TEST(ParticleDepth, IsNoPartOfATangent) {
   const Scene scene =
       load_scene("bench", {bump(0.6, 9, 40), R"(tangent={"tip_nm":5,"force_uN":1})"});
-  State state = at_rest(scene.world, testing::pose(1e-6, 0, 0));
-  Pose hand = state.command;
+  StepResult r(at_rest(scene.world, testing::pose(1e-6, 0, 0)));
+  Pose hand = r.state.command;
   int followed = 0, touching = 0;
   for (int n = 0; n < 1500; ++n) {
     hand[0] -= 3e-8;
-    const StepResult r = step(scene.world, state, hand, 1e-3);
-    state = r.state;
+    step_on(scene.world, hand, 1e-3, r);
     followed += r.evaluations == 0;
-    if (particle_depth(scene.world, state.tip).value < 0) continue;
+    if (particle_depth(scene.world, r.state.tip).value < 0) continue;
     ++touching;
     EXPECT_GT(r.evaluations, 0);
   }

@@ -36,12 +36,13 @@ std::vector<Case> cases(const World& world, std::uint64_t seed) {
       tip[0] = -(0.1 + 0.8 * random.uniform()) * kPatch;
       tip.segment<2>(1) = 1.002 * world.annulus.clearance() * tip.segment<2>(1).normalized();
     }
-    State state = at_rest(world, tip);
+    StepResult now(at_rest(world, tip));
+    State& state = now.state;
     Pose hand = state.command;
     for (int n = 0; n < 3; ++n) {
       hand[0] -= 5e-9;
       hand[1] -= 1e-8;
-      state = step(world, state, hand, 1e-3).state;
+      step_on(world, hand, 1e-3, now);
     }
     FrozenCoefficients frozen = freeze(world, state, hand, 1e-3);
     // A slipping contact is at the knee of Huber's potential: past it, where it has derivatives.
@@ -165,10 +166,11 @@ TEST(Potential, OfTwoContactsSharesTheAdhesionOfOne) {
                           .world;
   Pose tip;
   tip << -20e-6, -world.annulus.clearance() - 10.01e-9, 0, 0, 0;
-  State state;
+  StepResult now;
+  State& state = now.state;
   state.tip = state.command = tip;
-  for (int n = 0; n < 3; ++n) state = step(world, state, tip, 1e-3).state;
-  const Breakdown b = step(world, state, tip, 1e-3).forces;
+  for (int n = 0; n < 4; ++n) step_on(world, tip, 1e-3, now);
+  const Breakdown b = forces(world, now);
   EXPECT_TRUE(state.contact[kEnd].closed);
   EXPECT_TRUE(state.contact[kSide].closed);
   EXPECT_CLOSE(b[Term::adhesion][kEnd].force.y() + b[Term::adhesion][kSide].force.y(),
