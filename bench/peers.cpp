@@ -153,7 +153,7 @@ void measure_motion(Held& fibre, PeerRow& row) {
 
 void measure_let_in(Held& fibre, PeerRow& row) {
   const auto steps = std::lround((kAbove + kBelow) / kLowering / row.step_s);
-  for (const double offset : {1.1, 1.2, 1.5, 2.0, 3.0, 5.0, 10.0, 30.0})
+  for (const double offset : {4.0, 5.0, 6.0, 8.0, 10.0, 15.0, 30.0, 60.0})
     for (const double angle : {0.0, std::numbers::pi / 24, 1.0, 2.5}) {
       const auto hand = [&](long n) {
         const double x = kAbove - kLowering * row.step_s * static_cast<double>(n);

@@ -8,7 +8,9 @@
 //            least energy of the holder's spring among the poses in which the fibre is within the
 //            bore at end and mouth: a quadratic programme in the plane of the hand's offset.
 //   let in   the hand lowers an upright fibre straight from 2 um above the face to 8 um below it,
-//            from 1.1 to 30 clearances beside the axis, in four directions: none fits.
+//            from 4 to 60 clearances beside the axis, in four directions. None fits. (Within 2
+//            clearances it does go in: the face tilts the fibre by up to 1 mrad against its
+//            holder, which lets it slide down the mouth's edge.)
 #pragma once
 
 #include <string>

@@ -206,8 +206,7 @@ void Session::serve(bool (*stopped)() noexcept) {
     }
     watch_fit();
     if (!measured_) {
-      measured_ = true;
-      yardstick_ = yardstick(settings_.scene);
+      measure_yardstick();
     } else if (!unread_.empty()) {
       read_one_more();
     } else {
@@ -215,6 +214,11 @@ void Session::serve(bool (*stopped)() noexcept) {
       came_.wait_for(lock, kIdle, [this] { return !commands_.empty(); });
     }
   }
+}
+
+// Once: while it waits for the first command, or when the first try has ended if that came sooner.
+void Session::measure_yardstick() {
+  if (!std::exchange(measured_, true)) yardstick_ = yardstick(settings_.scene);
 }
 
 void Session::obey(const Message& message, bool (*stopped)() noexcept) {
@@ -377,6 +381,7 @@ void Session::start_try(bool (*stopped)() noexcept) {
   Json ended = ended_json(now, timed, info.period);
   ended["file"] = file_name(file);
   const Measures measures = measure(recorder.episode(), scene);
+  measure_yardstick();
   if (yardstick_) {
     const Score scored = score(measures, *yardstick_);
     ended["score"] = score_json(scored);

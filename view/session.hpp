@@ -82,6 +82,7 @@ class Session {
 
   void serve(bool (*stopped)() noexcept);
   std::optional<Message> next_command();
+  void measure_yardstick();
   void obey(const Message& message, bool (*stopped)() noexcept);
   Insertion drawn(int number) const;
   void prepare(int first);

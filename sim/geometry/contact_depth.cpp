@@ -15,14 +15,15 @@ Vector2d face_slope(const Geometry& geometry, const PoseVector& tip) noexcept {
 
 // The end on the front face, where it is lowest; second derivatives as it moves over the opening by
 // central differences.
-void rest_on_face(const Geometry& geometry, const PoseVector& tip, ContactDepth& depth) noexcept {
+ContactDepth face_depth(const Geometry& geometry, const PoseVector& tip) noexcept {
   constexpr double kApart = 1e-9;  // [m]
+  ContactDepth depth;
   const double r = geometry.annulus.fibre_radius;
   const double opening = geometry.profile.mouth_radius();
   const Vector2d slope = face_slope(geometry, tip);
   depth.point = tip.position();
   const FaceSupport support(r, opening, tip.e);
-  if (!support.any()) return;
+  if (!support.any()) return depth;
   const FaceSupport::Rest rest = support.rest(slope);
   depth.value = geometry.profile.lead_in_length - tip.x + rest.ahead;
   depth.offset = -rest.point;
@@ -41,42 +42,6 @@ void rest_on_face(const Geometry& geometry, const PoseVector& tip, ContactDepth&
   }
   depth.curve = 0.5 * (depth.curve + depth.curve.transpose()).eval();
   depth.point.tail<2>() += rest.point;
-}
-
-// How deep the rim's point is that is farthest from the bore, of an end that rests as if it were
-// upright.
-EdgeDepth outermost(const Geometry& geometry, const PoseVector& tip) noexcept {
-  const double r = geometry.annulus.fibre_radius;
-  const double ahead = r * Radial(tip.e, geometry.annulus.clearance()).normal.dot(tip.t);
-  return edge_depth(geometry.profile, tip.x - ahead, Radial(tip.e, geometry).eccentricity + r);
-}
-
-// The end on the front face, where it is farthest from the bore: as the rim lies r (n.tilt) ahead
-// in the direction n = e/|e|, which turns with the eccentricity.
-ContactDepth face_depth(const Geometry& geometry, const PoseVector& tip) noexcept {
-  ContactDepth depth;
-  if (geometry.end.rests_lowest) {
-    rest_on_face(geometry, tip, depth);
-    return depth;
-  }
-  const double r = geometry.annulus.fibre_radius, off = tip.e.norm();
-  const Vector2d n = off > 0 ? Vector2d(tip.e / off) : Vector2d(Vector2d::UnitX());
-  const double ahead = n.dot(tip.t);
-  const EdgeDepth d = outermost(geometry, tip);
-  depth.point << tip.x, tip.e + r * n;
-  if (d.throat() <= 0) return depth;
-  depth.value = d.face;
-  depth.offset = -r * n;
-  depth.slope = -Vector3d::UnitX();
-  depth.curve.setZero();
-  if (!(off > 0)) return depth;
-  const double turns = r / off;
-  const Matrix2d mixed = n * tip.t.transpose(), out = n * n.transpose();
-  depth.slope.tail<2>() = turns * (tip.t - ahead * n);
-  depth.curve = turns / off * (ahead * (3 * out - kIdentity) - mixed - mixed.transpose());
-  depth.rests = true;
-  depth.tilt_curve.setZero();
-  depth.mixed_curve = turns * (kIdentity - out);
   return depth;
 }
 
@@ -275,7 +240,6 @@ bool far_in(const Geometry& geometry, const PoseVector& tip) noexcept {
 
 EdgeSide side_of(const Geometry& geometry, const PoseVector& tip, EdgeSide before) noexcept {
   if (before == EdgeSide::throat && far_in(geometry, tip)) return EdgeSide::throat;
-  if (!geometry.end.rests_lowest) return edge_side(outermost(geometry, tip), before);
   const double rho = geometry.end.edge, lever = geometry.annulus.fibre_radius - rho;
   const FaceSupport support(lever, geometry.profile.mouth_radius(), tip.e);
   if (!support.any()) return EdgeSide::throat;

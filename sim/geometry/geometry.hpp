@@ -17,9 +17,6 @@ struct FibreEnd {
   // r (n.cleave) ahead.
   Vector2d cleave = Vector2d::Zero();
   double edge = 0;  // radius that its rim is rounded to [m]; 0: sharp
-  // Whether a sharp one rests on the front face where it is lowest (sim/geometry/face_support.hpp),
-  // or as if it were upright where it is farthest from the bore.
-  bool rests_lowest = false;
   // How far behind the centre of its face the fibre is whole around: r |cleave| + rho [m]. Surface
   // forces act from there on.
   double behind = 0;

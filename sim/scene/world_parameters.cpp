@@ -155,12 +155,11 @@ OvalBore oval_bore(const WorldParameters& p) noexcept {
 }
 
 FibreEnd fibre_end(const FibreParameters& fibre) noexcept {
-  if (!fibre.cleave_deg && !fibre.edge_um) return {};
   const double direction =
       degree * (fibre.roll_deg.value_or(0) + fibre.cleave_direction_deg.value_or(0));
   const double slope = elementary::tan(degree * fibre.cleave_deg.value_or(0));
   const double edge = rim_radius(fibre);
-  return {slope * Vector2d(elementary::cos(direction), elementary::sin(direction)), edge, true,
+  return {slope * Vector2d(elementary::cos(direction), elementary::sin(direction)), edge,
           0.5 * micro * fibre.diameter_um * std::abs(slope) + edge};
 }
 
