@@ -127,8 +127,8 @@ int plan_verb(const PlanArguments& a) {
 }  // namespace
 
 void add_plan(CLI::App& app, Run& run) {
-  auto* verb = app.add_subcommand(
-      "plan", "Which terms, fidelity, dynamics and step a scene needs for a tolerance");
+  auto* verb =
+      app.add_subcommand("plan", "Which terms, dynamics and step a scene needs for a tolerance");
   auto a = std::make_shared<PlanArguments>();
   a->scene.add_to(*verb);
   verb->add_option(

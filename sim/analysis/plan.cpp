@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/analysis/fidelity.hpp"
 #include "sim/analysis/reference.hpp"
 #include "sim/base/elementary.hpp"
 #include "sim/base/minimum_jerk.hpp"
 #include "sim/laws/tilted_annulus.hpp"
 #include "sim/scene/terms.hpp"
+#include "sim/terms/surface_forces.hpp"
 
 namespace ferrule {
 namespace {
@@ -24,7 +24,6 @@ const std::vector<double> kInertialSteps = {1e-3, 1e-4, 2e-5, 1e-5, 5e-6};
 
 constexpr double kShare = 0.2;  // of the tolerance that all that is left out may take
 constexpr double kShareWhereItSticks = 1e-4;
-constexpr double kShareOfFidelity = 0.2;
 constexpr double kShareOfInertia = 0.8;     // which it may change where it is left out unmeasured
 constexpr double kMeasured = 0.3;           // of the tolerance that the chosen model may miss by
 constexpr double kMeasuredWithDrag = 0.05;  // how a fibre slips out of a liquid differs more
@@ -57,25 +56,9 @@ LeftOut smallest_terms(const Reference& reference, double enough) {
   return out;
 }
 
-struct Fidelity {
-  bool closed_form;
-  int nodes;
-};
-// The cheapest first; the last is the full model's.
-constexpr std::array<Fidelity, 9> kFidelities = {{{false, 1},
-                                                  {true, 1},
-                                                  {true, 2},
-                                                  {true, 3},
-                                                  {true, 5},
-                                                  {true, 8},
-                                                  {true, 10},
-                                                  {true, 12},
-                                                  {true, kFullNodes}}};
-
 // A model to choose.
 struct Reduced {
   std::vector<Term> without;
-  Fidelity fidelity;
   Dynamics dynamics;
   double step;                         // longest [s]
   std::optional<double> tangent = {};  // [-]; none: as the scene has it
@@ -86,8 +69,6 @@ World reduced_world(const Reference& reference, const Reduced& r) {
   for (const Term term : r.without) info(term).leave_out(p.laws);
   p.dynamics = r.dynamics;
   if (r.dynamics == Dynamics::quasi_static) p.numerics.integrator = Integrator::backward_euler;
-  p.numerics.quadrature = Quadrature::gauss_legendre(r.fidelity.nodes);
-  p.numerics.closed_form = r.fidelity.closed_form;
   p.numerics.longest_step = r.step;
   if (r.tangent) {
     p.numerics.extrapolation_tip = *r.tangent * reference.clearance;
@@ -101,8 +82,7 @@ Json reduced_document(const Reference& reference, const Reduced& r) {
   Json d = reference.scene.document;
   for (const char* key : {"accuracy", "tilted_axes", "integrator"}) d.erase(key);
   for (const Term term : r.without) d["laws"][info(term).name] = nullptr;
-  d["quadrature"] = r.fidelity.nodes;
-  if (!r.fidelity.closed_form) d["tilted_axes"] = "quadrature";
+  d["quadrature"] = kFullNodes;
   const bool inertial = r.dynamics == Dynamics::inertial;
   d["dynamics"] = inertial ? "inertial" : "quasi_static";
   if (inertial) d["integrator"] = "bdf2";
@@ -116,42 +96,23 @@ Json reduced_document(const Reference& reference, const Reduced& r) {
   return d;
 }
 
-// The chosen model, with what it leaves out, coarsens and steps over.
+// The chosen model, with what it leaves out.
 struct Choice {
   Reduced model;
   LeftOut left_out;
-  std::array<double, kSurfaceTerms> coarser{};  // largest errors of the fidelity [N]
   double error;  // largest that is to be expected: that measured over the share it may have
 };
 
-// The cheapest fidelity of surface forces that is good enough, and its errors.
-Fidelity choose_fidelity(const Reference& reference, const std::vector<Term>& without,
-                         double enough, std::array<double, kSurfaceTerms>& coarser) {
-  const auto world = [&](Fidelity f) {
-    return reduced_world(reference, {without, f, reference.scene.world.dynamics, kSamplePeriod});
-  };
-  const auto finest = surface_gradients(world(kFidelities.back()), reference.inside);
-  const double most = enough / reference.changes(1);
-  for (const Fidelity& f : kFidelities) {
-    coarser = fidelity_error(world(f), reference.inside, finest, most);
-    if (coarser[0] + coarser[1] + coarser[2] <= most) return f;
-  }
-  return kFidelities.back();
-}
-
 // The full model without the terms that are small enough, where there are any, and with all of
-// them; each in the cheapest fidelity that is good enough.
+// them.
 std::vector<Choice> with_and_without_terms(const Reference& reference, const Choice& full,
-                                           double share_of_terms, double share_of_fidelity) {
-  std::vector<LeftOut> tries = {smallest_terms(reference, share_of_terms)};
-  if (!tries.front().terms.empty()) tries.emplace_back();
-  std::vector<Choice> choices(tries.size(), full);
-  for (std::size_t i = 0; i < tries.size(); ++i) {
-    Choice& c = choices[i];
-    c.left_out = tries[i];
-    c.model.without = c.left_out.terms;
-    c.model.fidelity = choose_fidelity(reference, c.model.without, share_of_fidelity, c.coarser);
-  }
+                                           double share) {
+  std::vector<Choice> choices = {full};
+  LeftOut small = smallest_terms(reference, share);
+  if (small.terms.empty()) return choices;
+  choices.insert(choices.begin(), full);
+  choices.front().model.without = small.terms;
+  choices.front().left_out = std::move(small);
   return choices;
 }
 
@@ -171,11 +132,8 @@ Choice choose(const Reference& reference, const Budget& budget) {
   const World& world = reference.scene.world;
   const double measured = depends_on_speed(world.laws) ? kMeasuredWithDrag : kMeasured;
   const double enough = measured * budget.tolerance;
-  const auto share = [&](double part) {
-    return (reference.sticks ? kShareWhereItSticks : part) * budget.tolerance;
-  };
-  const Choice full{
-      {{}, kFidelities.back(), world.dynamics, budget.steps.back()}, {}, {}, INFINITY};
+  const double share = (reference.sticks ? kShareWhereItSticks : kShare) * budget.tolerance;
+  const Choice full{{{}, world.dynamics, budget.steps.back()}, {}, INFINITY};
 
   // How wrong the full model's own step is, the next longer one tells. Where that is too much, no
   // step of the list is fine enough to leave anything out beside it.
@@ -197,13 +155,11 @@ Choice choose(const Reference& reference, const Budget& budget) {
     return nothing_reduced;
   }
 
-  for (Choice& c :
-       with_and_without_terms(reference, full, share(kShare), share(kShareOfFidelity))) {
+  for (Choice& c : with_and_without_terms(reference, full, share)) {
     std::vector<std::pair<Dynamics, double>> ways;
     if (budget.try_quasi_static) ways.emplace_back(Dynamics::quasi_static, budget.steps.front());
     for (const double step : budget.steps) ways.emplace_back(world.dynamics, step);
-    const bool timeless = budget.steps.size() == 1;
-    const bool as_full = timeless && c.left_out.terms.empty() && c.coarser == Choice{}.coarser;
+    const bool as_full = budget.steps.size() == 1 && c.left_out.terms.empty();
     for (const auto& [dynamics, step] : ways) {
       c.model.dynamics = dynamics;
       c.model.step = step;
@@ -222,14 +178,12 @@ Choice choose(const Reference& reference, const Budget& budget) {
 Choice choose_for_success(const Reference& reference, double tolerance) {
   const Scene& scene = reference.scene;
   const double enough = kMeasured * tolerance;
-  const Choice full{
-      {{}, kFidelities.back(), scene.world.dynamics, kSamplePeriod}, {}, {}, INFINITY};
+  const Choice full{{{}, scene.world.dynamics, kSamplePeriod}, {}, INFINITY};
   Reduced finest = full.model;
   finest.tangent = 0;
   if (depends_on_speed(scene.world.laws)) finest.step = kFinestForSteps;
   const World exact = reduced_world(reference, finest);
-  for (Choice& c :
-       with_and_without_terms(reference, full, kShare * tolerance, kShareOfFidelity * tolerance)) {
+  for (Choice& c : with_and_without_terms(reference, full, kShare * tolerance)) {
     for (const double part : {kTangent, 0.1 * kTangent}) {
       c.model.tangent = part * tolerance;
       c.error = reference.error_of_steps(reduced_world(reference, c.model), exact);
@@ -241,13 +195,6 @@ Choice choose_for_success(const Reference& reference, double tolerance) {
   Choice nothing_reduced = full;
   nothing_reduced.error = reference.error_of_steps(scene.world, exact) / kMeasured;
   return nothing_reduced;
-}
-
-// The error of the fidelity of a surface term's force [N]; 0 for others.
-double coarser_by(const Choice& choice, Term term) {
-  const auto found = std::find(kSurfaceTermTable.begin(), kSurfaceTermTable.end(), term);
-  if (found == kSurfaceTermTable.end()) return 0;
-  return choice.coarser[static_cast<std::size_t>(found - kSurfaceTermTable.begin())];
 }
 
 std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice& choice,
@@ -263,10 +210,7 @@ std::vector<PlannedTerm> planned_terms(const Reference& reference, const Choice&
     planned.max_force = reference.extreme(term).force;
     planned.state = reference.extreme(term).where;
     planned.relative_error = 0;
-    if (!planned.kept)
-      planned.relative_error = reference.changes_without(term);
-    else if (planned.max_force > 0)
-      planned.relative_error = coarser_by(choice, term) / planned.max_force;
+    if (!planned.kept) planned.relative_error = reference.changes_without(term);
     if (planned.kept && term == Term::electrostatic && electrostatic_in_closed_form(chosen))
       planned.relative_error += closed_form_error(chosen.annulus);
     terms.push_back(planned);
@@ -398,10 +342,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.step = choice.model.step;
   plan.force_scale = reference.force_scale;
   plan.step_error = std::max(choice.error, reference.step_error / kMeasured);
-  plan.error_bound =
-      std::max(plan.step_error,
-               choice.left_out.change +
-                   reference.changes(choice.coarser[0] + choice.coarser[1] + choice.coarser[2]));
+  plan.error_bound = std::max(plan.step_error, choice.left_out.change);
   plan.sampled_twice = reference.sampled_twice();
   plan.sampling_counts = reference.scene.document.contains("event_travel_nm") && !for_success &&
                          reference.scene.parameters.numerics.event_travel > 1.001 * kLocatesEvents;

@@ -1,4 +1,4 @@
-// Which terms, fidelity, dynamics and step a scene needs for a tolerance: both speed and accuracy,
+// Which terms, dynamics and step a scene needs for a tolerance: both speed and accuracy,
 // by measurement. The full model (every term of the scene, the finest fidelity, a fine step) and
 // the reduced one are driven through the same probe motions, and compared.
 //
@@ -14,8 +14,7 @@
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
-// since there small forces decide where it comes to rest, and so for a coarser fidelity. What is
-// chosen is then run, and has to stay below a third of the tolerance in every probe, with drag
+// since there small forces decide where it comes to rest. What is chosen is then run, and has to stay below a third of the tolerance in every probe, with drag
 // below a twentieth: the shorter the rest of the fibre that liquid holds, the faster it moves, and
 // motions differ in that by as much. The bound is what was measured over the share it may have:
 // other motions than the probes differ by more.
@@ -68,7 +67,7 @@ struct PlannedTerm {
   bool kept;
   std::string fidelity;   // how it is computed; "none" where left out
   double max_force;       // largest in any probe [N]
-  double relative_error;  // of its force where kept; what leaving it out changes at most otherwise
+  double relative_error;  // of its closed form where kept; what leaving it out changes at most else
   State state;            // where it was largest: what a benchmark of its cost evaluates
 };
 

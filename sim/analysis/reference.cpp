@@ -9,7 +9,6 @@
 namespace ferrule {
 namespace {
 
-constexpr std::size_t kEveryForFidelity = 7;     // samples at which fidelities are compared
 constexpr std::size_t kEveryForSteps = 5;        // from which a step is compared
 constexpr std::size_t kEveryForStretches = 500;  // and a stretch
 constexpr double kFiner = 8;                     // times the steps that it is compared with
@@ -35,13 +34,12 @@ Reference::Reference(Scene full, Runs& watched)
   for (std::uint64_t k = 0; k < probes_of(scene) && watch.next(); ++k) {
     probes.push_back(make_probe(scene, k));
     const Probe& p = probes.back();
-    std::size_t sample = 0, number = 0;
+    std::size_t number = 0;
     std::vector<State>& begin = stretches.emplace_back();
     runs.push_back(sample_run(world, p.start, p.hand, scene.limits.force, [&](const StepResult& r) {
       const State& s = r.state;
       if (number++ % kEveryForStretches == 0) begin.push_back(s);
       if (!r.extrapolated()) find_extremes(r);
-      if (s.tip[0] < 0 && ++sample % kEveryForFidelity == 0) inside.push_back(s);
     }));
     force_scale = std::min(force_scale, largest_force(runs.back()));
     sticks = sticks || snaps(runs.back(), p.hand, clearance);

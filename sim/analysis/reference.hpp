@@ -37,7 +37,6 @@ struct Reference {
   Runs& watch;
   std::vector<Probe> probes;
   std::vector<SampledRun> runs;  // of each probe
-  std::vector<State> inside;     // some of their states with the end in the bore
   struct Extreme {
     double force = 0;  // the largest [N]
     State where;
