@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/solver/friction_coupling.hpp"
 #include "sim/terms/contact.hpp"
 #include "sim/terms/particle_depth.hpp"
 #include "sim/terms/surface.hpp"
@@ -42,57 +43,12 @@ bool is_clear(const World& world, const PoseVector& tip) noexcept {
   return !world.laws.particle || particle_depth(world, tip).value < -kFromParticle;
 }
 
-// What a force moves the end by, with friction and how its limits change.
-class Compliance {
- public:
-  Compliance(const World& world, const FrozenCoefficients& frozen,
-             const Iterate& iterate) noexcept {
-    const Energy& bore = iterate.potential.bore;
-    Energy all = without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian);
-    std::array<Vector3d, kContactPlaces> slip;
-    for (std::size_t at = 0; at < kContactPlaces; ++at) {
-      if (!frozen.friction[at].acts) continue;
-      const int place = static_cast<int>(at);
-      slip[at] = elastic_slip(world, frozen, place, iterate.tip);
-      add_friction_about(all, world, frozen, place, slip[at], slip[at]);
-    }
-    BlockLdl given;  // at given limits
-    holds_ = given.factor(all.hessian) == 0;
-    determinant_ = given.determinant();
-    for (int k = 0; k < 5; ++k)
-      inverse_.col(k) = -given.solve(PoseVector(Pose(Pose::Unit(k)))).full();
-    for (std::size_t at = 0; at < kContactPlaces; ++at) {
-      const FrozenFriction& friction = frozen.friction[at];
-      if (!friction.acts || !friction.slides(slip[at])) continue;
-      const PoseVector direction =
-          friction_direction(world, frozen, static_cast<int>(at), slip[at]);
-      add((friction.per_depth * direction).full(),
-          iterate.potential.depth[at].by_pose(iterate.tip.t).full());
-    }
-  }
-
-  // Are such forces in balance, and stable?
-  bool holds() const noexcept { return holds_; }
-  double determinant() const noexcept { return determinant_; }
-  Pose of(const Pose& force) const noexcept { return inverse_.lazyProduct(force); }
-  // By columns.
-  Matrix5 of(const Matrix5& forces) const noexcept { return inverse_.lazyProduct(forces); }
-
- private:
-  // A gradient that changes by `by` with what has this slope (Sherman and Morrison, 1950).
-  void add(const Pose& by, const Pose& slope) noexcept {
-    const Pose response = of(by);
-    const double factor = 1 + slope.dot(response);
-    holds_ = holds_ && factor > 0;
-    determinant_ *= factor;
-    const Pose share = inverse_.transpose().lazyProduct(slope);
-    inverse_ -= response.lazyProduct((1 / factor * share).transpose());
-  }
-
-  Matrix5 inverse_;
-  bool holds_ = false;
-  double determinant_ = 0;
-};
+// What forces, by columns, move the end by, in equilibrium.
+Matrix5 follow_forces(const CoupledModel& model, const Matrix5& forces) noexcept {
+  Matrix5 moves;
+  for (int k = 0; k < 5; ++k) moves.col(k) = -model.solve(PoseVector(Pose(forces.col(k)))).full();
+  return moves;
+}
 
 // What the move over the step before changes the force of the drag by.
 Matrix5 drag_of_last(const FrozenCoefficients& frozen) noexcept {
@@ -107,7 +63,7 @@ Matrix5 drag_of_last(const FrozenCoefficients& frozen) noexcept {
 }
 
 Extrapolation::Place place_of(const World& world, const FrozenCoefficients& frozen,
-                              const Iterate& iterate, const Compliance& compliance,
+                              const Iterate& iterate, const CoupledModel& model,
                               const ContactSide& side, int at,
                               const ContactState& contact) noexcept {
   Extrapolation::Place place;
@@ -136,7 +92,7 @@ Extrapolation::Place place_of(const World& world, const FrozenCoefficients& froz
   place.lateral_direction = depth.normal(iterate.tip.t).cross(slip).normalized();
   const Pose turn = place.slip_by_tip.transpose() * place.lateral_direction;
   place.tip_by_lateral =
-      compliance.of(Pose(place.beyond * friction.limit / (length * length) * turn));
+      -place.beyond * friction.limit / (length * length) * model.solve(PoseVector(turn)).full();
   return place;
 }
 
@@ -309,19 +265,23 @@ void set_extrapolation(const World& world, const FrozenCoefficients& frozen, con
   set_range(world, iterate.tip, extrapolation);
   if (!(iterate.tip.x >= extrapolation.least_x && iterate.tip.x <= extrapolation.most_x)) return;
   if (!is_clear(world, iterate.tip)) return;
-  const Compliance compliance(world, frozen, iterate);
-  if (!compliance.holds()) return;
-  extrapolation.determinant = compliance.determinant();
-  extrapolation.tip_by_command = compliance.of(world.holder.stiffness);
+  const Energy& bore = iterate.potential.bore;
+  const NewtonStep newton(world, frozen,
+                          without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
+                          iterate.tip, 1, Pivots::as_they_are);
+  const FrictionCoupling coupling(world, frozen, iterate.tip, iterate.potential);
+  const CoupledModel model(newton, coupling);
+  if (!model.stable()) return;
+  extrapolation.determinant = model.determinant();
+  extrapolation.tip_by_command = follow_forces(model, world.holder.stiffness);
   if (world.laws.drag) {
-    extrapolation.tip_by_last = compliance.of(drag_of_last(frozen));
+    extrapolation.tip_by_last = follow_forces(model, drag_of_last(frozen));
     extrapolation.last = (iterate.tip - frozen.from).full();
     extrapolation.dt = dt;
   }
   const ContactSide side = contact_side(world, state.tip, state.side);
   for (int at = 0; at < kContactPlaces; ++at)
-    extrapolation.place[at] =
-        place_of(world, frozen, iterate, compliance, side, at, state.contact[at]);
+    extrapolation.place[at] = place_of(world, frozen, iterate, model, side, at, state.contact[at]);
   now.warm_start.extrapolation = extrapolation;
 }
 

@@ -1,6 +1,5 @@
 #include "sim/solver/friction_coupling.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -55,75 +54,62 @@ double FrictionCoupling::largest_error() const noexcept {
   return largest;
 }
 
-// The Hessian at given limits, and how these change with the pose.
-Matrix5 FrictionCoupling::jacobian(const NewtonStep& newton) const noexcept {
-  Matrix5 sum = newton.model.hessian.full();
-  for (const Place& place : place_)
-    if (place.slides)
-      sum += place.per_depth * place.direction.full() * place.depth_slope.full().transpose();
-  return sum;
-}
-
-double FrictionCoupling::determinant(const NewtonStep& newton) const noexcept {
-  return Eigen::PartialPivLU<Matrix5>(jacobian(newton)).determinant();
-}
-
-// Where the Hessian at given limits is nearly singular or indefinite: both systems as one.
-std::optional<PoseVector> FrictionCoupling::monolithic_step(
-    const NewtonStep& newton, FrozenCoefficients& frozen) const noexcept {
-  Pose force = -newton.model.gradient.full();
-  for (const Place& place : place_)
-    if (place.slides) force -= place.error * place.direction.full();
-  const Eigen::PartialPivLU<Matrix5> solver(jacobian(newton));
-  if (!(solver.determinant() > 0)) return std::nullopt;
-  const PoseVector move{Pose(solver.solve(force))};
-  std::array<double, kContactPlaces> by{};
-  for (int j = 0; j < kContactPlaces; ++j) {
-    const Place& place = place_[j];
-    if (!place.slides) continue;
-    by[j] = place.error + place.per_depth * place.depth_slope.dot(move);
-    if (!(std::abs(by[j]) <= kMaxChange * place.limit)) return std::nullopt;
-  }
+CoupledModel::CoupledModel(const NewtonStep& newton, const FrictionCoupling& coupling) noexcept
+    : newton_(newton), place_(coupling.place_) {
   for (int j = 0; j < kContactPlaces; ++j) {
     if (!place_[j].slides) continue;
-    frozen.friction[j].limit += by[j];
-    frozen.friction[j].stiffness = place_[j].stiffness;
+    response_[j] = newton.factors.solve(place_[j].direction);
+    for (int i = 0; i < kContactPlaces; ++i) schur_(i, j) -= limit_by(i, response_[j]);
   }
+}
+
+// What the limit of a place changes by with a move [N].
+double CoupledModel::limit_by(int place, const PoseVector& move) const noexcept {
+  const FrictionCoupling::Place& at = place_[place];
+  return at.slides ? at.per_depth * at.depth_slope.dot(move) : 0;
+}
+
+bool CoupledModel::stable() const noexcept {
+  return newton_.convex && schur_(0, 0) > 0 && schur_.determinant() > 0;
+}
+
+double CoupledModel::determinant() const noexcept {
+  return newton_.factors.determinant() * schur_.determinant();
+}
+
+PoseVector CoupledModel::solve(const PoseVector& gradient) const noexcept {
+  PoseVector move = newton_.factors.solve(gradient);
+  const Vector2d change = solve_schur({limit_by(kEnd, move), limit_by(kSide, move)});
+  for (int j = 0; j < kContactPlaces; ++j)
+    if (place_[j].slides) move += change[j] * response_[j];
   return move;
 }
 
-std::optional<PoseVector> FrictionCoupling::newton_step(const NewtonStep& newton,
-                                                        FrozenCoefficients& frozen) const noexcept {
-  if (newton.negative > 0) return monolithic_step(newton, frozen);
-  // change = error + d limit/d depth . depth by pose . move,
-  // move = given + sum of response_j change_j
-  const PoseVector& given = newton.move;
-  std::array<PoseVector, kContactPlaces> response;
-  Matrix2d system = Matrix2d::Identity();
-  Vector2d error = Vector2d::Zero();
+Vector2d CoupledModel::solve_schur(const Vector2d& v) const noexcept {
+  return Vector2d(schur_(1, 1) * v[0] - schur_(0, 1) * v[1],
+                  schur_(0, 0) * v[1] - schur_(1, 0) * v[0]) /
+         schur_.determinant();
+}
+
+std::optional<PoseVector> CoupledModel::step(FrozenCoefficients& frozen) const noexcept {
+  PoseVector move = newton_.move;
+  Vector2d change = Vector2d::Zero();
+  for (int j = 0; j < kContactPlaces; ++j)
+    if (place_[j].slides) change[j] = place_[j].error + limit_by(j, move);
+  // Where given limits hardly hold the pose, or do not, only limits that follow it do.
+  const bool must_follow = newton_.negative > 0 || schur_.determinant() > kFlat;
+  if (must_follow && !(determinant() > 0)) return std::nullopt;
+  if (must_follow || schur_.determinant() > kSingular) change = solve_schur(change);
+  for (int j = 0; j < kContactPlaces; ++j)
+    if (must_follow && place_[j].slides && !(std::abs(change[j]) <= kMaxChange * place_[j].limit))
+      return std::nullopt;
   for (int j = 0; j < kContactPlaces; ++j) {
-    if (!place_[j].slides) continue;
-    response[j] = newton.factors.solve(place_[j].direction);
-    error[j] = place_[j].error + place_[j].per_depth * place_[j].depth_slope.dot(given);
-    for (int i = 0; i < kContactPlaces; ++i)
-      if (place_[i].slides)
-        system(i, j) -= place_[i].per_depth * place_[i].depth_slope.dot(response[j]);
-  }
-  const double determinant = system(0, 0) * system(1, 1) - system(0, 1) * system(1, 0);
-  if (determinant > kFlat) return monolithic_step(newton, frozen);
-  Vector2d change = error;
-  if (determinant > kSingular)
-    change = Vector2d(system(1, 1) * error[0] - system(0, 1) * error[1],
-                      system(0, 0) * error[1] - system(1, 0) * error[0]) /
-             determinant;
-  PoseVector move = given;
-  for (int j = 0; j < kContactPlaces; ++j) {
-    const Place& place = place_[j];
+    const FrictionCoupling::Place& place = place_[j];
     if (!place.slides) continue;
-    const double by = std::clamp(change[j], -kMaxChange * place.limit, kMaxChange * place.limit);
+    const double most = kMaxChange * place.limit, by = std::clamp(change[j], -most, most);
     frozen.friction[j].limit += by;
     frozen.friction[j].stiffness = place.stiffness;
-    move += by * response[j];
+    move += by * response_[j];
   }
   return move;
 }

@@ -24,18 +24,8 @@ class FrictionCoupling {
   // The largest error, as a part of its limit [-].
   double largest_error() const noexcept;
 
-  // Determinant of the Jacobian of limits and pose together, the Hessian of which is that of
-  // `newton`. It falls to 0 at a fold, where the pose is lost.
-  double determinant(const NewtonStep& newton) const noexcept;
-
-  // One Newton step in limits and pose, for what `newton` has of the pose at given limits: moves
-  // the limits of `frozen`, and returns the move of the pose. What is no minimum at given limits
-  // may still be stable, as the limits fall when the contact opens: as long as the determinant is
-  // positive. Nothing, and the limits as they are, where it is not.
-  std::optional<PoseVector> newton_step(const NewtonStep& newton,
-                                        FrozenCoefficients& frozen) const noexcept;
-
  private:
+  friend class CoupledModel;
   struct Place {
     bool slides = false;  // the rest is only set where it does
     double limit, stiffness, error;
@@ -46,11 +36,43 @@ class FrictionCoupling {
   static Place place(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                      int at, const FrictionLimit& now, const PoseVector& depth_slope,
                      double slides_at) noexcept;
-  Matrix5 jacobian(const NewtonStep& newton) const noexcept;
-  std::optional<PoseVector> monolithic_step(const NewtonStep& newton,
-                                            FrozenCoefficients& frozen) const noexcept;
 
   std::array<Place, kContactPlaces> place_;
+};
+
+// The local model with limits that follow the pose: its stiffness is
+//   J = H + sum_j direction_j (d limit_j/d depth) depth_slope_j^T
+// with the Hessian H at given limits, which `newton` has factored. The limits are eliminated:
+//   change_j = error_j + (d limit_j/d depth) depth_slope_j . move,
+//   move     = that at given limits - H^-1 sum_j direction_j change_j,
+// a system of 2 by 2, the Schur complement, whose determinant is det J/det H. Refers to both.
+class CoupledModel {
+ public:
+  CoupledModel(const NewtonStep& newton, const FrictionCoupling& coupling) noexcept;
+
+  // Does the pose rest in a minimum at given limits, and do limits that follow leave it there?
+  bool stable() const noexcept;
+
+  // Of J. It falls to 0 at a fold, where the pose is lost [(N/m)^3 (N m/rad)^2].
+  double determinant() const noexcept;
+
+  // d of J d = -gradient.
+  PoseVector solve(const PoseVector& gradient) const noexcept;
+
+  // One Newton step in limits and pose: moves the limits of `frozen`, and returns the move of the
+  // pose. What is no minimum at given limits may still be stable, as the limits fall when the
+  // contact opens: as long as the determinant is positive. Nothing, and the limits as they are,
+  // where it is not.
+  std::optional<PoseVector> step(FrozenCoefficients& frozen) const noexcept;
+
+ private:
+  double limit_by(int place, const PoseVector& move) const noexcept;
+  Vector2d solve_schur(const Vector2d& v) const noexcept;
+
+  const NewtonStep& newton_;
+  const std::array<FrictionCoupling::Place, kContactPlaces>& place_;
+  std::array<PoseVector, kContactPlaces> response_;
+  Matrix2d schur_ = Matrix2d::Identity();
 };
 
 }  // namespace ferrule

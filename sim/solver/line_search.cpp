@@ -53,12 +53,12 @@ MeritValue MeritModel::at(double part, const NonsmoothTerms& end) const noexcept
   return sum;
 }
 
-double MeritModel::least(double most) const noexcept {
+double MeritModel::least() const noexcept {
   const double limit = kOvershoot * newton_.predicted_decrease;
   const auto rises = [&](const MeritValue& value) { return value.slope > limit || higher(value); };
-  double low = 0, high = first_barrier(most);
-  if (high == most && !rises(at(most, terms(most)))) return most;
-  for (int n = 0; n < kMaxBisections && high - low > kShortest * most; ++n) {
+  double low = 0, high = first_barrier();
+  if (high == 1 && !rises(at(1, terms(1)))) return 1;
+  for (int n = 0; n < kMaxBisections && high - low > kShortest; ++n) {
     const double middle = between(low, high);
     const MeritValue value = at(middle, terms(middle));
     if (rises(value))
@@ -72,8 +72,7 @@ double MeritModel::least(double most) const noexcept {
 }
 
 double MeritModel::largest_adhesion(double most) const noexcept {
-  if (!std::holds_alternative<Adhesion>(world_.laws.adhesion) || has_printed_wells(world_.laws))
-    return most;
+  if (!std::holds_alternative<Adhesion>(world_.laws.adhesion)) return most;
   for (std::size_t place = 0; place < kContactPlaces; ++place) {
     const NonsmoothTerm& start = start_[place];
     if (!start.acts || !(start.stiffness > 0) || !(start.slope.dot(newton_.move) < 0)) continue;
@@ -88,16 +87,14 @@ double MeritModel::largest_adhesion(double most) const noexcept {
   return most;
 }
 
-// The part, up to `most`, at which the energy first rises: what lies behind a barrier of adhesion
-// may be lower. Not looked for among printed laws, which take much longer to evaluate.
-double MeritModel::first_barrier(double most) const noexcept {
-  if (has_printed_wells(world_.laws)) return most;
+// The part at which the energy first rises: what lies behind a barrier of adhesion may be lower.
+double MeritModel::first_barrier() const noexcept {
   for (int n = 1; n <= kBarrierSteps; ++n) {
     const double part = n * kBarrierStep / deepening_;
-    if (!(part < most)) break;
+    if (!(part < 1)) break;
     if (at(part, terms(part)).slope > kBarrierSlope * newton_.predicted_decrease) return part;
   }
-  return most;
+  return 1;
 }
 
 }  // namespace ferrule

@@ -30,15 +30,15 @@ class MeritModel {
   // Is it higher there than where the step begins?
   bool higher(const MeritValue& value) const noexcept { return value.energy > value.rounding; }
 
-  // The part, up to `most`, at which the energy is least before it rises.
-  double least(double most) const noexcept;
+  // The part at which the energy is least before it rises.
+  double least() const noexcept;
   // The part, up to `most`, at which a contact that the step opens, and that adhesion holds, pulls
   // most: what is beyond may be lower and is yet not to be had, as it holds while another one
-  // opens. Not looked for among printed laws, which take much longer to evaluate.
+  // opens.
   double largest_adhesion(double most) const noexcept;
 
  private:
-  double first_barrier(double most) const noexcept;
+  double first_barrier() const noexcept;
 
   const World& world_;
   const FrozenCoefficients& frozen_;

@@ -12,7 +12,8 @@ namespace ferrule {
 namespace {
 
 constexpr double kForceFloor = 1e-14;  // [N]
-// Near printed surfaces instead of SolverParameters::final_residual and final_move.
+// Near printed surfaces, whose wells are 0.1 nm wide, instead of SolverParameters::final_residual
+// and final_move.
 constexpr double kFinalResidualInWell = 1e-6, kFinalMoveInWell = 2e-5;
 constexpr double kNearWall = 10e-9;  // moves that begin so near to a wall go along it [m]
 constexpr double kShortestLever =
@@ -23,7 +24,7 @@ constexpr double kLeastSlope =
 constexpr double kMaxRise = 10;  // of the predicted decrease, where the residual falls
 constexpr double kModelError =
     1e-4;  // of the sum of all forces: of nonsmooth terms at the end of a step
-constexpr int kMaxRounds = 3, kMaxRoundsInWell = 6;
+constexpr int kMaxRounds = 3;
 constexpr double kExpansion = 3;  // of a step along which the energy got ever steeper
 constexpr int kMaxExpansions = 4;
 constexpr double kUnresolved = 1e-14;     // moves that change an energy by less than it rounds [m]
@@ -60,14 +61,13 @@ bool meet_nonsmooth_terms(const World& world, const FrozenCoefficients& frozen,
   NewtonStep step = newton;
   NonsmoothTerms model = terms;
   const MeritModel merit(world, frozen, tip, terms, newton);
-  const int most = terms[kPrintedWell].acts ? kMaxRoundsInWell : kMaxRounds;
-  for (int round = 0; round < most; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     double part = 1;
     NonsmoothTerms end =
         nonsmooth_terms(world, frozen, retract(world, frozen, tip, step.move), terms[kSide].share);
     if (round == 0 && merit.higher(merit.at(1, end))) {
       // Beyond a wall or a well, which it must meet and not jump.
-      part = merit.least(1);
+      part = merit.least();
       end = merit.terms(part);
     }
     double error = 0;
@@ -270,8 +270,6 @@ bool final_newton_step(const World& world, const FrozenCoefficients& frozen, con
 void minimise(const World& world, const FrozenCoefficients& frozen, int max_evaluations,
               bool past_edges, Iterate& iterate, const State* before) noexcept {
   const double tolerance = world.numerics.solver.force_tolerance;
-  const bool inserted = frozen.length > 0 && frozen.contact.side == EdgeSide::throat;
-  double farthest = inserted ? world.annulus.clearance() : INFINITY;
   iterate.at_edge = false;
   for (;; ++iterate.iterations) {
     const Potential& potential = iterate.potential;
@@ -298,14 +296,8 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int max_eval
       return note(iterate, SolverStage::newton,
                   iterate.converged ? "converged: no shorter move" : "ends: no descent direction");
     }
-    // Among surface forces a step longer than the clearance tells nothing, until it does.
-    const double turn = newton.move.t.norm() * (frozen.length + world.annulus.fibre_radius);
-    const double across = std::max(newton.move.e.norm(), turn);
-    double part = across > farthest ? farthest / across : 1;
-    const bool bounded = part < 1;
     const MeritModel merit(world, frozen, iterate.tip, terms, newton);
-    if (!direction.meets || bounded) part = merit.least(part);
-    part = merit.largest_adhesion(part);
+    const double part = merit.largest_adhesion(direction.meets ? 1 : merit.least());
     const Descent descent =
         descend(world, frozen, newton, part, max_evaluations, past_edges, iterate);
     note(iterate, SolverStage::newton, direction.name, world, part * newton.move);
@@ -318,7 +310,6 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int max_eval
       return note(iterate, SolverStage::newton,
                   iterate.converged ? "converged: nothing lower" : "ends: nothing lower");
     }
-    if (bounded) farthest *= 2;
   }
 }
 

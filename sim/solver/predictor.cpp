@@ -36,13 +36,15 @@ std::optional<PoseVector> predict_with_friction(const World& world, const Energy
                                                 std::optional<NewtonStep>& newton) noexcept {
   const auto first = frozen.friction;
   newton.emplace(world, frozen, start, tip, 1, Pivots::as_they_are, true);
-  auto move = FrictionCoupling(world, frozen, tip, kSlidingOn).newton_step(*newton, frozen);
+  const auto coupled = [&](const PoseVector& at, double slides_at) {
+    return CoupledModel(*newton, FrictionCoupling(world, frozen, at, slides_at)).step(frozen);
+  };
+  const auto move = coupled(tip, kSlidingOn);
   if (move && friction_agrees(world, first, frozen, tip, *move)) return move;
   frozen.friction = first;
   newton.emplace(world, frozen, start, tip);
   if (!newton->convex) return std::nullopt;
-  return FrictionCoupling(world, frozen, retract(world, frozen, tip, newton->move), 1)
-      .newton_step(*newton, frozen);
+  return coupled(retract(world, frozen, tip, newton->move), 1);
 }
 
 }  // namespace
@@ -102,7 +104,7 @@ double stiffness_determinant(const World& world, const StepResult& now) noexcept
   const NewtonStep newton(world, frozen,
                           without_friction(world, frozen, tip, bore.gradient, bore.hessian), tip, 1,
                           Pivots::as_they_are, true);
-  return FrictionCoupling(world, frozen, tip, kSlidingOn).determinant(newton);
+  return CoupledModel(newton, FrictionCoupling(world, frozen, tip, kSlidingOn)).determinant();
 }
 
 double contact_onset(const World& world, const State& before, const Prediction& end,

@@ -90,7 +90,7 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
         world, frozen, without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
         iterate.tip, 1, Pivots::as_they_are);
     const std::array limit = {frozen.friction[kEnd].limit, frozen.friction[kSide].limit};
-    const auto move = coupling.newton_step(newton, frozen);
+    const auto move = CoupledModel(newton, coupling).step(frozen);
     iterate.converged = false;
     if (move) {
       final = agrees && final_newton_step(world, frozen, *move, iterate);

@@ -108,16 +108,9 @@ PoseVector friction_direction(const World& world, const FrozenCoefficients& froz
 void add_friction_about(Energy& total, const World& world, const FrozenCoefficients& frozen,
                         int place, const Vector3d& slip, const Vector3d& about) noexcept {
   const FrozenFriction& friction = frozen.friction[static_cast<std::size_t>(place)];
-  Vector3d slope = friction.stiffness * about;
-  Matrix3d curve = friction.stiffness * friction.tangential;
-  if (friction.slides(about)) {
-    const double over = 1 / about.norm();
-    const Vector3d direction = over * about;
-    slope = friction.limit * direction;
-    curve = friction.limit * over * (friction.tangential - direction * direction.transpose());
-  }
-  slope += curve * (slip - about);
-  total.add_point(friction.arm, offset(world, frozen, place), slope, curve);
+  const Huber huber(friction, about);
+  total.add_point(friction.arm, offset(world, frozen, place),
+                  huber.slope + huber.curve * (slip - about), huber.curve);
 }
 
 void FrictionTerm::add(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,

@@ -84,7 +84,8 @@ TEST(FrictionCoupling, SettleWhereLimitAndDepthAgree) {
         without_friction(world, frozen, state.tip, there.bore.gradient, there.bore.hessian),
         state.tip, 1);
     if (!newton.convex) continue;
-    const PoseVector end = retract(world, frozen, state.tip, *missed.newton_step(newton, frozen));
+    const PoseVector end =
+        retract(world, frozen, state.tip, *CoupledModel(newton, missed).step(frozen));
     const FrictionCoupling after(world, frozen, end, Potential(world, frozen, end));
     EXPECT_LT(after.largest_error(), 0.5 * missed.largest_error());
     ++settled;
