@@ -7,6 +7,7 @@
 #include <optional>
 #include <tuple>
 
+#include "app/columns.hpp"
 #include "app/plot.hpp"
 #include "app/verb.hpp"
 #include "bench/campaigns.hpp"
@@ -115,86 +116,42 @@ void draw(const std::string& folder, const std::vector<LawRow>& laws,
   fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", printable(folder));
 }
 
-Json law_json(const LawRow& r) {
-  return {{"name", r.name},
-          {"fidelity", r.fidelity},
-          {"ns", r.ns},
-          {"relative_error", r.relative_error}};
-}
-
-Json stepping_json(const SteppingRow& r) {
-  return {{"method", r.method},
-          {"case", r.scene_case},
-          {"step_s", r.step_s},
-          {"ns_per_step", r.ns_per_step},
-          {"us_per_simulated_s", r.us_per_simulated_s},
-          {"tip_error_nm", number_or_null(r.tip_error_nm)},
-          {"force_error_relative", number_or_null(r.force_error_relative)},
-          {"newton_iterations", r.newton_iterations},
-          {"not_converged", r.not_converged},
-          {"halvings", r.rejected}};
-}
-
-Json controller_json(const ControllerRow& r) {
-  return {{"name", r.name}, {"shape", r.shape}, {"ns", r.ns}, {"relative_error", r.relative_error}};
-}
-
 // Of force laws and of controllers: what it is, how it is computed, cost and error.
-void print_heading(const char* what, const char* how) {
-  fmt::print("{:<15} {:<42} {:>9} {:>15}\n", what, how, "ns", "relative error");
-}
-void print_line(const std::string& what, const std::string& how, double ns, double error) {
-  fmt::print("{:<15} {:<42} {:9.1f} {:15.2g}\n", what, how, ns, error);
-}
+const Columns<LawRow> kLaws = {
+    {"name", "law", "<15", &LawRow::name},
+    {"fidelity", "fidelity", "<42", &LawRow::fidelity},
+    {"ns", "ns", ">9.1f", &LawRow::ns},
+    {"relative_error", "relative error", ">15.2g", &LawRow::relative_error}};
 
-void print_stepping(const std::vector<SteppingRow>& rows) {
-  fmt::print("{:<15} {:<26} {:>9} {:>11} {:>16} {:>13} {:>12} {:>9} {:>7} {:>7}\n", "method",
-             "case", "step [s]", "ns per step", "us per simul. s", "tip err. [nm]", "force error",
-             "Newton/st", "failed", "halved");
-  for (const SteppingRow& r : rows)
-    fmt::print("{:<15} {:<26} {:9.0e} {:11.0f} {:16.4g} {:>13} {:>12} {:>9.2f} {:>7} {:>7}\n",
-               r.method, r.scene_case, r.step_s, r.ns_per_step, r.us_per_simulated_s,
-               number_or("diverged", "{:.3g}", r.tip_error_nm),
-               number_or("-", "{:.2g}", r.force_error_relative), r.newton_iterations,
-               r.not_converged, r.rejected);
-}
+const Columns<ControllerRow> kControllers = {
+    {"name", "controller", "<15", &ControllerRow::name},
+    {"shape", "shape", "<42", &ControllerRow::shape},
+    {"ns", "ns", ">9.1f", &ControllerRow::ns},
+    {"relative_error", "relative error", ">15.2g", &ControllerRow::relative_error}};
 
-Json campaign_json(const CampaignRow& r) {
-  return {{"scene", r.scene},
-          {"controller", r.controller},
-          {"step_s", r.step_s},
-          {"steps", r.steps},
-          {"ns_per_step", r.ns_per_step},
-          {"iterations_in_contact", r.iterations_in_contact},
-          {"evaluations", r.evaluations},
-          {"evaluations_max", r.evaluations_max},
-          {"not_converged", r.not_converged},
-          {"capped", r.capped}};
-}
+const Columns<SteppingRow> kStepping = {
+    {"method", "method", "<15", &SteppingRow::method},
+    {"case", "case", "<26", &SteppingRow::scene_case},
+    {"step_s", "step [s]", ">9.0e", &SteppingRow::step_s},
+    {"ns_per_step", "ns per step", ">11.0f", &SteppingRow::ns_per_step},
+    {"us_per_simulated_s", "us per simul. s", ">16.4g", &SteppingRow::us_per_simulated_s},
+    {"tip_error_nm", "tip err. [nm]", ">13.3g", &SteppingRow::tip_error_nm, "diverged"},
+    {"force_error_relative", "force error", ">12.2g", &SteppingRow::force_error_relative},
+    {"newton_iterations", "Newton/st", ">9.2f", &SteppingRow::newton_iterations},
+    {"not_converged", "failed", ">7", &SteppingRow::not_converged},
+    {"halvings", "halved", ">7", &SteppingRow::rejected}};
 
-void print_campaigns(const std::vector<CampaignRow>& rows) {
-  fmt::print("{:<10} {:<14} {:>8} {:>8} {:>11} {:>14} {:>9} {:>9} {:>7} {:>7}\n", "campaign in",
-             "controller", "step [s]", "steps", "ns per step", "iter. contact", "evals/st", "most",
-             "failed", "capped");
-  for (const CampaignRow& r : rows)
-    fmt::print("{:<11} {:<14} {:8.0e} {:>8} {:11.0f} {:14.2f} {:9.2f} {:>9} {:>7} {:>7}\n", r.scene,
-               r.controller, r.step_s, r.steps, r.ns_per_step, r.iterations_in_contact,
-               r.evaluations, r.evaluations_max, r.not_converged, r.capped);
-}
-
-void print(const std::vector<LawRow>& laws, const std::vector<SteppingRow>& stepping,
-           const std::vector<CampaignRow>& campaigns,
-           const std::vector<ControllerRow>& controllers) {
-  print_heading("law", "fidelity");
-  for (const LawRow& r : laws) print_line(r.name, r.fidelity, r.ns, r.relative_error);
-  fmt::print("\n");
-  print_stepping(stepping);
-  fmt::print("\n");
-  print_campaigns(campaigns);
-  fmt::print("\n");
-  print_heading("controller", "shape");
-  for (const ControllerRow& r : controllers) print_line(r.name, r.shape, r.ns, r.relative_error);
-}
+const Columns<CampaignRow> kCampaigns = {
+    {"scene", "campaign in", "<11", &CampaignRow::scene},
+    {"controller", "controller", "<14", &CampaignRow::controller},
+    {"step_s", "step [s]", ">8.0e", &CampaignRow::step_s},
+    {"steps", "steps", ">8", &CampaignRow::steps},
+    {"ns_per_step", "ns per step", ">11.0f", &CampaignRow::ns_per_step},
+    {"iterations_in_contact", "iter. contact", ">14.2f", &CampaignRow::iterations_in_contact},
+    {"evaluations", "evals/st", ">9.2f", &CampaignRow::evaluations},
+    {"evaluations_max", "most", ">9", &CampaignRow::evaluations_max},
+    {"not_converged", "failed", ">7", &CampaignRow::not_converged},
+    {"capped", "capped", ">7", &CampaignRow::capped}};
 
 int speed_and_error(const BenchArguments& a) {
   const std::vector<LawRow> laws = bench_laws(watched("laws"));
@@ -203,12 +160,18 @@ int speed_and_error(const BenchArguments& a) {
   const std::vector<ControllerRow> controllers = bench_controllers(watched("controllers"));
   if (!a.plot.empty() && !interrupted()) draw(a.plot, laws, stepping);
   const Provenance provenance = provenance_of_bench();
-  Json json = {{"laws", json_list(laws, law_json)},
-               {"stepping", json_list(stepping, stepping_json)},
-               {"campaigns", json_list(campaigns, campaign_json)},
-               {"controllers", json_list(controllers, controller_json)}};
+  Json json = {{"laws", table_json(kLaws, laws)},
+               {"stepping", table_json(kStepping, stepping)},
+               {"campaigns", table_json(kCampaigns, campaigns)},
+               {"controllers", table_json(kControllers, controllers)}};
   if (a.output.text()) {
-    print(laws, stepping, campaigns, controllers);
+    print_table(kLaws, laws);
+    fmt::print("\n");
+    print_table(kStepping, stepping);
+    fmt::print("\n");
+    print_table(kCampaigns, campaigns);
+    fmt::print("\n");
+    print_table(kControllers, controllers);
     fmt::print("{}", provenance.foot());
   } else if (a.output.csv) {  // the tables in one
     json["table"] = Json::array();
@@ -222,61 +185,70 @@ int speed_and_error(const BenchArguments& a) {
   return ended(true);
 }
 
+// The rows of what was measured: as a table, which `note` explains, with the provenance below it,
+// or as what was asked for, with `more`.
+template <class Row>
+int show(const BenchArguments& a, const Columns<Row>& columns, const std::vector<Row>& rows,
+         const std::string& note, const Provenance& provenance, bool passed = true,
+         const Json& more = Json::object()) {
+  if (a.output.text()) {
+    print_table(columns, rows);
+    fmt::print("{}{}", note, provenance.foot());
+  }
+  Json json = {{"rows", table_json(columns, rows)}};
+  json.update(more);
+  print_result(a.output, json, "rows", provenance);
+  return ended(passed);
+}
+
 const char* status(const HardRow& r) {
   return !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
 }
 
-Json hard_json(const HardRow& r) {
-  return {{"case", r.name},
-          {"step_s", number_or_null(r.step_s)},
-          {"result", r.result},
-          {"error", number_or_null(r.error)},
-          {"status", status(r)}};
-}
+const Columns<HardRow> kHard = {{"case", "case", "<62", &HardRow::name},
+                                {"step_s", "step [s]", ">8g", &HardRow::step_s},
+                                {"error", "error", ">9.2g", &HardRow::error, "nan"},
+                                {"status", "status", "<7", status},
+                                {"result", "result", "", &HardRow::result}};
 
 int hard(const BenchArguments& a) {
   const std::vector<HardRow> rows = bench_hard(watched("hard cases"));
-  const Provenance provenance = provenance_of_bench();
-  if (a.output.text()) {
-    fmt::print("{:<62} {:>8} {:>9} {:<7} {}\n", "case", "step [s]", "error", "status", "result");
-    for (const HardRow& r : rows)
-      fmt::print("{:<62} {:>8} {:9.2g} {:<7} {}\n", r.name, number_or("-", "{:g}", r.step_s),
-                 r.error, status(r), r.result);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, hard_json)}}, "rows", provenance);
-  return ended(std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)));
+  return show(a, kHard, rows, "", provenance_of_bench(),
+              std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)));
 }
 
-Json capture_json(const CaptureRow& r) {
-  return {{"offset_clearances", r.offset_clearances},
-          {"capture_clearances", r.capture_clearances},
-          {"direction_deg", r.direction_deg},
-          {"speed_um_s", r.speed_um_s},
-          {"step_s", r.step_s},
-          {"edge_um", r.edge_um},
-          {"cleave_deg", r.cleave_deg},
-          {"lead_in", r.lead_in},
-          {"inserted", r.inserted}};
-}
+const Columns<CaptureRow> kCapture = {
+    {"offset_clearances", "", "", &CaptureRow::offset_clearances},
+    {"capture_clearances", "", "", &CaptureRow::capture_clearances},
+    {"direction_deg", "", "", &CaptureRow::direction_deg},
+    {"speed_um_s", "", "", &CaptureRow::speed_um_s},
+    {"step_s", "", "", &CaptureRow::step_s},
+    {"edge_um", "", "", &CaptureRow::edge_um},
+    {"cleave_deg", "", "", &CaptureRow::cleave_deg},
+    {"lead_in", "", "", &CaptureRow::lead_in},
+    {"inserted", "", "", &CaptureRow::inserted}};
+
+// How many went in of those alike: by lead-in, edge, cleave, offset and what must be.
+using CaptureCount = std::pair<const std::tuple<bool, double, double, double, bool>,
+                               std::pair<std::size_t, std::size_t>>;
+const Columns<CaptureCount> kCaptureCounts = {
+    {"", "mouth", "<12", [](auto& c) { return std::get<0>(c.first) ? "lead-in" : "sharp"; }},
+    {"", "edge [um]", ">10g", [](auto& c) { return std::get<1>(c.first); }},
+    {"", "cleave [deg]", ">12g", [](auto& c) { return std::get<2>(c.first); }},
+    {"", "offset", ">10.5g", [](auto& c) { return std::get<3>(c.first); }},
+    {"", "must go in", ">12", [](auto& c) { return std::get<4>(c.first) ? "yes" : "no"; }},
+    {"", "inserted", ">12",
+     [](auto& c) { return fmt::format("{} of {}", c.second.first, c.second.second); }}};
 
 void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
-  // By lead-in, edge, cleave, offset and what must be: how many went in, of how many.
-  std::map<std::tuple<bool, double, double, double, bool>, std::pair<std::size_t, std::size_t>>
-      counts;
+  std::map<CaptureCount::first_type, CaptureCount::second_type> counts;
   for (const CaptureRow& r : rows) {
     auto& [in, all] =
         counts[{r.lead_in, r.edge_um, r.cleave_deg, r.offset_clearances, r.expected()}];
     in += r.inserted;
     ++all;
   }
-  fmt::print("{:<12} {:>10} {:>12} {:>10} {:>12} {:>12}\n", "mouth", "edge [um]", "cleave [deg]",
-             "offset", "must go in", "inserted");
-  for (const auto& [key, count] : counts)
-    fmt::print("{:<12} {:>10g} {:>12g} {:>10.5g} {:>12} {:>12}\n",
-               std::get<0>(key) ? "lead-in" : "sharp", std::get<1>(key), std::get<2>(key),
-               std::get<3>(key), std::get<4>(key) ? "yes" : "no",
-               fmt::format("{} of {}", count.first, count.second));
+  print_table(kCaptureCounts, {counts.begin(), counts.end()});
   fmt::print(
       "offsets in clearances; a sharp bore takes those below 1, a lead-in those below its rim; a "
       "rounded end its radius more; a cleaved one while its foremost point is over the bore\n"
@@ -293,281 +265,181 @@ int capture(const BenchArguments& a) {
     print_capture(rows, wrong);
     fmt::print("{}", provenance.foot());
   }
-  print_result(a.output, {{"rows", json_list(rows, capture_json)}, {"wrong", wrong}}, "rows",
+  print_result(a.output, {{"rows", table_json(kCapture, rows)}, {"wrong", wrong}}, "rows",
                provenance);
   return ended(wrong == 0);
 }
 
-// The rows of what was measured: as a table, which `print` prints, with the provenance below it, or
-// as what was asked for.
-template <class Row>
-int tell(const BenchArguments& a, const std::vector<Row>& rows,
-         void (*print)(const std::vector<Row>&), Json (*to_json)(const Row&),
-         const Provenance& provenance) {
-  if (a.output.text()) {
-    print(rows);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", json_list(rows, to_json)}}, "rows", provenance);
-  return ended(true);
-}
-
-Json recording_json(const RecordingRow& r) {
-  return {{"scene", r.scene},
-          {"rows", r.rows},
-          {"us_per_row", r.us_per_row},
-          {"us_per_row_written", r.us_per_row_written},
-          {"kB_per_s", r.kB_per_s}};
-}
-
-void print_recording(const std::vector<RecordingRow>& rows) {
-  fmt::print("{:<10} {:>8} {:>18} {:>18} {:>14}\n", "scene", "rows", "us a row, recorded",
-             "us a row, written", "kB per second");
-  for (const RecordingRow& r : rows)
-    fmt::print("{:<10} {:>8} {:>18.2f} {:>18.2f} {:>14.0f}\n", r.scene, r.rows, r.us_per_row,
-               r.us_per_row_written, r.kB_per_s);
-  fmt::print("recorded: by the thread of the loop; written: by another one, afterwards\n");
-}
+const Columns<RecordingRow> kRecording = {
+    {"scene", "scene", "<10", &RecordingRow::scene},
+    {"rows", "rows", ">8", &RecordingRow::rows},
+    {"us_per_row", "us a row, recorded", ">18.2f", &RecordingRow::us_per_row},
+    {"us_per_row_written", "us a row, written", ">18.2f", &RecordingRow::us_per_row_written},
+    {"kB_per_s", "kB per second", ">14.0f", &RecordingRow::kB_per_s}};
 
 int recording(const BenchArguments& a) {
-  return tell(a, bench_recording(watched("recording")), print_recording, recording_json,
+  return show(a, kRecording, bench_recording(watched("recording")),
+              "recorded: by the thread of the loop; written: by another one, afterwards\n",
               provenance_of_bench());
 }
 
-Json tail_json(const TailRow& r) {
-  return {{"scene", r.scene},
-          {"steps", r.steps},
-          {"not_converged", r.not_converged},
-          {"capped", r.capped},
-          {"evaluations_p9999", r.evaluations_p9999},
-          {"evaluations_max", r.evaluations_max},
-          {"p9999_us", r.p9999_us},
-          {"worst_us", r.worst_us},
-          {"loops", r.loops},
-          {"loops_that_gained", r.loops_that_gained}};
-}
-
-void print_tail(const std::vector<TailRow>& rows) {
-  fmt::print("{:<10} {:>9} {:>7} {:>7} {:>12} {:>9} {:>12} {:>9} {:>6} {:>7}\n", "scene", "steps",
-             "failed", "capped", "eval 99.99 %", "eval most", "us 99.99 %", "us most", "loops",
-             "gained");
-  for (const TailRow& r : rows)
-    fmt::print("{:<10} {:>9} {:>7} {:>7} {:>12} {:>9} {:>12.3g} {:>9.3g} {:>6} {:>7}\n", r.scene,
-               r.steps, r.not_converged, r.capped, r.evaluations_p9999, r.evaluations_max,
-               r.p9999_us, r.worst_us, r.loops, r.loops_that_gained);
-}
+const Columns<TailRow> kTail = {
+    {"scene", "scene", "<10", &TailRow::scene},
+    {"steps", "steps", ">9", &TailRow::steps},
+    {"not_converged", "failed", ">7", &TailRow::not_converged},
+    {"capped", "capped", ">7", &TailRow::capped},
+    {"evaluations_p9999", "eval 99.99 %", ">12", &TailRow::evaluations_p9999},
+    {"evaluations_max", "eval most", ">9", &TailRow::evaluations_max},
+    {"p9999_us", "us 99.99 %", ">12.3g", &TailRow::p9999_us},
+    {"worst_us", "us most", ">9.3g", &TailRow::worst_us},
+    {"loops", "loops", ">6", &TailRow::loops},
+    {"loops_that_gained", "gained", ">7", &TailRow::loops_that_gained}};
 
 int tail(const BenchArguments& a) {
-  return tell(a, bench_tail(a.seed, a.scenes.value_or(kScenes), watched("tail")), print_tail,
-              tail_json, provenance_of_steps(a, shipped_scenes()));
+  return show(a, kTail, bench_tail(a.seed, a.scenes.value_or(kScenes), watched("tail")), "",
+              provenance_of_steps(a, shipped_scenes()));
 }
 
-Json event_json(const EventRow& r) {
-  return {{"scene", r.scene},
-          {"motion", r.motion},
-          {"step_s", r.step_s},
-          {"pose_difference_clearances", r.pose_difference_clearances},
-          {"force_difference_relative", r.force_difference_relative},
-          {"share_above_1_percent", r.share_above_1_percent},
-          {"us_per_simulated_s", r.us_per_simulated_s},
-          {"not_converged", r.not_converged},
-          {"capped", r.capped}};
-}
-
-void print_events(const std::vector<EventRow>& rows) {
-  fmt::print("{:<10} {:<10} {:>9} {:>18} {:>12} {:>11} {:>16} {:>7} {:>7}\n", "scene", "motion",
-             "step [ms]", "pose [clearances]", "force", "above 1 %", "us per simul. s", "failed",
-             "capped");
-  for (const EventRow& r : rows)
-    fmt::print("{:<10} {:<10} {:9.4g} {:18.2g} {:12.2g} {:11.2g} {:16.4g} {:>7} {:>7}\n", r.scene,
-               r.motion, 1e3 * r.step_s, r.pose_difference_clearances, r.force_difference_relative,
-               r.share_above_1_percent, r.us_per_simulated_s, r.not_converged, r.capped);
-}
+const Columns<EventRow> kEvents = {
+    {"scene", "scene", "<10", &EventRow::scene},
+    {"motion", "motion", "<10", &EventRow::motion},
+    {"step_s", "", "", &EventRow::step_s},
+    {"", "step [ms]", ">9.4g", [](auto& r) { return 1e3 * r.step_s; }},
+    {"pose_difference_clearances", "pose [clearances]", ">18.2g",
+     &EventRow::pose_difference_clearances},
+    {"force_difference_relative", "force", ">12.2g", &EventRow::force_difference_relative},
+    {"share_above_1_percent", "above 1 %", ">11.2g", &EventRow::share_above_1_percent},
+    {"us_per_simulated_s", "us per simul. s", ">16.4g", &EventRow::us_per_simulated_s},
+    {"not_converged", "failed", ">7", &EventRow::not_converged},
+    {"capped", "capped", ">7", &EventRow::capped}};
 
 int events(const BenchArguments& a) {
   const auto rows = bench_events(a.seed, a.scenes.value_or(2), scenes_of(a), watched("events"));
-  return tell(a, rows, print_events, event_json, provenance_of_steps(a, scenes_of(a)));
+  return show(a, kEvents, rows, "", provenance_of_steps(a, scenes_of(a)));
 }
 
-Json parameter_json(const ParameterRow& r) {
-  return {{"parameter", r.parameter},
-          {"factor", r.factor},
-          {"value", r.value},
-          {"steps", r.steps},
-          {"evaluations", r.evaluations},
-          {"evaluations_max", r.evaluations_max},
-          {"not_converged", r.not_converged},
-          {"iteration_limit", r.iteration_limit},
-          {"error_p99_clearances", r.error_p99},
-          {"error_max_clearances", r.error_max}};
-}
-
-void print_parameters(const std::vector<ParameterRow>& rows) {
-  fmt::print("{:<22} {:>6} {:>9} {:>11} {:>9} {:>7} {:>8} {:>12} {:>12}\n", "parameter", "factor",
-             "value", "evaluations", "most", "failed", "at limit", "error 99 %", "error most");
-  for (const ParameterRow& r : rows)
-    fmt::print("{:<22} {:>6.2g} {:>9.4g} {:>11.4f} {:>9} {:>7} {:>8} {:>12.2g} {:>12.2g}\n",
-               r.parameter, r.factor, r.value, r.evaluations, r.evaluations_max, r.not_converged,
-               r.iteration_limit, r.error_p99, r.error_max);
-  fmt::print(
-      "evaluations: of the potential, per step; error: of a step against a strict one from the "
-      "same state, in clearances\n");
-}
+const Columns<ParameterRow> kParameters = {
+    {"parameter", "parameter", "<22", &ParameterRow::parameter},
+    {"factor", "factor", ">6.2g", &ParameterRow::factor},
+    {"value", "value", ">9.4g", &ParameterRow::value},
+    {"steps", "", "", &ParameterRow::steps},
+    {"evaluations", "evaluations", ">11.4f", &ParameterRow::evaluations},
+    {"evaluations_max", "most", ">9", &ParameterRow::evaluations_max},
+    {"not_converged", "failed", ">7", &ParameterRow::not_converged},
+    {"iteration_limit", "at limit", ">8", &ParameterRow::iteration_limit},
+    {"error_p99_clearances", "error 99 %", ">12.2g", &ParameterRow::error_p99},
+    {"error_max_clearances", "error most", ">12.2g", &ParameterRow::error_max}};
 
 int parameters(const BenchArguments& a) {
   const auto rows =
       bench_parameters(a.seed, a.scenes.value_or(1), scenes_of(a), watched("parameters"));
-  return tell(a, rows, print_parameters, parameter_json, provenance_of_steps(a, scenes_of(a)));
+  return show(a, kParameters, rows,
+              "evaluations: of the potential, per step; error: of a step against a strict one from "
+              "the same state, in clearances\n",
+              provenance_of_steps(a, scenes_of(a)));
 }
 
-Json turn_json(const TurnRow& r) {
-  return {{"scene", r.scene},       {"motion", r.motion}, {"starts", r.starts},    {"off", r.off},
-          {"turned_90", r.quarter}, {"turned_37", r.any}, {"mirrored", r.mirrored}};
-}
-
-void print_turns(const std::vector<TurnRow>& rows) {
-  fmt::print("{:<10} {:<10} {:>13} {:>12} {:>12} {:>12} {:>12}\n", "scene", "motion",
-             "turned by 90", "by 37 deg", "mirrored", "starts", "off by 1e-6");
-  for (const TurnRow& r : rows)
-    fmt::print("{:<10} {:<10} {:>13.2g} {:>12.2g} {:>12.2g} {:>12} {:>12}\n", r.scene, r.motion,
-               r.quarter, r.any, r.mirrored, r.starts, r.off);
-}
+const Columns<TurnRow> kTurns = {{"scene", "scene", "<10", &TurnRow::scene},
+                                 {"motion", "motion", "<10", &TurnRow::motion},
+                                 {"turned_90", "turned by 90", ">13.2g", &TurnRow::quarter},
+                                 {"turned_37", "by 37 deg", ">12.2g", &TurnRow::any},
+                                 {"mirrored", "mirrored", ">12.2g", &TurnRow::mirrored},
+                                 {"starts", "starts", ">12", &TurnRow::starts},
+                                 {"off", "off by 1e-6", ">12", &TurnRow::off}};
 
 int turns(const BenchArguments& a) {
-  return tell(a, bench_turns(a.seed, a.scenes.value_or(kScenes), watched("turns")), print_turns,
-              turn_json, provenance_of_steps(a, shipped_scenes()));
+  return show(a, kTurns, bench_turns(a.seed, a.scenes.value_or(kScenes), watched("turns")), "",
+              provenance_of_steps(a, shipped_scenes()));
 }
 
-Json part_json(const PartRow& r) {
-  return {{"scene", r.scene},
-          {"part", r.part},
-          {"controller", r.controller},
-          {"trials", r.trials},
-          {"inserted", r.inserted},
-          {"low", number_or_null(r.interval.low)},
-          {"high", number_or_null(r.interval.high)}};
-}
-
-void print_parts(const std::vector<PartRow>& rows) {
-  fmt::print("{:<10} {:<20} {:<18} {:>12} {:>18}\n", "scene", "with", "controller", "inserted",
-             "95 % [%]");
-  for (const PartRow& r : rows)
-    fmt::print("{:<10} {:<20} {:<18} {:>12} {:>18}\n", r.scene, r.part, r.controller,
-               fmt::format("{} of {}", r.inserted, r.trials),
-               fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low, 100 * r.interval.high));
-}
+const Columns<PartRow> kParts = {
+    {"scene", "scene", "<10", &PartRow::scene},
+    {"part", "with", "<20", &PartRow::part},
+    {"controller", "controller", "<18", &PartRow::controller},
+    {"trials", "", "", &PartRow::trials},
+    {"inserted", "", "", &PartRow::inserted},
+    {"low", "", "", [](auto& r) { return r.interval.low; }},
+    {"high", "", "", [](auto& r) { return r.interval.high; }},
+    {"", "inserted", ">12", [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }},
+    {"", "95 % [%]", ">18", [](auto& r) {
+       return fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low, 100 * r.interval.high);
+     }}};
 
 int parts(const BenchArguments& a) {
-  return tell(a, bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")), print_parts,
-              part_json, provenance_of_steps(a, scenes_of(a)));
+  return show(a, kParts, bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")), "",
+              provenance_of_steps(a, scenes_of(a)));
 }
 
-Json plan_json(const PlanRow& r) {
-  return {{"scene", r.scene},
-          {"plan_for", r.plan_for},
-          {"planning_s", r.planning_s},
-          {"error_bound", number_or_null(r.error_bound)},
-          {"sampled_twice", r.sampled_twice},
-          {"full_us_per_simulated_s", r.full_us_per_simulated_s},
-          {"shipped_us_per_simulated_s", r.shipped_us_per_simulated_s},
-          {"planned_us_per_simulated_s", r.planned_us_per_simulated_s},
-          {"ratio", r.ratio},
-          {"trials", r.trials},
-          {"full_inserted", r.full_inserted},
-          {"full_low", number_or_null(r.full_interval.low)},
-          {"full_high", number_or_null(r.full_interval.high)},
-          {"planned_inserted", r.planned_inserted},
-          {"planned_low", number_or_null(r.planned_interval.low)},
-          {"planned_high", number_or_null(r.planned_interval.high)}};
+std::string count_and_interval(std::size_t count, const Interval& i) {
+  return fmt::format("{} ({:.1f} to {:.1f} %)", count, 100 * i.low, 100 * i.high);
 }
-
-void print_plans(const std::vector<PlanRow>& rows) {
-  fmt::print("{:<10} {:<8} {:>8} {:>9} {:>14} {:>10} {:>10} {:>10} {:>6} {:>7} {:>24} {:>24}\n",
-             "scene", "for", "plan [s]", "bound", "sampled twice", "full", "shipped", "planned",
-             "ratio", "trials", "full inserted", "planned inserted");
-  for (const PlanRow& r : rows) {
-    const auto inserted = [](std::size_t count, const Interval& i) {
-      return fmt::format("{} ({:.1f} to {:.1f} %)", count, 100 * i.low, 100 * i.high);
-    };
-    fmt::print(
-        "{:<10} {:<8} {:>8.2f} {:>9.2g} {:>14.2g} {:>10.0f} {:>10.0f} {:>10.0f} {:>6.2f} {:>7} "
-        "{:>24} "
-        "{:>24}\n",
-        r.scene, r.plan_for, r.planning_s, r.error_bound, r.sampled_twice,
-        r.full_us_per_simulated_s, r.shipped_us_per_simulated_s, r.planned_us_per_simulated_s,
-        r.ratio, r.trials, inserted(r.full_inserted, r.full_interval),
-        inserted(r.planned_inserted, r.planned_interval));
-  }
-  fmt::print(
-      "full (every step solved), shipped, planned: us of the processor per simulated s of a "
-      "campaign\n");
-}
+const Columns<PlanRow> kPlans = {
+    {"scene", "scene", "<10", &PlanRow::scene},
+    {"plan_for", "for", "<8", &PlanRow::plan_for},
+    {"planning_s", "plan [s]", ">8.2f", &PlanRow::planning_s},
+    {"error_bound", "bound", ">9.2g", &PlanRow::error_bound, "inf"},
+    {"sampled_twice", "sampled twice", ">14.2g", &PlanRow::sampled_twice},
+    {"full_us_per_simulated_s", "full", ">10.0f", &PlanRow::full_us_per_simulated_s},
+    {"shipped_us_per_simulated_s", "shipped", ">10.0f", &PlanRow::shipped_us_per_simulated_s},
+    {"planned_us_per_simulated_s", "planned", ">10.0f", &PlanRow::planned_us_per_simulated_s},
+    {"ratio", "ratio", ">6.2f", &PlanRow::ratio},
+    {"trials", "trials", ">7", &PlanRow::trials},
+    {"full_inserted", "", "", &PlanRow::full_inserted},
+    {"full_low", "", "", [](auto& r) { return r.full_interval.low; }},
+    {"full_high", "", "", [](auto& r) { return r.full_interval.high; }},
+    {"planned_inserted", "", "", &PlanRow::planned_inserted},
+    {"planned_low", "", "", [](auto& r) { return r.planned_interval.low; }},
+    {"planned_high", "", "", [](auto& r) { return r.planned_interval.high; }},
+    {"", "full inserted", ">24",
+     [](auto& r) { return count_and_interval(r.full_inserted, r.full_interval); }},
+    {"", "planned inserted", ">24",
+     [](auto& r) { return count_and_interval(r.planned_inserted, r.planned_interval); }}};
 
 int plans(const BenchArguments& a) {
-  return tell(a, bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")), print_plans,
-              plan_json, provenance_of_steps(a, scenes_of(a)));
+  return show(a, kPlans, bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")),
+              "full (every step solved), shipped, planned: us of the processor per simulated s of "
+              "a campaign\n",
+              provenance_of_steps(a, scenes_of(a)));
 }
 
-Json sensor_json(const SensorRow& r) {
-  return {{"scene", r.scene}, {"sensor", r.sensor}, {"trials", r.trials}, {"inserted", r.inserted}};
-}
-
-void print_sensors(const std::vector<SensorRow>& rows) {
-  for (const SensorRow& r : rows)
-    fmt::print("{:<10} {:<32} {:>4} of {}\n", r.scene, r.sensor, r.inserted, r.trials);
-  fmt::print(
-      "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as parts "
-      "of the force limit; none: straight in at constant velocity\n");
-}
+const Columns<SensorRow> kSensors = {
+    {"scene", "scene", "<10", &SensorRow::scene},
+    {"sensor", "sensor", "<32", &SensorRow::sensor},
+    {"trials", "", "", &SensorRow::trials},
+    {"inserted", "", "", &SensorRow::inserted},
+    {"", "inserted", ">12", [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }}};
 
 int sensors(const BenchArguments& a) {
-  return tell(a, bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")), print_sensors,
-              sensor_json, provenance_of_steps(a, scenes_of(a)));
+  return show(a, kSensors, bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")),
+              "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as "
+              "parts of the force limit; none: straight in at constant velocity\n",
+              provenance_of_steps(a, scenes_of(a)));
 }
 
-Json peer_json(const PeerRow& r) {
-  return {{"engine", r.engine},
-          {"version", r.version},
-          {"settings", r.settings},
-          {"segments", r.segments},
-          {"step_s", r.step_s},
-          {"us_per_simulated_ms", r.us_per_simulated_ms},
-          {"pose_error_um", number_or_null(r.pose_error_um)},
-          {"force_error_relative", number_or_null(r.force_error_relative)},
-          {"penetration_um", number_or_null(r.penetration_um)},
-          {"outside", r.outside},
-          {"let_in", r.let_in}};
-}
-
-void print_peers(const std::vector<PeerRow>& rows) {
-  fmt::print("{:<8} {:<8} {:>8} {:>8} {:>9} {:>10} {:>11} {:>11} {:>8}  {}\n", "engine", "version",
-             "segments", "step [s]", "us per ms", "pose [um]", "force error", "penetr.[um]",
-             "let in", "settings");
-  for (const PeerRow& r : rows)
-    fmt::print("{:<8} {:<8} {:>8} {:>8g} {:>9.3g} {:>10} {:>11} {:>11} {:>8}  {}\n", r.engine,
-               r.version, r.segments ? fmt::format("{}", r.segments) : "round", r.step_s,
-               r.us_per_simulated_ms, number_or("diverged", "{:.3g}", r.pose_error_um),
-               number_or("diverged", "{:.2g}", r.force_error_relative),
-               number_or("diverged", "{:.3g}", r.penetration_um),
-               fmt::format("{} of {}", r.let_in, r.outside), r.settings);
-  fmt::print(
-      "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: of "
-      "fibres that start beside a sharp bore\n");
-}
+const Columns<PeerRow> kPeers = {
+    {"engine", "engine", "<8", &PeerRow::engine},
+    {"version", "version", "<8", &PeerRow::version},
+    {"segments", "", "", &PeerRow::segments},
+    {"", "segments", ">8",
+     [](auto& r) { return r.segments ? fmt::format("{}", r.segments) : "round"; }},
+    {"step_s", "step [s]", ">8g", &PeerRow::step_s},
+    {"us_per_simulated_ms", "us per ms", ">9.3g", &PeerRow::us_per_simulated_ms},
+    {"pose_error_um", "pose [um]", ">10.3g", &PeerRow::pose_error_um, "diverged"},
+    {"force_error_relative", "force error", ">11.2g", &PeerRow::force_error_relative, "diverged"},
+    {"penetration_um", "penetr.[um]", ">11.3g", &PeerRow::penetration_um, "diverged"},
+    {"outside", "", "", &PeerRow::outside},
+    {"let_in", "", "", &PeerRow::let_in},
+    {"", "let in", ">8", [](auto& r) { return fmt::format("{} of {}", r.let_in, r.outside); }},
+    {"settings", "settings", "", &PeerRow::settings}};
 
 int peers(const BenchArguments& a) {
   const PeerBench bench = bench_peers(watched("engines"));
-  const Provenance provenance = provenance_of_bench();
   for (const std::string& missing : bench.missing)
     fmt::print(stderr, "ferrule: not measured: {}\n", missing);
-  if (a.output.text()) {
-    print_peers(bench.rows);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output,
-               {{"rows", json_list(bench.rows, peer_json)}, {"not_measured", bench.missing}},
-               "rows", provenance);
-  return ended(true);
+  return show(a, kPeers, bench.rows,
+              "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: "
+              "of fibres that start beside a sharp bore\n",
+              provenance_of_bench(), true, {{"not_measured", bench.missing}});
 }
 
 }  // namespace
@@ -580,8 +452,8 @@ void add_bench(CLI::App& app, Run& run) {
           "what", a->what,
           "Unless given: laws, stepping, campaigns and controllers; hard: the hard cases; capture: "
           "from how far off the axis an end goes in; tail: the worst steps; events: the same "
-          "motions at ever finer steps; turns: the same turned about the axis, mirrored, and "
-          "continued from saved rows; parameters: the solver's, each halved and doubled; peers: "
+          "motions at ever finer steps; turns: the same turned about the axis, and mirrored; "
+          "parameters: the solver's, each halved and doubled; peers: "
           "other engines in the same motion; recording: the cost of a row; parts: success with "
           "curl, cleave, edge and the like; plans: planned against "
           "full campaigns; sensors: success against noise and bias of the force sensor")

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "app/verb.hpp"
-#include "bench/term_cost.hpp"
+#include "sim/analysis/term_cost.hpp"
 
 namespace ferrule {
 namespace {

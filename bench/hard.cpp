@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bench/hand_work.hpp"
+#include "sim/analysis/hand_work.hpp"
 #include "sim/base/measure.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/solver/step.hpp"

@@ -4,8 +4,8 @@
 #include <chrono>
 #include <cmath>
 
-#include "bench/hand_work.hpp"
 #include "bench/random_scene.hpp"
+#include "sim/analysis/hand_work.hpp"
 #include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/solver/step.hpp"

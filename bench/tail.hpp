@@ -17,7 +17,7 @@ struct TailRow {
   // and the least counts: the rest is the machine's.
   double p9999_us = 0, worst_us = 0;
   // Hand motions that end where they began, and those in which the fibre gained energy
-  // (bench/hand_work.hpp).
+  // (sim/analysis/hand_work.hpp).
   long loops = 0, loops_that_gained = 0;
 };
 

@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include "bench/hand_work.hpp"
+#include "sim/analysis/hand_work.hpp"
 #include "sim/base/random.hpp"
 #include "sim/model/state.hpp"
 #include "sim/solver/step.hpp"

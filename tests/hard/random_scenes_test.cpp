@@ -5,8 +5,8 @@
 
 #include <tuple>
 
-#include "bench/hand_work.hpp"
 #include "bench/random_scene.hpp"
+#include "sim/analysis/hand_work.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/solver/step.hpp"
 

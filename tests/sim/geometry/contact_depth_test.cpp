@@ -4,7 +4,7 @@
 
 #include <numbers>
 
-#include "bench/hand_work.hpp"
+#include "sim/analysis/hand_work.hpp"
 #include "sim/base/random.hpp"
 #include "sim/scene/scene.hpp"
 #include "sim/solver/step.hpp"

@@ -1,4 +1,4 @@
-#include "bench/hand_work.hpp"
+#include "sim/analysis/hand_work.hpp"
 
 #include <gtest/gtest.h>
 

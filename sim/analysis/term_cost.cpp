@@ -1,4 +1,4 @@
-#include "bench/term_cost.hpp"
+#include "sim/analysis/term_cost.hpp"
 
 #include <algorithm>
 
