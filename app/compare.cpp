@@ -3,42 +3,20 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cmath>
 
-#include "app/compare_plot.hpp"
+#include "app/compared.hpp"
 #include "app/csv.hpp"
 #include "app/damage.hpp"
-#include "app/failures.hpp"
-#include "app/given_controller.hpp"
-#include "app/html.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
-#include "capture/episode.hpp"
 #include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "learn/candidates.hpp"
 #include "learn/record_again.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
-
-struct CompareArguments {
-  SceneArguments scene;
-  std::string folder, plot, trials_out, seeds;
-  std::vector<std::string> controllers, transfer, learners;
-  PolicyArguments policy;
-  std::vector<std::size_t> demonstrations;
-  std::size_t trials = 1000;
-  double skill = 0.8;
-  std::uint64_t seed = 7, fit_seed = 1;
-  int threads = 0;
-  bool other_scaling = false;
-  Output output;
-};
-
-constexpr const char* kTeacher = "simulated operator";
 
 // A learner with the settings that are compared.
 struct ChosenLearner {
@@ -46,45 +24,11 @@ struct ChosenLearner {
   const Learner::Variant* variant;
 };
 
-// A candidate and its trials, alone and under the supervisor.
-struct Entry {
-  Candidate candidate;
-  double ns;  // per action
-  std::vector<TrialResult> results, supervised_results{};
-  CampaignSummary alone{}, supervised{};
-  std::vector<Ring> rings{};
-  std::optional<Comparison>
-      against_teacher{};  // empty for the teacher, and without feasible trials
-};
-
-// Of one learner, by one seed of recording and fitting.
-struct BySeed {
-  std::string name;
-  std::uint64_t seed;
-  std::size_t demonstrations, rollouts;
-  CampaignSummary summary;
-};
-
-// In another scene.
-struct Transfer {
-  std::string scene, controller;
-  CampaignSummary alone, supervised;
-};
-
-// Everything that is found, as far as Ctrl-C lets it.
-struct Found {
-  std::vector<Entry> entries;
-  std::vector<Learning> learning;
-  std::vector<BySeed> by_seeds;
-  std::vector<Transfer> transfer;
-};
-
 std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
                                   const MakeController& make, const std::string& what) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<TrialResult> results =
-      run_campaign(scene, scene_scaling(scene), make, a.seed, a.trials, a.threads,
-                   Progress(what, a.trials), interrupted);
+      run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(what, a.trials), interrupted);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;
@@ -127,7 +71,7 @@ Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
 
 std::vector<TrialResult> supervised_campaign(const CompareArguments& a, const Scene& scene,
                                              const MakeController& make, const std::string& what) {
-  const SupervisorLimits limits = supervisor_limits(scene, scene_scaling(scene));
+  const SupervisorLimits limits = supervisor_limits(scene);
   return campaign(a, scene, supervised(make, limits), what + ", supervised");
 }
 
@@ -139,166 +83,6 @@ Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
   e.supervised = summarise(e.supervised_results);
   e.rings = by_misalignment(e.results, starts);
   return e;
-}
-
-// A number of a table; a dash where there is none.
-std::string cell(double x, int digits) {
-  return std::isfinite(x) ? fmt::format("{:.{}f}", x, digits) : "-";
-}
-
-std::string success_text(const CampaignSummary& s) {
-  return s.feasible > 0 ? fmt::format("{:5.1f} ({:.1f} to {:.1f})", 100 * s.success_rate,
-                                      100 * s.wilson.low, 100 * s.wilson.high)
-                        : "-";
-}
-
-std::string outcome_columns(const CampaignSummary& s) {
-  return fmt::format(" {:>22} {:>8} {:>9}", success_text(s), cell(s.time.median, 2),
-                     cell(1e6 * s.peak_force.median, 2));
-}
-constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
-
-void print_alone(const std::vector<Entry>& entries) {
-  fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9} {:>7} {:>7}\n", "", "param", "fit [s]",
-             "held out", "ns", kOutcomeColumns, "loss [dB]", "to 99 %", "99.9 %");
-  for (const Entry& e : entries) {
-    const Candidate& c = e.candidate;
-    const bool learned = c.parameters > 0;
-    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9} {:>7} {:>7}\n", c.name,
-               learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
-               cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
-               cell(e.alone.loss_dB.median, 4), trials_to_show_or("-", 0.99, e.alone),
-               trials_to_show_or("-", 0.999, e.alone));
-  }
-  fmt::print(
-      "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
-      "time and loss: medians of the inserted, peak force: median of all;\n"
-      "to 99 %, 99.9 %: further trials that would show it at this rate; -: none would\n");
-  for (const Entry& e : entries)
-    if (const std::string note = time_limit_note(e.alone); !note.empty())
-      fmt::print("{}: {}\n", e.candidate.name, note);
-  fmt::print("\n");
-}
-
-void print_supervised(const std::vector<Entry>& entries) {
-  fmt::print(
-      "the same under the supervisor, and how often it intervened\n{:<26}{} {:>7} {:>7} {:>7} "
-      "{:>8}\n",
-      "", kOutcomeColumns, "held", "jam", "retreat", "gave up");
-  for (const Entry& e : entries) {
-    if (!e.supervised.interventions) continue;
-    const auto count = [&](Intervention kind) {
-      return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
-    };
-    fmt::print("{:<26}{} {:>7} {:>7} {:>7} {:>8}\n", e.candidate.name,
-               outcome_columns(e.supervised), count(Intervention::held), count(Intervention::jam),
-               count(Intervention::retreat),
-               e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
-  }
-}
-
-void print_against_teacher(const std::vector<Entry>& entries) {
-  fmt::print("\n{:<26} {:>26} {:>9} {:>23} {:>23}\n", fmt::format("minus {}", kTeacher),
-             "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");
-  for (const Entry& e : entries) {
-    if (!e.against_teacher) continue;
-    const Comparison& d = *e.against_teacher;
-    const auto paired = [](const PairedMedian& p, double unit) {
-      return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
-                         cell(unit * p.interval.high, 2));
-    };
-    fmt::print("{:<26} {:>26} {:>9.2g} {:>23} {:>23}\n", e.candidate.name,
-               fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
-                           100 * d.interval.high),
-               d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
-  }
-  fmt::print("of the same trials, alone; time and peak force: medians of the differences\n");
-  std::fflush(stdout);  // what follows takes long, and may be ended by Ctrl-C
-}
-
-Json to_json(const Entry& e, const Output& output) {
-  const Candidate& c = e.candidate;
-  Json row = {{"controller", c.name},
-              {"parameters", c.parameters},
-              {"labelled_rollouts", c.rollouts},
-              {"fit_s", number_or_null(c.fit_seconds)},
-              {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
-              {"ns_per_action", e.ns},
-              {"supervised", to_json(e.supervised)}};
-  row.update(to_json(e.alone));
-  add_failures(e.results, output, row);
-  if (c.name != kTeacher) {
-    constexpr Interval kNone{NAN, NAN};
-    const Comparison none{NAN, kNone, NAN, {NAN, kNone}, {NAN, kNone}};
-    row["against_operator"] = Json::object();
-    add_json(e.against_teacher.value_or(none), row["against_operator"]);
-  }
-  row["misalignment"] = Json::array();
-  for (const Ring& ring : e.rings)
-    row["misalignment"].push_back({{"from_um", 1e6 * ring.from},
-                                   {"to_um", 1e6 * ring.to},
-                                   {"feasible", ring.feasible},
-                                   {"inserted", ring.inserted}});
-  return row;
-}
-
-void draw(const std::string& folder, const std::vector<Entry>& entries,
-          const std::vector<Learning>& learning, const std::vector<Vector2d>& starts) {
-  std::vector<std::pair<std::string, std::vector<Ring>>> rings;
-  for (const Entry& e : entries) {
-    rings.emplace_back(e.candidate.name, e.rings);
-    std::string name = "map_";
-    for (const char c : e.candidate.name)
-      if (c != ',') name += c == ' ' || c == '/' ? '_' : c;
-    write_svg(folder + "/" + name + ".svg", failure_map(e.candidate.name, e.results, starts));
-  }
-  write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
-  if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
-}
-
-// Which force acted when in what was learned from.
-NamedHistory forces_of(const DemonstrationSet& set) {
-  std::vector<InsertionForces> forces;
-  for (const Demonstration& d : set.demonstrations) {
-    const Episode episode = read_episode(d.file);
-    forces.emplace_back(episode, recorded_scene(episode, d.file));
-  }
-  return {fmt::format("{} demonstrations", forces.size()), force_history(std::move(forces))};
-}
-
-// All of it in one page, on which trials that failed can be watched.
-void write_report(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
-                  const Found& found, const std::vector<Vector2d>& starts,
-                  const Provenance& provenance) {
-  std::vector<ReplayRun> runs;
-  std::vector<TrialMap> maps;
-  std::vector<NamedHistory> forces{forces_of(set)};
-  std::string maps_drawn, table;
-  std::vector<std::pair<std::string, std::vector<Ring>>> rings;
-  for (const Entry& e : found.entries) {
-    const std::string& who = e.candidate.name;
-    const char* against = who == "constant velocity" ? "constant-velocity"
-                          : who == kTeacher          ? "operator"
-                                                     : nullptr;
-    const std::string command =
-        against ? fmt::format("./ferrule view --trial TRIAL --against {}{} --seed {}{}", against,
-                              SceneArguments{scene.name, a.scene.settings}.given(), a.seed,
-                              who == kTeacher ? fmt::format(" --skill {}", a.skill) : "")
-                : "";
-    const TestedController tested{who, command, e.candidate.make, &e.results};
-    add_failures(scene, a.seed, tested, runs, maps);
-    forces.push_back(forces_of_trials(scene, a.seed, tested));
-    maps_drawn += figure(failure_map(who, e.results, starts), "");
-    rings.emplace_back(who, e.rings);
-    table += to_text(who, e.alone);
-  }
-  std::string html =
-      html_head("ferrule: ways to insert") + "<h1>Ways to insert, on the same trials</h1>\n" +
-      replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) + "</pre>\n" +
-      figure(misalignment_plot(rings), "") + to_html(forces) + maps_drawn;
-  if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
-  write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
-                                          escaped(provenance.foot()) + "</p>\n</body></html>\n");
 }
 
 std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set) {
@@ -432,43 +216,6 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
   return all;
 }
 
-// Lowest, median and highest over the seeds.
-void print_by_seeds(const std::vector<BySeed>& all) {
-  if (all.empty()) return;
-  fmt::print("\n{:<26} {:>5} {:>31} {:>29}\n", "over seeds", "seeds",
-             "inserted [%], median (range)", "time [s], median (range)");
-  std::vector<std::string> names;
-  for (const BySeed& each : all)
-    if (std::find(names.begin(), names.end(), each.name) == names.end()) names.push_back(each.name);
-  for (const std::string& name : names) {
-    std::vector<double> inserted, time;
-    for (const BySeed& each : all)
-      if (each.name == name) {
-        inserted.push_back(100 * each.summary.success_rate);
-        time.push_back(each.summary.time.median);
-      }
-    const auto spread = [](const std::vector<double>& v, int digits) {
-      return fmt::format("{} ({} to {})", cell(quantile(v, 0.5), digits),
-                         cell(quantile(v, 0), digits), cell(quantile(v, 1), digits));
-    };
-    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", name, inserted.size(), spread(inserted, 1),
-               spread(time, 2));
-  }
-  fmt::print("each seed records the demonstrations and fits again; the trials are the same\n");
-}
-
-void print_learning(const std::vector<Learning>& learning) {
-  if (learning.empty()) return;
-  fmt::print("\n{:<26} {:>7}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
-  for (const Learning& l : learning)
-    fmt::print("{:<26} {:>7}{}\n", l.name,
-               l.rollouts ? fmt::format("{}+{}", l.demonstrations, l.rollouts)
-                          : std::to_string(l.demonstrations),
-               outcome_columns(l.summary));
-  if (std::any_of(learning.begin(), learning.end(), [](const Learning& l) { return l.rollouts; }))
-    fmt::print("5+30: 5 demonstrations and 30 rollouts of its own, labelled by the operator\n");
-}
-
 // What depends on the scene, as the operator does, is made for the other one.
 std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                                   const DemonstrationSet& set,
@@ -483,43 +230,6 @@ std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                         summarise(supervised_campaign(a, other, c.make, what))});
   }
   return transfer;
-}
-
-// Of one scene.
-void print_transfer(const std::vector<Transfer>& transfer) {
-  if (transfer.empty()) return;
-  fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", transfer.front().scene),
-             kOutcomeColumns, kOutcomeColumns);
-  for (const Transfer& t : transfer)
-    fmt::print("{:<26}{}{}{}\n", t.controller, outcome_columns(t.alone),
-               outcome_columns(t.supervised),
-               t.alone.feasible < t.alone.trials
-                   ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
-                   : std::string());
-}
-
-Json to_json(const Learning& l) {
-  Json row = {{"controller", l.name},
-              {"demonstrations", l.demonstrations},
-              {"labelled_rollouts", l.rollouts}};
-  row.update(to_json(l.summary));
-  return row;
-}
-
-Json to_json(const BySeed& s) {
-  Json row = {{"controller", s.name},
-              {"seed", s.seed},
-              {"demonstrations", s.demonstrations},
-              {"labelled_rollouts", s.rollouts}};
-  row.update(to_json(s.summary));
-  return row;
-}
-
-Json to_json(const Transfer& t) {
-  Json row = {
-      {"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}};
-  row.update(to_json(t.alone));
-  return row;
 }
 
 // What cannot be compared is said before anything is.
@@ -555,23 +265,6 @@ void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candi
   if (!a.demonstrations.empty() || !a.transfer.empty() || !a.seeds.empty())
     text += "; what follows the first tables is cut";
   provenance.partial(text);
-}
-
-Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
-             std::size_t trained_starts, const Found& found) {
-  const auto row = [](const auto& r) { return to_json(r); };
-  return {{"scene", scene.name},
-          {"demonstrations", set.demonstrations.size()},
-          {"trials", a.trials},
-          {"trained_starts", trained_starts},
-          {"seed", a.seed},
-          {"supervisor",
-           supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene))},
-          {"damage", damage_json(scene)},
-          {"rows", json_list(found.entries, [&](const Entry& e) { return to_json(e, a.output); })},
-          {"by_demonstrations", json_list(found.learning, row)},
-          {"by_seeds", json_list(found.by_seeds, row)},
-          {"transfer", json_list(found.transfer, row)}};
 }
 
 void write_trials(const CompareArguments& a, const Found& found, const Provenance& provenance) {
@@ -618,7 +311,7 @@ int compare_verb(const CompareArguments& a) {
   std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
   const std::vector<Candidate> brought = given(a, scene, provenance, seen);
   const std::string notes = trained_starts_note(seen, a.trials) + damage_note(scene) +
-                            supervisor_note(supervisor_limits(scene, scene_scaling(scene)));
+                            supervisor_note(supervisor_limits(scene));
 
   std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
   const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
@@ -650,8 +343,7 @@ int compare_verb(const CompareArguments& a) {
   std::fflush(stdout);  // before what may fail
   write_trials(a, found, provenance);
   if (!a.plot.empty() && !interrupted()) {
-    draw(a.plot, found.entries, found.learning, starts);
-    write_report(a, scene, set, found, starts, provenance);
+    write_plots(a, scene, set, found, starts, provenance);
     fmt::print(stderr, "plots are in {}, all of them in report.html\n", printable(a.plot));
   }
   if (interrupted()) return kInterrupted;

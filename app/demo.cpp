@@ -123,7 +123,7 @@ void evaluate(const DemoArguments& a, Report& report) {
   const Scene& scene = *report.scene;
   const Scaling scaling = scene_scaling(scene);
   const auto campaign = [&](const MakeController& make, const char* what) {
-    return run_campaign(scene, scaling, make, report.trial_seed(), kTrials, a.threads,
+    return run_campaign(scene, make, report.trial_seed(), kTrials, a.threads,
                         Progress(what, kTrials), interrupted);
   };
   report.learned = campaign(controller_maker(report.fit.controller.law()), "learned");

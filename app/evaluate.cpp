@@ -35,10 +35,9 @@ struct Tried {
 
 // Results of the trials, as far as Ctrl-C lets them go.
 void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
-  const Scaling scaling = scene_scaling(scene);
   const MakeController make =
-      a.supervise ? supervised(tried.make, supervisor_limits(scene, scaling)) : tried.make;
-  tried.results = run_campaign(scene, scaling, make, a.seed, a.trials, a.threads,
+      a.supervise ? supervised(tried.make, supervisor_limits(scene)) : tried.make;
+  tried.results = run_campaign(scene, make, a.seed, a.trials, a.threads,
                                Progress(tried.name, a.trials), interrupted);
 }
 
@@ -66,8 +65,7 @@ Json to_json(const EvaluateArguments& a, const Scene& scene,
   json.update(ferrule::to_json(summarise(all[0].results)));
   if (trained_starts) json["trained_starts"] = *trained_starts;
   if (a.supervise)
-    json["supervisor"] =
-        supervisor_json(supervisor_limits(scene, scene_scaling(scene)), scene_scaling(scene));
+    json["supervisor"] = supervisor_json(supervisor_limits(scene), scene_scaling(scene));
   json["damage"] = damage_json(scene);
   json["rows"] = json_list(all, [&](const Tried& tried) {
     Json row = {{"controller", tried.name}};
@@ -102,7 +100,7 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   std::string text;
   for (const Tried& tried : all) {
     MakeController make = tried.make;
-    if (a.supervise) make = supervised(make, supervisor_limits(scene, scene_scaling(scene)));
+    if (a.supervise) make = supervised(make, supervisor_limits(scene));
     std::string command;
     if (!tried.shown_by.empty())
       command = fmt::format("./ferrule view --trial TRIAL {}{} --seed {}{}", tried.shown_by,
@@ -159,9 +157,9 @@ int evaluate_verb(const EvaluateArguments& a) {
     refuse_other_scaling(trained_on(*controller->file).scaling, a.controller, scene,
                          a.other_scaling);
   if (!a.controller.empty()) provenance.read(a.controller);  // it names its weights by their hash
-  const std::string notes =
-      trained_starts_note(trained.value_or(0), a.trials) + damage_note(scene) +
-      (a.supervise ? supervisor_note(supervisor_limits(scene, scene_scaling(scene))) : "");
+  const std::string notes = trained_starts_note(trained.value_or(0), a.trials) +
+                            damage_note(scene) +
+                            (a.supervise ? supervisor_note(supervisor_limits(scene)) : "");
   if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
   std::fflush(stdout);  // the trials take long

@@ -110,7 +110,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
   if (h.device || simulated) return h;
   refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
   h.make = maker(*controller);
-  if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene, h.scaling));
+  if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
   h.name = "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
   return h;
 }
@@ -230,8 +230,7 @@ int record_verb(const RecordArguments& a) {
   provenance.in(chosen).seed("starts and operator", a.seed);
   const Holding who = holding(a, toleranced, controller);
   const std::string note =
-      damage_note(toleranced) +
-      (a.supervise ? supervisor_note(supervisor_limits(toleranced, who.scaling)) : "");
+      damage_note(toleranced) + (a.supervise ? supervisor_note(supervisor_limits(toleranced)) : "");
   const int first = next_episode_number(a.out);
   if (first > 1 && !a.append)
     throw BadInput(a.out +

@@ -77,7 +77,7 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
   }
   provenance_.in(chosen).seed("trials", a.seed);
   const auto add = [&](const std::string& who, MakeController make) {
-    if (a.supervise) make = supervised(make, supervisor_limits(scene, scene_scaling(scene)));
+    if (a.supervise) make = supervised(make, supervisor_limits(scene));
     trials_.push_back(replay_of(scene, make, a.seed, *a.trial, who));
     if (trials_.back().frames.empty())
       throw BadInput(

@@ -48,7 +48,7 @@ PartRow measured(const std::string& name, const Part& part, const char* controll
   const MakeController make =
       straight ? controller_maker(ConstantVelocity(speed)) : controller_maker(tuned_by_hand(speed));
   const CampaignSummary summary =
-      summarise(run_campaign(scene, scaling, make, seed, trials, 0, [](std::size_t) {}));
+      summarise(run_campaign(scene, make, seed, trials, 0, [](std::size_t) {}));
   return {name, part.name, controller, summary.feasible, summary.successes, summary.wilson};
 }
 

@@ -28,8 +28,8 @@ struct Campaign {
 void run(const Scene& scene, std::uint64_t seed, std::size_t trials, Campaign& campaign) {
   const Scaling scaling = scene_scaling(scene);
   const MakeController make = controller_maker(tuned_by_hand(scaling.motion * scene.limits.speed));
-  const double seconds = seconds_of(
-      [&] { campaign.results = run_campaign(scene, scaling, make, seed, trials, 1, {}); });
+  const double seconds =
+      seconds_of([&] { campaign.results = run_campaign(scene, make, seed, trials, 1, {}); });
   double simulated = 0;
   for (const TrialResult& r : campaign.results) simulated += r.summary.time;
   campaign.us_per_simulated_s.push_back(1e6 * seconds / simulated);

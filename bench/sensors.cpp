@@ -40,8 +40,7 @@ ForceSensorModel with(ForceSensorModel sensor, const TriedSensor& tried, double 
 
 SensorRow tried(const Scene& scene, const std::string& sensor, const MakeController& make,
                 std::uint64_t seed, std::size_t trials) {
-  const CampaignSummary s =
-      summarise(run_campaign(scene, scene_scaling(scene), make, seed, trials, 0, {}));
+  const CampaignSummary s = summarise(run_campaign(scene, make, seed, trials, 0, {}));
   return {scene.name, sensor, s.feasible, s.successes};
 }
 

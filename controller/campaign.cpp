@@ -10,9 +10,8 @@
 
 namespace ferrule {
 
-std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
-                                      const MakeController& make, std::uint64_t seed,
-                                      std::size_t trials, int threads,
+std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
+                                      std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop) {
   std::vector<TrialResult> results(trials);
@@ -23,7 +22,7 @@ std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling
     while (!stop || !stop()) {
       const std::size_t k = next++;
       if (k >= trials) return;
-      results[k] = run_trial(scene, scaling, *make(k), seed, k, 1e-3, {}, stop);
+      results[k] = run_trial(scene, *make(k), seed, k, 1e-3, {}, stop);
       if (stop && stop()) return;
       done[k] = true;
       const std::size_t so_far = ++count;

@@ -13,9 +13,8 @@ namespace ferrule {
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
 // results are those of the first trials up to one that was not done, fewer than `trials`.
-std::vector<TrialResult> run_campaign(const Scene& scene, const Scaling& scaling,
-                                      const MakeController& make, std::uint64_t seed,
-                                      std::size_t trials, int threads,
+std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
+                                      std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop = {});
 

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "insertion/scene_scaling.hpp"
 #include "sim/base/elementary.hpp"
 
 namespace ferrule {
@@ -40,7 +41,8 @@ HandTwist straining_part(const HandTwist& v, const Eigen::Vector3d& force) noexc
 
 }  // namespace
 
-SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling) {
+SupervisorLimits supervisor_limits(const Scene& scene) {
+  const Scaling scaling = scene_scaling(scene);
   const Holder& holder = scene.world.holder;
   Matrix5 stiffness = holder.stiffness;
   stiffness.bottomRows<2>() /= holder.tilt_length;

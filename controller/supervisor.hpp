@@ -74,7 +74,7 @@ struct SupervisorLimits {
 // speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any stage); a fifth of the speed
 // as disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and
 // offsets of 10 um.
-SupervisorLimits supervisor_limits(const Scene& scene, const Scaling& scaling);
+SupervisorLimits supervisor_limits(const Scene& scene);
 
 // Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.
 std::string cannot_hold(const SupervisorLimits& limits);

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "controller/joint_loss.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -34,8 +35,8 @@ TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexc
   return {outcome, summary, loss, {}, {}};
 }
 
-TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period, const OnTick& on_tick,
+TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint64_t seed,
+                      std::uint64_t trial, double period, const OnTick& on_tick,
                       const std::function<bool()>& stop) {
   const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
   const auto with_supervision = [&](TrialResult result) {
@@ -45,6 +46,7 @@ TrialResult run_trial(const Scene& toleranced, const Scaling& scaling, Controlle
   };
   if (!drawn) return with_supervision(trial_result(Outcome::infeasible, {}));
   const Scene& scene = *drawn;
+  const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),

@@ -19,11 +19,11 @@ TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexc
 
 // Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
 // succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by
-// `scaling`, and its velocity is scaled down; control and simulation share one period [s]. Every
+// that of the scene, and its velocity is scaled down; control and simulation share one period [s]. Every
 // tick is shown to `on_tick`, if any. `stop` ends it as `interrupted` (insertion/loop.hpp).
-TrialResult run_trial(const Scene& scene, const Scaling& scaling, Controller& controller,
-                      std::uint64_t seed, std::uint64_t trial, double period = 1e-3,
-                      const OnTick& on_tick = {}, const std::function<bool()>& stop = {});
+TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t seed,
+                      std::uint64_t trial, double period = 1e-3, const OnTick& on_tick = {},
+                      const std::function<bool()>& stop = {});
 
 // A controller as a device: the hand of a trial, and of a recording of it like that of a person.
 class ControllerHand : public Device {

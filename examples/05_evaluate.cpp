@@ -30,8 +30,7 @@ std::vector<TrialResult> evaluate(const char* what, const Scene& scene,
   const std::uint64_t seed = 7;
   const std::size_t trials = 60;
   const int threads = 0;  // all cores; the result does not depend on it
-  const auto results =
-      run_campaign(scene, scene_scaling(scene), make, seed, trials, threads, [](std::size_t) {});
+  const auto results = run_campaign(scene, make, seed, trials, threads, [](std::size_t) {});
   const CampaignSummary s = summarise(results);
   std::printf("%-18s %zu of %zu inserted, %.0f %% (95 %% %.0f to %.0f)\n", what, s.successes,
               s.feasible, 100 * s.success_rate, 100 * s.wilson.low, 100 * s.wilson.high);

@@ -8,7 +8,7 @@ namespace ferrule::testing {
 
 inline SupervisorLimits demo_limits() {
   const Scene scene = load_scene("demo");
-  return supervisor_limits(scene, scene_scaling(scene));
+  return supervisor_limits(scene);
 }
 
 }  // namespace ferrule::testing

@@ -207,12 +207,12 @@ ReplayRun replay_of(const Scene& toleranced, const MakeController& make_controll
   FrameMaker make(scene, ForceSensor(scene.sensor, seed, trial), period);
   EventFinder events(run.events);
   const auto controller = make_controller(trial);
-  const TrialResult result = run_trial(toleranced, scene_scaling(toleranced), *controller, seed,
-                                       trial, period, [&](const Tick& tick) {
-                                         run.frames.push_back(make(make_row(tick)));
-                                         events(run.frames.back(), run.frames.size() - 1);
-                                         return true;
-                                       });
+  const TrialResult result =
+      run_trial(toleranced, *controller, seed, trial, period, [&](const Tick& tick) {
+        run.frames.push_back(make(make_row(tick)));
+        events(run.frames.back(), run.frames.size() - 1);
+        return true;
+      });
   run.outcome = result.outcome;
   const auto& supervision = result.supervision;
   finish(run, scene, supervision && supervision->gave_up ? name(*supervision->gave_up) : "");

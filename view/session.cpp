@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bit>
 #include <chrono>
 #include <cmath>
 #include <filesystem>
@@ -20,10 +19,7 @@ using Clock = std::chrono::steady_clock;
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostCommands = 32;
-constexpr std::size_t kRecent = 10000;  // frames for a page that comes in the middle
-constexpr std::chrono::microseconds kStateEvery{16667}, kHistoryEvery{100000};
 constexpr std::chrono::milliseconds kIdle{20}, kHandOver{500};
-constexpr const char* kBrowser = "browser";
 
 // A device whose health is looked after, in the loop's thread, for another.
 class WatchedDevice : public Device {
@@ -69,44 +65,10 @@ class StillDevice : public Device {
   HandPose pose_;
 };
 
-SharedPayload text(const Json& json) {
-  return std::make_shared<Payload>(
-      Payload{Payload::Kind::text, json.dump(-1, ' ', false, Json::error_handler_t::replace)});
-}
-
-// kind, rows, columns, `reserved`, and the numbers; little endian.
-static_assert(std::endian::native == std::endian::little);
-template <class Frames>
-SharedPayload packed(std::uint32_t kind, const Frames& frames, std::uint32_t reserved) {
-  const std::array<std::uint32_t, 4> head = {kind, static_cast<std::uint32_t>(frames.size()),
-                                             kFrameColumns, reserved};
-  auto payload = std::make_shared<Payload>();
-  payload->kind = Payload::Kind::frames;
-  payload->newest_only = kind == 1;
-  payload->bytes.reserve(sizeof head + frames.size() * sizeof(Frame));
-  payload->bytes.append(reinterpret_cast<const char*>(head.data()), sizeof head);
-  for (const Frame& frame : frames)
-    payload->bytes.append(reinterpret_cast<const char*>(frame.data()), sizeof(Frame));
-  return payload;
-}
-
 Json score_json(const Score& score) {
   Json parts;
   for (std::size_t i = 0; i < kParts; ++i) parts[kPartNames[i]] = number_or_null(score.parts[i]);
   return {{"total", number_or_null(score.total)}, {"parts", parts}};
-}
-
-std::string file_name(const std::string& path) {
-  return fs::path(path).filename().string();
-}
-
-// A controller file of the folder that is not there yet.
-std::string free_controller(const std::string& folder) {
-  for (int n = 1;; ++n) {
-    std::string file = fmt::format("{}/controller_{:04}.json", folder, n);
-    std::error_code ignored;
-    if (!fs::exists(file, ignored)) return file;
-  }
 }
 
 }  // namespace
@@ -129,29 +91,6 @@ Session::Session(SessionSettings settings, std::function<void(SharedPayload)> se
 }
 
 Session::~Session() = default;
-
-std::vector<SharedPayload> Session::greeting() {
-  const std::lock_guard lock(mutex_);
-  std::vector<SharedPayload> all;
-  for (const char* type : {"hello", "state_of_session", "episodes", "fit", "ended"})
-    if (const auto found = said_.find(type); found != said_.end()) all.push_back(found->second);
-  if (!recent_.empty()) {
-    all.push_back(packed(2, recent_, 0));
-    all.push_back(packed(1, std::array<Frame, 1>{recent_.back()}, 0));
-  }
-  return all;
-}
-
-Json Session::first_picture() {
-  const std::lock_guard lock(mutex_);
-  Json frame = Json::array();
-  if (!recent_.empty())
-    for (const float x : recent_.back()) frame.push_back(number_or_null(x));
-  return {{"mode", "live"},
-          {"hello", Json::parse(said_.at("hello")->bytes)},
-          {"state", Json::parse(said_.at("state_of_session")->bytes)},
-          {"frame", frame}};
-}
 
 void Session::message(std::uint64_t client, std::string_view text) {
   Message message = parse_message(text);
@@ -427,169 +366,6 @@ Json Session::ended_json(const Insertion& insertion, const TimedEpisode& timed,
           {"tilt_rad", summary.tilt},
           {"trial", insertion.trial},
           {"loop", loop_json(timed.timing, period)}};
-}
-
-void Session::rate(int stars) {
-  if (!kept_) throw BadInput("there is no try to rate");
-  kept_->rate(stars);
-  const std::string& file = kept_->file();
-  {
-    const std::lock_guard lock(mutex_);
-    for (Listed& listed : episodes_)
-      if (listed.file == file) listed.json["rating"] = stars;
-  }
-  say_episodes();
-}
-
-void Session::discard_last() {
-  if (!kept_) throw BadInput("there is no try to discard");
-  const std::string file = kept_->file();
-  std::error_code error;
-  if (!fs::remove(file, error)) throw BadInput(file_name(file) + ": could not be removed");
-  kept_.reset();
-  {
-    const std::lock_guard lock(mutex_);
-    std::erase_if(episodes_, [&](const Listed& listed) { return listed.file == file; });
-    said_.erase("ended");
-  }
-  say_episodes();
-  prepare(next_episode_number(settings_.out));
-}
-
-void Session::start_fit(const FitMessage& message) {
-  if (fit_) throw BadInput("a fit runs already");
-  std::vector<std::string> files;
-  {
-    const std::lock_guard lock(mutex_);
-    const std::vector<std::string>& wanted = message.episodes;
-    for (const Listed& listed : episodes_) {
-      const bool named =
-          std::find(wanted.begin(), wanted.end(), file_name(listed.file)) != wanted.end();
-      if (listed.json["same_scene"] == true && (wanted.empty() || named))
-        files.push_back(listed.file);
-    }
-    if (!wanted.empty() && files.size() != wanted.size())
-      throw BadInput("fit: an episode that is not on the list, or of another scene");
-  }
-  if (files.empty()) throw BadInput("fit: there are no episodes of this scene");
-  fit_ = std::make_unique<BackgroundFit>(settings_.program, files, free_controller(settings_.out));
-  say("fit", {{"state", "running"}, {"progress", 0}, {"episodes", files.size()}});
-}
-
-void Session::watch_fit() {
-  if (!fit_) return;
-  const double before = fit_->progress();
-  const BackgroundFit::State state = fit_->poll();
-  if (state == BackgroundFit::State::running) {
-    if (fit_->progress() != before)
-      say("fit", {{"state", "running"}, {"progress", fit_->progress()}, {"part", fit_->part()}});
-    return;
-  }
-  const std::unique_ptr<BackgroundFit> ended = std::move(fit_);
-  try {
-    if (state == BackgroundFit::State::failed) throw BadInput(ended->text());
-    controller_ = load_controller(ended->controller());
-    controller_file_ = ended->controller();
-    say("fit", {{"state", "done"}, {"progress", 1}, {"controller", file_name(controller_file_)}});
-  } catch (const std::exception& error) {
-    say("fit", {{"state", "failed"}, {"progress", ended->progress()}, {"text", error.what()}});
-  }
-  say_state();
-}
-
-void Session::read_one_more() {
-  const std::string file = unread_.front();
-  unread_.pop_front();
-  try {
-    const Episode episode = read_episode(file);
-    list(episode, file, recorded_scene(episode, file));
-  } catch (const std::exception& error) {  // is not ours to mend
-    complain(error.what());
-  }
-  say_episodes();
-}
-
-void Session::list(const Episode& episode, const std::string& file, const Scene& scene) {
-  const EpisodeInfo& info = episode.info;
-  const Measures m = measure(episode, scene);
-  const bool same = undrawn(scene.document) == undrawn(settings_.scene.document);
-  Json json = {{"file", file_name(file)},
-               {"outcome", name(info.outcome)},
-               {"score", nullptr},
-               {"time_s", m[Part::time]},
-               {"peak_force_uN", 1e6 * m[Part::peak_force]},
-               {"operator", info.operator_},
-               {"trainee", info.trainee},
-               {"date", info.date},
-               {"session", info.session},
-               {"rating", info.rating},
-               {"scene", scene.name},
-               {"same_scene", same}};
-  if (same && yardstick_) json["score"] = number_or_null(score(m, *yardstick_).total);
-  const std::lock_guard lock(mutex_);
-  episodes_.push_back({file, std::move(json)});
-  std::sort(episodes_.begin(), episodes_.end(),
-            [](const Listed& a, const Listed& b) { return a.file < b.file; });
-}
-
-void Session::show(const Frame& frame) {
-  pending_.push_back(frame);
-  const std::lock_guard lock(mutex_);
-  recent_.push_back(frame);
-  if (recent_.size() > kRecent) recent_.pop_front();
-}
-
-// What is due, or all there is.
-void Session::send_frames(bool all) {
-  const Clock::time_point now = Clock::now();
-  if (pending_.empty()) return;
-  if (all || now - state_sent_ >= kStateEvery) {
-    const BrowserDevice* browser = browser_;
-    send_(packed(1, std::array<Frame, 1>{pending_.back()}, browser ? browser->answered() : 0));
-    state_sent_ = std::max(state_sent_ + kStateEvery, now - kStateEvery);
-  }
-  if (all || now - history_sent_ >= kHistoryEvery) {
-    send_(packed(2, pending_, 0));
-    pending_.clear();
-    history_sent_ = now;
-  }
-}
-
-void Session::say(const char* type, Json json) {
-  json["type"] = type;
-  SharedPayload payload = text(json);
-  {
-    const std::lock_guard lock(mutex_);
-    said_[type] = payload;
-  }
-  send_(std::move(payload));
-}
-
-void Session::complain(const std::string& why) {
-  send_(text({{"type", "error"}, {"text", printable(why, 400)}}));
-}
-
-void Session::say_state() {
-  const Insertion& shown = running_ && last_.scene ? last_ : prepared_;
-  say("state_of_session", {{"running", running_ != nullptr},
-                           {"what", running_ ? Json(running_) : Json(nullptr)},
-                           {"episode", claim_ ? claim_->number() : 0},
-                           {"trial", shown.trial},
-                           {"scene", scene_json(*shown.scene)},
-                           {"device", settings_.device ? settings_.device->name : kBrowser},
-                           {"trainee", settings_.trainee},
-                           {"goes_on", settings_.goes_on},
-                           {"can_insert", static_cast<bool>(controller_)},
-                           {"can_rate", kept_.has_value()}});
-}
-
-void Session::say_episodes() {
-  Json list = Json::array();
-  {
-    const std::lock_guard lock(mutex_);
-    for (const Listed& listed : episodes_) list.push_back(listed.json);
-  }
-  say("episodes", {{"list", list}, {"reading", unread_.size()}});
 }
 
 }  // namespace ferrule

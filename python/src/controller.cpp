@@ -65,12 +65,12 @@ nb::tuple evaluate(nb::handle policy, const SharedScene& scene, std::size_t tria
     };
     threads = 1;
   }
-  if (supervise) make = supervised(make, supervisor_limits(*scene, scaling));
+  if (supervise) make = supervised(make, supervisor_limits(*scene));
   std::vector<TrialResult> results;
   Interrupts interrupts;
   {
     const nb::gil_scoped_release release;
-    results = run_campaign(*scene, scaling, make, seed, trials, threads_here(threads), {},
+    results = run_campaign(*scene, make, seed, trials, threads_here(threads), {},
                            [&] { return failure.raised || interrupts(); });
   }
   if (failure.raised) std::rethrow_exception(failure.raised);

@@ -95,10 +95,9 @@ TEST(Statistics, IntervalsOfTheMedianHoldItAsOftenAsTheySay) {
 
 TEST(Campaign, IsTheSameForAnyNumberOfThreads) {
   const Scene scene = quick();
-  const Scaling scaling = scene_scaling(scene);
-  const auto one = run_campaign(scene, scaling, controller_maker(kLaw), 7, 24, 1, {});
+  const auto one = run_campaign(scene, controller_maker(kLaw), 7, 24, 1, {});
   for (const int threads : {2, 3, 0}) {
-    const auto many = run_campaign(scene, scaling, controller_maker(kLaw), 7, 24, threads, {});
+    const auto many = run_campaign(scene, controller_maker(kLaw), 7, 24, threads, {});
     for (std::size_t k = 0; k < one.size(); ++k) {
       EXPECT_EQ(one[k].outcome, many[k].outcome);
       EXPECT_EQ(one[k].summary.peak_force, many[k].summary.peak_force);
@@ -124,16 +123,15 @@ TEST(Campaign, IsStoppedWithinATrial) {
   };
   std::atomic<int> asked = 0;
   const auto results = run_campaign(
-      scene, scene_scaling(scene), [&](std::uint64_t) { return std::make_unique<Waits>(asked); }, 7,
-      100, 2, {}, [&] { return asked > 1000; });
+      scene, [&](std::uint64_t) { return std::make_unique<Waits>(asked); }, 7, 100, 2, {},
+      [&] { return asked > 1000; });
   EXPECT_TRUE(results.empty());
   EXPECT_LT(asked, 10'000);
 }
 
 TEST(Campaign, SummaryCountsEveryTrialOnce) {
   const Scene scene = quick();
-  const auto results = run_campaign(scene, scene_scaling(scene),
-                                    controller_maker(ConstantVelocity(2e-3)), 7, 40, 0, {});
+  const auto results = run_campaign(scene, controller_maker(ConstantVelocity(2e-3)), 7, 40, 0, {});
   const CampaignSummary s = summarise(results);
   std::size_t sum = 0;
   for (const std::size_t n : s.outcomes) sum += n;
@@ -169,7 +167,7 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
   const Scene scene = quick();
   for (std::uint64_t trial = 1; trial <= 4; ++trial) {
     InsertionLaw law = kLaw;
-    const TrialResult result = run_trial(scene, scene_scaling(scene), law, 1, trial);
+    const TrialResult result = run_trial(scene, law, 1, trial);
     const Episode episode = read_episode(testing::record(scene, folder.path(), trial, &law));
     EXPECT_EQ(episode.info.outcome == Outcome::inserted, result.outcome == Outcome::inserted);
     const auto n = static_cast<Eigen::Index>(std::lround(result.summary.time * 1e3));
@@ -189,7 +187,7 @@ TEST(Trial, AControllerThatIsNotFiniteEndsItsTrial) {
     }
   } broken;
   const Scene scene = quick();
-  EXPECT_EQ(run_trial(scene, scene_scaling(scene), broken, 1, 1).outcome, Outcome::invalid_output);
+  EXPECT_EQ(run_trial(scene, broken, 1, 1).outcome, Outcome::invalid_output);
 }
 
 TEST(LimitSpeed, CutsTheTranslationAndKeepsItsDirection) {

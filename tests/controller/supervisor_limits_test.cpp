@@ -145,7 +145,7 @@ struct Closed {
 // A supervised adversary in the simulator, feeling what the scene's sensor reads.
 Closed run(const Scene& scene, int kind, std::uint64_t seed) {
   const Scaling scaling = scene_scaling(scene);
-  const SupervisorLimits limits = supervisor_limits(scene, scaling);
+  const SupervisorLimits limits = supervisor_limits(scene);
   Supervisor supervisor(std::make_unique<Adversary>(kind, seed, limits), limits);
   StepResult result(draw_start(scene, seed, static_cast<std::uint64_t>(kind)));
   const State& state = result.state;
@@ -280,8 +280,8 @@ TEST(Supervisor, StopsBeforeTheLimitBehindASensorThatLags) {
 TEST(Supervisor, SaysWhatItCannotHold) {
   const Scene bench = load_scene("bench"),
               blind = load_scene("bench", {"sensor.noise_uN=10", "sensor.bias_uN=10"});
-  EXPECT_EQ(cannot_hold(supervisor_limits(bench, scene_scaling(bench))), "");
-  const std::string why = cannot_hold(supervisor_limits(blind, scene_scaling(blind)));
+  EXPECT_EQ(cannot_hold(supervisor_limits(bench)), "");
+  const std::string why = cannot_hold(supervisor_limits(blind));
   EXPECT_NE(why.find("cannot be held"), std::string::npos) << why;
 }
 

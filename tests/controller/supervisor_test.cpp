@@ -177,9 +177,9 @@ TEST(SupervisorAtLength, MakesConstantVelocityInsertMoreOften) {
   const Scaling scaling = scene_scaling(scene);
   const MakeController naive =
       controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed));
-  const auto alone = summarise(run_campaign(scene, scaling, naive, 11, 24, 0, {}));
-  const auto kept = summarise(run_campaign(
-      scene, scaling, supervised(naive, supervisor_limits(scene, scaling)), 11, 24, 0, {}));
+  const auto alone = summarise(run_campaign(scene, naive, 11, 24, 0, {}));
+  const auto kept =
+      summarise(run_campaign(scene, supervised(naive, supervisor_limits(scene)), 11, 24, 0, {}));
   EXPECT_LT(alone.successes, 18u);
   EXPECT_GE(kept.successes, 21u);
   EXPECT_FALSE(alone.interventions.has_value());
@@ -209,11 +209,10 @@ TEST(Supervisor, ARecordingOfOneThatGivesUpSaysWhyAndPlaysAgain) {
   const Scene scene = testing::paper({"start.distance_um=20"});
   const auto broken = [](double t) { return along(t < 0.3 ? -1e-3 : NAN, 0, 0); };
   const auto make = [&] {
-    return Supervisor(std::make_unique<Scripted>(broken),
-                      supervisor_limits(scene, scene_scaling(scene)));
+    return Supervisor(std::make_unique<Scripted>(broken), supervisor_limits(scene));
   };
   Supervisor in_trial = make(), recorded = make();
-  const TrialResult result = run_trial(scene, scene_scaling(scene), in_trial, 1, 1);
+  const TrialResult result = run_trial(scene, in_trial, 1, 1);
   EXPECT_EQ(result.outcome, Outcome::gave_up);
   EXPECT_EQ(result.supervision->gave_up, Intervention::not_finite);
   const Episode episode = read_episode(testing::record(scene, folder.path(), 1, &recorded));

@@ -122,7 +122,7 @@ TEST(Loop, ARecordingAndATrialOfAControllerAreTheSame) {
   std::array<int, kOutcomes> outcomes{};
   for (std::uint64_t trial = 1; trial <= 8; ++trial) {
     ConstantVelocity controller(scaling.motion * scene.limits.speed);
-    const TrialResult alone = run_trial(scene, scaling, controller, 1, trial);
+    const TrialResult alone = run_trial(scene, controller, 1, trial);
     const State start = draw_start(scene, 1, trial);
     ControllerHand hand = testing::controller_hand(scene, start, controller);
     InsertionWatch watch(scene, start);

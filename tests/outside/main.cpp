@@ -17,5 +17,5 @@ int main(int, char** arguments) {
   }
   std::cout << "tip at x = " << 1e6 * state.tip[0] << " um\n";
   ConstantVelocity controller(8e-3);
-  std::cout << name(run_trial(scene, scene_scaling(scene), controller, 1, 1).outcome) << "\n";
+  std::cout << name(run_trial(scene, controller, 1, 1).outcome) << "\n";
 }

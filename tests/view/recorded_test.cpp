@@ -26,8 +26,7 @@ float time_of(const Frame& frame) {
 
 TEST(Recorded, ATrialMadeAgainEndsAsInItsCampaign) {
   const Scene scene = load_scene("tolerance");  // pairs are drawn, some do not fit
-  const auto results =
-      run_campaign(scene, scene_scaling(scene), straight_in(scene), 7, 12, 1, [](std::size_t) {});
+  const auto results = run_campaign(scene, straight_in(scene), 7, 12, 1, [](std::size_t) {});
   for (std::size_t k = 0; k < results.size(); ++k) {
     const ReplayRun run = replay_of(scene, straight_in(scene), 7, k, "run");
     EXPECT_EQ(run.outcome, results[k].outcome);

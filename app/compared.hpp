@@ -1,0 +1,81 @@
+// What `ferrule compare` finds, and how it is shown: tables, JSON, plots and a page.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/compare_plot.hpp"
+#include "app/given_controller.hpp"
+#include "app/verb.hpp"
+#include "controller/campaign.hpp"
+#include "learn/candidates.hpp"
+
+namespace ferrule {
+
+struct CompareArguments {
+  SceneArguments scene;
+  std::string folder, plot, trials_out, seeds;
+  std::vector<std::string> controllers, transfer, learners;
+  PolicyArguments policy;
+  std::vector<std::size_t> demonstrations;
+  std::size_t trials = 1000;
+  double skill = 0.8;
+  std::uint64_t seed = 7, fit_seed = 1;
+  int threads = 0;
+  bool other_scaling = false;
+  Output output;
+};
+
+constexpr const char* kTeacher = "simulated operator";
+
+// A candidate and its trials, alone and under the supervisor.
+struct Entry {
+  Candidate candidate;
+  double ns;  // per action
+  std::vector<TrialResult> results, supervised_results{};
+  CampaignSummary alone{}, supervised{};
+  std::vector<Ring> rings{};
+  std::optional<Comparison>
+      against_teacher{};  // empty for the teacher, and without feasible trials
+};
+
+// Of one learner, by one seed of recording and fitting.
+struct BySeed {
+  std::string name;
+  std::uint64_t seed;
+  std::size_t demonstrations, rollouts;
+  CampaignSummary summary;
+};
+
+// In another scene.
+struct Transfer {
+  std::string scene, controller;
+  CampaignSummary alone, supervised;
+};
+
+// Everything that is found, as far as Ctrl-C lets it.
+struct Found {
+  std::vector<Entry> entries;
+  std::vector<Learning> learning;
+  std::vector<BySeed> by_seeds;
+  std::vector<Transfer> transfer;
+};
+
+// The tables, in the order in which they are found.
+void print_alone(const std::vector<Entry>& entries);
+void print_supervised(const std::vector<Entry>& entries);
+void print_against_teacher(const std::vector<Entry>& entries);
+void print_learning(const std::vector<Learning>& learning);
+void print_by_seeds(const std::vector<BySeed>& all);
+void print_transfer(const std::vector<Transfer>& transfer);  // of one scene
+
+Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+             std::size_t trained_starts, const Found& found);
+
+// Plots, and all of them in one page, into the folder `a.plot`; `starts` of the trials [m].
+void write_plots(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+                 const Found& found, const std::vector<Vector2d>& starts,
+                 const Provenance& provenance);
+
+}  // namespace ferrule

@@ -1,0 +1,81 @@
+#include <fmt/format.h>
+
+#include "app/compare_plot.hpp"
+#include "app/compared.hpp"
+#include "app/failures.hpp"
+#include "app/html.hpp"
+#include "capture/episode.hpp"
+#include "controller/campaign_table.hpp"
+
+namespace ferrule {
+namespace {
+
+void draw(const std::string& folder, const std::vector<Entry>& entries,
+          const std::vector<Learning>& learning, const std::vector<Vector2d>& starts) {
+  std::vector<std::pair<std::string, std::vector<Ring>>> rings;
+  for (const Entry& e : entries) {
+    rings.emplace_back(e.candidate.name, e.rings);
+    std::string name = "map_";
+    for (const char c : e.candidate.name)
+      if (c != ',') name += c == ' ' || c == '/' ? '_' : c;
+    write_svg(folder + "/" + name + ".svg", failure_map(e.candidate.name, e.results, starts));
+  }
+  write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
+  if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
+}
+
+// Which force acted when in what was learned from.
+NamedHistory forces_of(const DemonstrationSet& set) {
+  std::vector<InsertionForces> forces;
+  for (const Demonstration& d : set.demonstrations) {
+    const Episode episode = read_episode(d.file);
+    forces.emplace_back(episode, recorded_scene(episode, d.file));
+  }
+  return {fmt::format("{} demonstrations", forces.size()), force_history(std::move(forces))};
+}
+
+// All of it in one page, on which trials that failed can be watched.
+void write_report(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+                  const Found& found, const std::vector<Vector2d>& starts,
+                  const Provenance& provenance) {
+  std::vector<ReplayRun> runs;
+  std::vector<TrialMap> maps;
+  std::vector<NamedHistory> forces{forces_of(set)};
+  std::string maps_drawn, table;
+  std::vector<std::pair<std::string, std::vector<Ring>>> rings;
+  for (const Entry& e : found.entries) {
+    const std::string& who = e.candidate.name;
+    const char* against = who == "constant velocity" ? "constant-velocity"
+                          : who == kTeacher          ? "operator"
+                                                     : nullptr;
+    const std::string command =
+        against ? fmt::format("./ferrule view --trial TRIAL --against {}{} --seed {}{}", against,
+                              SceneArguments{scene.name, a.scene.settings}.given(), a.seed,
+                              who == kTeacher ? fmt::format(" --skill {}", a.skill) : "")
+                : "";
+    const TestedController tested{who, command, e.candidate.make, &e.results};
+    add_failures(scene, a.seed, tested, runs, maps);
+    forces.push_back(forces_of_trials(scene, a.seed, tested));
+    maps_drawn += figure(failure_map(who, e.results, starts), "");
+    rings.emplace_back(who, e.rings);
+    table += to_text(who, e.alone);
+  }
+  std::string html =
+      html_head("ferrule: ways to insert") + "<h1>Ways to insert, on the same trials</h1>\n" +
+      replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) + "</pre>\n" +
+      figure(misalignment_plot(rings), "") + to_html(forces) + maps_drawn;
+  if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
+  write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
+                                          escaped(provenance.foot()) + "</p>\n</body></html>\n");
+}
+
+}  // namespace
+
+void write_plots(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+                 const Found& found, const std::vector<Vector2d>& starts,
+                 const Provenance& provenance) {
+  draw(a.plot, found.entries, found.learning, starts);
+  write_report(a, scene, set, found, starts, provenance);
+}
+
+}  // namespace ferrule

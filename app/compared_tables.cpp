@@ -1,0 +1,208 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "app/compared.hpp"
+#include "app/damage.hpp"
+#include "controller/campaign_table.hpp"
+#include "controller/supervisor.hpp"
+#include "insertion/scene_scaling.hpp"
+
+namespace ferrule {
+namespace {
+
+// A number of a table; a dash where there is none.
+std::string cell(double x, int digits) {
+  return std::isfinite(x) ? fmt::format("{:.{}f}", x, digits) : "-";
+}
+
+std::string success_text(const CampaignSummary& s) {
+  return s.feasible > 0 ? fmt::format("{:5.1f} ({:.1f} to {:.1f})", 100 * s.success_rate,
+                                      100 * s.wilson.low, 100 * s.wilson.high)
+                        : "-";
+}
+
+std::string outcome_columns(const CampaignSummary& s) {
+  return fmt::format(" {:>22} {:>8} {:>9}", success_text(s), cell(s.time.median, 2),
+                     cell(1e6 * s.peak_force.median, 2));
+}
+constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
+
+Json to_json(const Entry& e, const Output& output) {
+  const Candidate& c = e.candidate;
+  Json row = {{"controller", c.name},
+              {"parameters", c.parameters},
+              {"labelled_rollouts", c.rollouts},
+              {"fit_s", number_or_null(c.fit_seconds)},
+              {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
+              {"ns_per_action", e.ns},
+              {"supervised", to_json(e.supervised)}};
+  row.update(to_json(e.alone));
+  add_failures(e.results, output, row);
+  if (c.name != kTeacher) {
+    constexpr Interval kNone{NAN, NAN};
+    const Comparison none{NAN, kNone, NAN, {NAN, kNone}, {NAN, kNone}};
+    row["against_operator"] = Json::object();
+    add_json(e.against_teacher.value_or(none), row["against_operator"]);
+  }
+  row["misalignment"] = Json::array();
+  for (const Ring& ring : e.rings)
+    row["misalignment"].push_back({{"from_um", 1e6 * ring.from},
+                                   {"to_um", 1e6 * ring.to},
+                                   {"feasible", ring.feasible},
+                                   {"inserted", ring.inserted}});
+  return row;
+}
+
+Json to_json(const Learning& l) {
+  Json row = {{"controller", l.name},
+              {"demonstrations", l.demonstrations},
+              {"labelled_rollouts", l.rollouts}};
+  row.update(to_json(l.summary));
+  return row;
+}
+
+Json to_json(const BySeed& s) {
+  Json row = {{"controller", s.name},
+              {"seed", s.seed},
+              {"demonstrations", s.demonstrations},
+              {"labelled_rollouts", s.rollouts}};
+  row.update(to_json(s.summary));
+  return row;
+}
+
+Json to_json(const Transfer& t) {
+  Json row = {
+      {"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}};
+  row.update(to_json(t.alone));
+  return row;
+}
+
+}  // namespace
+
+void print_alone(const std::vector<Entry>& entries) {
+  fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9} {:>7} {:>7}\n", "", "param", "fit [s]",
+             "held out", "ns", kOutcomeColumns, "loss [dB]", "to 99 %", "99.9 %");
+  for (const Entry& e : entries) {
+    const Candidate& c = e.candidate;
+    const bool learned = c.parameters > 0;
+    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9} {:>7} {:>7}\n", c.name,
+               learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
+               cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
+               cell(e.alone.loss_dB.median, 4), trials_to_show_or("-", 0.99, e.alone),
+               trials_to_show_or("-", 0.999, e.alone));
+  }
+  fmt::print(
+      "held out: velocity error on held-out demonstrations [mm/s, hand]; ns: per action;\n"
+      "time and loss: medians of the inserted, peak force: median of all;\n"
+      "to 99 %, 99.9 %: further trials that would show it at this rate; -: none would\n");
+  for (const Entry& e : entries)
+    if (const std::string note = time_limit_note(e.alone); !note.empty())
+      fmt::print("{}: {}\n", e.candidate.name, note);
+  fmt::print("\n");
+}
+
+void print_supervised(const std::vector<Entry>& entries) {
+  fmt::print(
+      "the same under the supervisor, and how often it intervened\n{:<26}{} {:>7} {:>7} {:>7} "
+      "{:>8}\n",
+      "", kOutcomeColumns, "held", "jam", "retreat", "gave up");
+  for (const Entry& e : entries) {
+    if (!e.supervised.interventions) continue;
+    const auto count = [&](Intervention kind) {
+      return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
+    };
+    fmt::print("{:<26}{} {:>7} {:>7} {:>7} {:>8}\n", e.candidate.name,
+               outcome_columns(e.supervised), count(Intervention::held), count(Intervention::jam),
+               count(Intervention::retreat),
+               e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
+  }
+}
+
+void print_against_teacher(const std::vector<Entry>& entries) {
+  fmt::print("\n{:<26} {:>26} {:>9} {:>23} {:>23}\n", fmt::format("minus {}", kTeacher),
+             "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");
+  for (const Entry& e : entries) {
+    if (!e.against_teacher) continue;
+    const Comparison& d = *e.against_teacher;
+    const auto paired = [](const PairedMedian& p, double unit) {
+      return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
+                         cell(unit * p.interval.high, 2));
+    };
+    fmt::print("{:<26} {:>26} {:>9.2g} {:>23} {:>23}\n", e.candidate.name,
+               fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
+                           100 * d.interval.high),
+               d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
+  }
+  fmt::print("of the same trials, alone; time and peak force: medians of the differences\n");
+  std::fflush(stdout);  // what follows takes long, and may be ended by Ctrl-C
+}
+
+// Lowest, median and highest over the seeds.
+void print_by_seeds(const std::vector<BySeed>& all) {
+  if (all.empty()) return;
+  fmt::print("\n{:<26} {:>5} {:>31} {:>29}\n", "over seeds", "seeds",
+             "inserted [%], median (range)", "time [s], median (range)");
+  std::vector<std::string> names;
+  for (const BySeed& each : all)
+    if (std::find(names.begin(), names.end(), each.name) == names.end()) names.push_back(each.name);
+  for (const std::string& name : names) {
+    std::vector<double> inserted, time;
+    for (const BySeed& each : all)
+      if (each.name == name) {
+        inserted.push_back(100 * each.summary.success_rate);
+        time.push_back(each.summary.time.median);
+      }
+    const auto spread = [](const std::vector<double>& v, int digits) {
+      return fmt::format("{} ({} to {})", cell(quantile(v, 0.5), digits),
+                         cell(quantile(v, 0), digits), cell(quantile(v, 1), digits));
+    };
+    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", name, inserted.size(), spread(inserted, 1),
+               spread(time, 2));
+  }
+  fmt::print("each seed records the demonstrations and fits again; the trials are the same\n");
+}
+
+void print_learning(const std::vector<Learning>& learning) {
+  if (learning.empty()) return;
+  fmt::print("\n{:<26} {:>7}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
+  for (const Learning& l : learning)
+    fmt::print("{:<26} {:>7}{}\n", l.name,
+               l.rollouts ? fmt::format("{}+{}", l.demonstrations, l.rollouts)
+                          : std::to_string(l.demonstrations),
+               outcome_columns(l.summary));
+  if (std::any_of(learning.begin(), learning.end(), [](const Learning& l) { return l.rollouts; }))
+    fmt::print("5+30: 5 demonstrations and 30 rollouts of its own, labelled by the operator\n");
+}
+
+// Of one scene.
+void print_transfer(const std::vector<Transfer>& transfer) {
+  if (transfer.empty()) return;
+  fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", transfer.front().scene),
+             kOutcomeColumns, kOutcomeColumns);
+  for (const Transfer& t : transfer)
+    fmt::print("{:<26}{}{}{}\n", t.controller, outcome_columns(t.alone),
+               outcome_columns(t.supervised),
+               t.alone.feasible < t.alone.trials
+                   ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
+                   : std::string());
+}
+
+Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+             std::size_t trained_starts, const Found& found) {
+  const auto row = [](const auto& r) { return to_json(r); };
+  return {{"scene", scene.name},
+          {"demonstrations", set.demonstrations.size()},
+          {"trials", a.trials},
+          {"trained_starts", trained_starts},
+          {"seed", a.seed},
+          {"supervisor", supervisor_json(supervisor_limits(scene), scene_scaling(scene))},
+          {"damage", damage_json(scene)},
+          {"rows", json_list(found.entries, [&](const Entry& e) { return to_json(e, a.output); })},
+          {"by_demonstrations", json_list(found.learning, row)},
+          {"by_seeds", json_list(found.by_seeds, row)},
+          {"transfer", json_list(found.transfer, row)}};
+}
+
+}  // namespace ferrule

@@ -1,0 +1,45 @@
+// The HDF5 layout of an episode file (capture/README.md), as each version of the format has it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+
+#include "capture/episode.hpp"
+#include "capture/hdf5.hpp"
+
+namespace ferrule {
+
+inline constexpr const char* kFormat = "ferrule episode";
+// 1: columns as one text, no scales, no flow and air; 2: no particle; 3 and 4: with the warm start of
+// the step after. Older files are read, and held against what they were.
+inline constexpr std::uint64_t kFormatVersion = 5;
+inline constexpr const char* kDemo = "/data/demo_0";
+inline constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
+inline constexpr const char* kInputsHash = "inputs_sha1";
+
+// Where a block of the rows stands.
+std::string rows_path(const Block& b);
+
+// A block as files of a format have it: the second knew no particle, the first neither flow ahead
+// of the end nor air there.
+Block block_of(Block block, std::uint64_t version);
+
+// The texts that are there where they are not empty.
+template <class Info>
+auto optional_texts(Info& info) {
+  return std::array{std::pair{"mapping", &info.mapping}, std::pair{"coupling", &info.coupling},
+                    std::pair{"loop", &info.loop},       std::pair{"why", &info.why},
+                    std::pair{"trainee", &info.trainee}, std::pair{"date", &info.date},
+                    std::pair{"session", &info.session}};
+}
+
+// All that a file holds.
+hdf5::Content content_of(const Episode& episode, const Scene& scene,
+                         std::uint64_t version = kFormatVersion);
+
+// The hash of what cannot be computed again from the rest: all attributes, and what the hand did.
+std::string inputs_sha1(const hdf5::Content& content);
+
+}  // namespace ferrule

@@ -1,0 +1,144 @@
+// The tries of a session: their list, what the trainee does with the last one, and what is fitted to
+// them.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "controller/controller_file.hpp"
+#include "sim/scene/draw.hpp"
+#include "view/session.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+// A controller file of the folder that is not there yet.
+std::string free_controller(const std::string& folder) {
+  for (int n = 1;; ++n) {
+    std::string file = fmt::format("{}/controller_{:04}.json", folder, n);
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) return file;
+  }
+}
+
+}  // namespace
+
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+void Session::rate(int stars) {
+  if (!kept_) throw BadInput("there is no try to rate");
+  kept_->rate(stars);
+  const std::string& file = kept_->file();
+  {
+    const std::lock_guard lock(mutex_);
+    for (Listed& listed : episodes_)
+      if (listed.file == file) listed.json["rating"] = stars;
+  }
+  say_episodes();
+}
+
+void Session::discard_last() {
+  if (!kept_) throw BadInput("there is no try to discard");
+  const std::string file = kept_->file();
+  std::error_code error;
+  if (!fs::remove(file, error)) throw BadInput(file_name(file) + ": could not be removed");
+  kept_.reset();
+  {
+    const std::lock_guard lock(mutex_);
+    std::erase_if(episodes_, [&](const Listed& listed) { return listed.file == file; });
+    said_.erase("ended");
+  }
+  say_episodes();
+  prepare(next_episode_number(settings_.out));
+}
+
+void Session::start_fit(const FitMessage& message) {
+  if (fit_) throw BadInput("a fit runs already");
+  std::vector<std::string> files;
+  {
+    const std::lock_guard lock(mutex_);
+    const std::vector<std::string>& wanted = message.episodes;
+    for (const Listed& listed : episodes_) {
+      const bool named =
+          std::find(wanted.begin(), wanted.end(), file_name(listed.file)) != wanted.end();
+      if (listed.json["same_scene"] == true && (wanted.empty() || named))
+        files.push_back(listed.file);
+    }
+    if (!wanted.empty() && files.size() != wanted.size())
+      throw BadInput("fit: an episode that is not on the list, or of another scene");
+  }
+  if (files.empty()) throw BadInput("fit: there are no episodes of this scene");
+  fit_ = std::make_unique<BackgroundFit>(settings_.program, files, free_controller(settings_.out));
+  say("fit", {{"state", "running"}, {"progress", 0}, {"episodes", files.size()}});
+}
+
+void Session::watch_fit() {
+  if (!fit_) return;
+  const double before = fit_->progress();
+  const BackgroundFit::State state = fit_->poll();
+  if (state == BackgroundFit::State::running) {
+    if (fit_->progress() != before)
+      say("fit", {{"state", "running"}, {"progress", fit_->progress()}, {"part", fit_->part()}});
+    return;
+  }
+  const std::unique_ptr<BackgroundFit> ended = std::move(fit_);
+  try {
+    if (state == BackgroundFit::State::failed) throw BadInput(ended->text());
+    controller_ = load_controller(ended->controller());
+    controller_file_ = ended->controller();
+    say("fit", {{"state", "done"}, {"progress", 1}, {"controller", file_name(controller_file_)}});
+  } catch (const std::exception& error) {
+    say("fit", {{"state", "failed"}, {"progress", ended->progress()}, {"text", error.what()}});
+  }
+  say_state();
+}
+
+void Session::read_one_more() {
+  const std::string file = unread_.front();
+  unread_.pop_front();
+  try {
+    const Episode episode = read_episode(file);
+    list(episode, file, recorded_scene(episode, file));
+  } catch (const std::exception& error) {  // is not ours to mend
+    complain(error.what());
+  }
+  say_episodes();
+}
+
+void Session::list(const Episode& episode, const std::string& file, const Scene& scene) {
+  const EpisodeInfo& info = episode.info;
+  const Measures m = measure(episode, scene);
+  const bool same = undrawn(scene.document) == undrawn(settings_.scene.document);
+  Json json = {{"file", file_name(file)},
+               {"outcome", name(info.outcome)},
+               {"score", nullptr},
+               {"time_s", m[Part::time]},
+               {"peak_force_uN", 1e6 * m[Part::peak_force]},
+               {"operator", info.operator_},
+               {"trainee", info.trainee},
+               {"date", info.date},
+               {"session", info.session},
+               {"rating", info.rating},
+               {"scene", scene.name},
+               {"same_scene", same}};
+  if (same && yardstick_) json["score"] = number_or_null(score(m, *yardstick_).total);
+  const std::lock_guard lock(mutex_);
+  episodes_.push_back({file, std::move(json)});
+  std::sort(episodes_.begin(), episodes_.end(),
+            [](const Listed& a, const Listed& b) { return a.file < b.file; });
+}
+
+void Session::say_episodes() {
+  Json list = Json::array();
+  {
+    const std::lock_guard lock(mutex_);
+    for (const Listed& listed : episodes_) list.push_back(listed.json);
+  }
+  say("episodes", {{"list", list}, {"reading", unread_.size()}});
+}
+
+}  // namespace ferrule
