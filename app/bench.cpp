@@ -116,42 +116,40 @@ void draw(const std::string& folder, const std::vector<LawRow>& laws,
   fmt::print(stderr, "wrote {0}/laws.svg and {0}/stepping.svg\n", printable(folder));
 }
 
-// Of force laws and of controllers: what it is, how it is computed, cost and error.
-const Columns<LawRow> kLaws = {
-    {"name", "law", "<15", &LawRow::name},
-    {"fidelity", "fidelity", "<42", &LawRow::fidelity},
-    {"ns", "ns", ">9.1f", &LawRow::ns},
-    {"relative_error", "relative error", ">15.2g", &LawRow::relative_error}};
+// Of force laws and of controllers: what it is, `how` it is computed, cost and error.
+template <class Row>
+Columns<Row> cost_columns(const char* what, const char* how, std::string Row::*computed) {
+  return {{"name", what, "<15", &Row::name},
+          {how, how, "<42", computed},
+          {"ns", "ns", ">9.1f", &Row::ns},
+          {"relative_error", "relative error", ">15.2g", &Row::relative_error}};
+}
 
-const Columns<ControllerRow> kControllers = {
-    {"name", "controller", "<15", &ControllerRow::name},
-    {"shape", "shape", "<42", &ControllerRow::shape},
-    {"ns", "ns", ">9.1f", &ControllerRow::ns},
-    {"relative_error", "relative error", ">15.2g", &ControllerRow::relative_error}};
+Columns<SteppingRow> stepping_columns() {
+  return {{"method", "method", "<15", &SteppingRow::method},
+          {"case", "case", "<26", &SteppingRow::scene_case},
+          {"step_s", "step [s]", ">9.0e", &SteppingRow::step_s},
+          {"ns_per_step", "ns per step", ">11.0f", &SteppingRow::ns_per_step},
+          {"us_per_simulated_s", "us per simul. s", ">16.4g", &SteppingRow::us_per_simulated_s},
+          {"tip_error_nm", "tip err. [nm]", ">13.3g", &SteppingRow::tip_error_nm, "diverged"},
+          {"force_error_relative", "force error", ">12.2g", &SteppingRow::force_error_relative},
+          {"newton_iterations", "Newton/st", ">9.2f", &SteppingRow::newton_iterations},
+          {"not_converged", "failed", ">7", &SteppingRow::not_converged},
+          {"halvings", "halved", ">7", &SteppingRow::rejected}};
+}
 
-const Columns<SteppingRow> kStepping = {
-    {"method", "method", "<15", &SteppingRow::method},
-    {"case", "case", "<26", &SteppingRow::scene_case},
-    {"step_s", "step [s]", ">9.0e", &SteppingRow::step_s},
-    {"ns_per_step", "ns per step", ">11.0f", &SteppingRow::ns_per_step},
-    {"us_per_simulated_s", "us per simul. s", ">16.4g", &SteppingRow::us_per_simulated_s},
-    {"tip_error_nm", "tip err. [nm]", ">13.3g", &SteppingRow::tip_error_nm, "diverged"},
-    {"force_error_relative", "force error", ">12.2g", &SteppingRow::force_error_relative},
-    {"newton_iterations", "Newton/st", ">9.2f", &SteppingRow::newton_iterations},
-    {"not_converged", "failed", ">7", &SteppingRow::not_converged},
-    {"halvings", "halved", ">7", &SteppingRow::rejected}};
-
-const Columns<CampaignRow> kCampaigns = {
-    {"scene", "campaign in", "<11", &CampaignRow::scene},
-    {"controller", "controller", "<14", &CampaignRow::controller},
-    {"step_s", "step [s]", ">8.0e", &CampaignRow::step_s},
-    {"steps", "steps", ">8", &CampaignRow::steps},
-    {"ns_per_step", "ns per step", ">11.0f", &CampaignRow::ns_per_step},
-    {"iterations_in_contact", "iter. contact", ">14.2f", &CampaignRow::iterations_in_contact},
-    {"evaluations", "evals/st", ">9.2f", &CampaignRow::evaluations},
-    {"evaluations_max", "most", ">9", &CampaignRow::evaluations_max},
-    {"not_converged", "failed", ">7", &CampaignRow::not_converged},
-    {"capped", "capped", ">7", &CampaignRow::capped}};
+Columns<CampaignRow> campaign_columns() {
+  return {{"scene", "campaign in", "<11", &CampaignRow::scene},
+          {"controller", "controller", "<14", &CampaignRow::controller},
+          {"step_s", "step [s]", ">8.0e", &CampaignRow::step_s},
+          {"steps", "steps", ">8", &CampaignRow::steps},
+          {"ns_per_step", "ns per step", ">11.0f", &CampaignRow::ns_per_step},
+          {"iterations_in_contact", "iter. contact", ">14.2f", &CampaignRow::iterations_in_contact},
+          {"evaluations", "evals/st", ">9.2f", &CampaignRow::evaluations},
+          {"evaluations_max", "most", ">9", &CampaignRow::evaluations_max},
+          {"not_converged", "failed", ">7", &CampaignRow::not_converged},
+          {"capped", "capped", ">7", &CampaignRow::capped}};
+}
 
 int speed_and_error(const BenchArguments& a) {
   const std::vector<LawRow> laws = bench_laws(watched("laws"));
@@ -159,19 +157,21 @@ int speed_and_error(const BenchArguments& a) {
   const std::vector<CampaignRow> campaigns = bench_campaigns(watched("campaigns"));
   const std::vector<ControllerRow> controllers = bench_controllers(watched("controllers"));
   if (!a.plot.empty() && !interrupted()) draw(a.plot, laws, stepping);
+  const auto of_laws = cost_columns("law", "fidelity", &LawRow::fidelity);
+  const auto of_controllers = cost_columns("controller", "shape", &ControllerRow::shape);
   const Provenance provenance = provenance_of_bench();
-  Json json = {{"laws", table_json(kLaws, laws)},
-               {"stepping", table_json(kStepping, stepping)},
-               {"campaigns", table_json(kCampaigns, campaigns)},
-               {"controllers", table_json(kControllers, controllers)}};
+  Json json = {{"laws", table_json(of_laws, laws)},
+               {"stepping", table_json(stepping_columns(), stepping)},
+               {"campaigns", table_json(campaign_columns(), campaigns)},
+               {"controllers", table_json(of_controllers, controllers)}};
   if (a.output.text()) {
-    print_table(kLaws, laws);
+    print_table(of_laws, laws);
     fmt::print("\n");
-    print_table(kStepping, stepping);
+    print_table(stepping_columns(), stepping);
     fmt::print("\n");
-    print_table(kCampaigns, campaigns);
+    print_table(campaign_columns(), campaigns);
     fmt::print("\n");
-    print_table(kControllers, controllers);
+    print_table(of_controllers, controllers);
     fmt::print("{}", provenance.foot());
   } else if (a.output.csv) {  // the tables in one
     json["table"] = Json::array();
@@ -205,40 +205,44 @@ const char* status(const HardRow& r) {
   return !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
 }
 
-const Columns<HardRow> kHard = {{"case", "case", "<62", &HardRow::name},
-                                {"step_s", "step [s]", ">8g", &HardRow::step_s},
-                                {"error", "error", ">9.2g", &HardRow::error, "nan"},
-                                {"status", "status", "<7", status},
-                                {"result", "result", "", &HardRow::result}};
+Columns<HardRow> hard_columns() {
+  return {{"case", "case", "<62", &HardRow::name},
+          {"step_s", "step [s]", ">8g", &HardRow::step_s},
+          {"error", "error", ">9.2g", &HardRow::error, "nan"},
+          {"status", "status", "<7", status},
+          {"result", "result", "", &HardRow::result}};
+}
 
 int hard(const BenchArguments& a) {
   const std::vector<HardRow> rows = bench_hard(watched("hard cases"));
-  return show(a, kHard, rows, "", provenance_of_bench(),
+  return show(a, hard_columns(), rows, "", provenance_of_bench(),
               std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)));
 }
 
-const Columns<CaptureRow> kCapture = {
-    {"offset_clearances", "", "", &CaptureRow::offset_clearances},
-    {"capture_clearances", "", "", &CaptureRow::capture_clearances},
-    {"direction_deg", "", "", &CaptureRow::direction_deg},
-    {"speed_um_s", "", "", &CaptureRow::speed_um_s},
-    {"step_s", "", "", &CaptureRow::step_s},
-    {"edge_um", "", "", &CaptureRow::edge_um},
-    {"cleave_deg", "", "", &CaptureRow::cleave_deg},
-    {"lead_in", "", "", &CaptureRow::lead_in},
-    {"inserted", "", "", &CaptureRow::inserted}};
+Columns<CaptureRow> capture_columns() {
+  return {{"offset_clearances", "", "", &CaptureRow::offset_clearances},
+          {"capture_clearances", "", "", &CaptureRow::capture_clearances},
+          {"direction_deg", "", "", &CaptureRow::direction_deg},
+          {"speed_um_s", "", "", &CaptureRow::speed_um_s},
+          {"step_s", "", "", &CaptureRow::step_s},
+          {"edge_um", "", "", &CaptureRow::edge_um},
+          {"cleave_deg", "", "", &CaptureRow::cleave_deg},
+          {"lead_in", "", "", &CaptureRow::lead_in},
+          {"inserted", "", "", &CaptureRow::inserted}};
+}
 
 // How many went in of those alike: by lead-in, edge, cleave, offset and what must be.
 using CaptureCount = std::pair<const std::tuple<bool, double, double, double, bool>,
                                std::pair<std::size_t, std::size_t>>;
-const Columns<CaptureCount> kCaptureCounts = {
-    {"", "mouth", "<12", [](auto& c) { return std::get<0>(c.first) ? "lead-in" : "sharp"; }},
-    {"", "edge [um]", ">10g", [](auto& c) { return std::get<1>(c.first); }},
-    {"", "cleave [deg]", ">12g", [](auto& c) { return std::get<2>(c.first); }},
-    {"", "offset", ">10.5g", [](auto& c) { return std::get<3>(c.first); }},
-    {"", "must go in", ">12", [](auto& c) { return std::get<4>(c.first) ? "yes" : "no"; }},
-    {"", "inserted", ">12",
-     [](auto& c) { return fmt::format("{} of {}", c.second.first, c.second.second); }}};
+Columns<CaptureCount> capture_count_columns() {
+  return {{"", "mouth", "<12", [](auto& c) { return std::get<0>(c.first) ? "lead-in" : "sharp"; }},
+          {"", "edge [um]", ">10g", [](auto& c) { return std::get<1>(c.first); }},
+          {"", "cleave [deg]", ">12g", [](auto& c) { return std::get<2>(c.first); }},
+          {"", "offset", ">10.5g", [](auto& c) { return std::get<3>(c.first); }},
+          {"", "must go in", ">12", [](auto& c) { return std::get<4>(c.first) ? "yes" : "no"; }},
+          {"", "inserted", ">12",
+           [](auto& c) { return fmt::format("{} of {}", c.second.first, c.second.second); }}};
+}
 
 void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
   std::map<CaptureCount::first_type, CaptureCount::second_type> counts;
@@ -248,7 +252,7 @@ void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
     in += r.inserted;
     ++all;
   }
-  print_table(kCaptureCounts, {counts.begin(), counts.end()});
+  print_table(capture_count_columns(), {counts.begin(), counts.end()});
   fmt::print(
       "offsets in clearances; a sharp bore takes those below 1, a lead-in those below its rim; a "
       "rounded end its radius more; a cleaved one while its foremost point is over the bore\n"
@@ -265,178 +269,192 @@ int capture(const BenchArguments& a) {
     print_capture(rows, wrong);
     fmt::print("{}", provenance.foot());
   }
-  print_result(a.output, {{"rows", table_json(kCapture, rows)}, {"wrong", wrong}}, "rows",
+  print_result(a.output, {{"rows", table_json(capture_columns(), rows)}, {"wrong", wrong}}, "rows",
                provenance);
   return ended(wrong == 0);
 }
 
-const Columns<RecordingRow> kRecording = {
-    {"scene", "scene", "<10", &RecordingRow::scene},
-    {"rows", "rows", ">8", &RecordingRow::rows},
-    {"us_per_row", "us a row, recorded", ">18.2f", &RecordingRow::us_per_row},
-    {"us_per_row_written", "us a row, written", ">18.2f", &RecordingRow::us_per_row_written},
-    {"kB_per_s", "kB per second", ">14.0f", &RecordingRow::kB_per_s}};
+Columns<RecordingRow> recording_columns() {
+  return {{"scene", "scene", "<10", &RecordingRow::scene},
+          {"rows", "rows", ">8", &RecordingRow::rows},
+          {"us_per_row", "us a row, recorded", ">18.2f", &RecordingRow::us_per_row},
+          {"us_per_row_written", "us a row, written", ">18.2f", &RecordingRow::us_per_row_written},
+          {"kB_per_s", "kB per second", ">14.0f", &RecordingRow::kB_per_s}};
+}
 
 int recording(const BenchArguments& a) {
-  return show(a, kRecording, bench_recording(watched("recording")),
+  return show(a, recording_columns(), bench_recording(watched("recording")),
               "recorded: by the thread of the loop; written: by another one, afterwards\n",
               provenance_of_bench());
 }
 
-const Columns<TailRow> kTail = {
-    {"scene", "scene", "<10", &TailRow::scene},
-    {"steps", "steps", ">9", &TailRow::steps},
-    {"not_converged", "failed", ">7", &TailRow::not_converged},
-    {"capped", "capped", ">7", &TailRow::capped},
-    {"evaluations_p9999", "eval 99.99 %", ">12", &TailRow::evaluations_p9999},
-    {"evaluations_max", "eval most", ">9", &TailRow::evaluations_max},
-    {"p9999_us", "us 99.99 %", ">12.3g", &TailRow::p9999_us},
-    {"worst_us", "us most", ">9.3g", &TailRow::worst_us},
-    {"loops", "loops", ">6", &TailRow::loops},
-    {"loops_that_gained", "gained", ">7", &TailRow::loops_that_gained}};
-
-int tail(const BenchArguments& a) {
-  return show(a, kTail, bench_tail(a.seed, a.scenes.value_or(kScenes), watched("tail")), "",
-              provenance_of_steps(a, shipped_scenes()));
+Columns<TailRow> tail_columns() {
+  return {{"scene", "scene", "<10", &TailRow::scene},
+          {"steps", "steps", ">9", &TailRow::steps},
+          {"not_converged", "failed", ">7", &TailRow::not_converged},
+          {"capped", "capped", ">7", &TailRow::capped},
+          {"evaluations_p9999", "eval 99.99 %", ">12", &TailRow::evaluations_p9999},
+          {"evaluations_max", "eval most", ">9", &TailRow::evaluations_max},
+          {"p9999_us", "us 99.99 %", ">12.3g", &TailRow::p9999_us},
+          {"worst_us", "us most", ">9.3g", &TailRow::worst_us},
+          {"loops", "loops", ">6", &TailRow::loops},
+          {"loops_that_gained", "gained", ">7", &TailRow::loops_that_gained}};
 }
 
-const Columns<EventRow> kEvents = {
-    {"scene", "scene", "<10", &EventRow::scene},
-    {"motion", "motion", "<10", &EventRow::motion},
-    {"step_s", "", "", &EventRow::step_s},
-    {"", "step [ms]", ">9.4g", [](auto& r) { return 1e3 * r.step_s; }},
-    {"pose_difference_clearances", "pose [clearances]", ">18.2g",
-     &EventRow::pose_difference_clearances},
-    {"force_difference_relative", "force", ">12.2g", &EventRow::force_difference_relative},
-    {"share_above_1_percent", "above 1 %", ">11.2g", &EventRow::share_above_1_percent},
-    {"us_per_simulated_s", "us per simul. s", ">16.4g", &EventRow::us_per_simulated_s},
-    {"not_converged", "failed", ">7", &EventRow::not_converged},
-    {"capped", "capped", ">7", &EventRow::capped}};
+int tail(const BenchArguments& a) {
+  return show(a, tail_columns(), bench_tail(a.seed, a.scenes.value_or(kScenes), watched("tail")),
+              "", provenance_of_steps(a, shipped_scenes()));
+}
+
+Columns<EventRow> event_columns() {
+  return {{"scene", "scene", "<10", &EventRow::scene},
+          {"motion", "motion", "<10", &EventRow::motion},
+          {"step_s", "", "", &EventRow::step_s},
+          {"", "step [ms]", ">9.4g", [](auto& r) { return 1e3 * r.step_s; }},
+          {"pose_difference_clearances", "pose [clearances]", ">18.2g",
+           &EventRow::pose_difference_clearances},
+          {"force_difference_relative", "force", ">12.2g", &EventRow::force_difference_relative},
+          {"share_above_1_percent", "above 1 %", ">11.2g", &EventRow::share_above_1_percent},
+          {"us_per_simulated_s", "us per simul. s", ">16.4g", &EventRow::us_per_simulated_s},
+          {"not_converged", "failed", ">7", &EventRow::not_converged},
+          {"capped", "capped", ">7", &EventRow::capped}};
+}
 
 int events(const BenchArguments& a) {
   const auto rows = bench_events(a.seed, a.scenes.value_or(2), scenes_of(a), watched("events"));
-  return show(a, kEvents, rows, "", provenance_of_steps(a, scenes_of(a)));
+  return show(a, event_columns(), rows, "", provenance_of_steps(a, scenes_of(a)));
 }
 
-const Columns<ParameterRow> kParameters = {
-    {"parameter", "parameter", "<22", &ParameterRow::parameter},
-    {"factor", "factor", ">6.2g", &ParameterRow::factor},
-    {"value", "value", ">9.4g", &ParameterRow::value},
-    {"steps", "", "", &ParameterRow::steps},
-    {"evaluations", "evaluations", ">11.4f", &ParameterRow::evaluations},
-    {"evaluations_max", "most", ">9", &ParameterRow::evaluations_max},
-    {"not_converged", "failed", ">7", &ParameterRow::not_converged},
-    {"iteration_limit", "at limit", ">8", &ParameterRow::iteration_limit},
-    {"error_p99_clearances", "error 99 %", ">12.2g", &ParameterRow::error_p99},
-    {"error_max_clearances", "error most", ">12.2g", &ParameterRow::error_max}};
+Columns<ParameterRow> parameter_columns() {
+  return {{"parameter", "parameter", "<22", &ParameterRow::parameter},
+          {"factor", "factor", ">6.2g", &ParameterRow::factor},
+          {"value", "value", ">9.4g", &ParameterRow::value},
+          {"steps", "", "", &ParameterRow::steps},
+          {"evaluations", "evaluations", ">11.4f", &ParameterRow::evaluations},
+          {"evaluations_max", "most", ">9", &ParameterRow::evaluations_max},
+          {"not_converged", "failed", ">7", &ParameterRow::not_converged},
+          {"iteration_limit", "at limit", ">8", &ParameterRow::iteration_limit},
+          {"error_p99_clearances", "error 99 %", ">12.2g", &ParameterRow::error_p99},
+          {"error_max_clearances", "error most", ">12.2g", &ParameterRow::error_max}};
+}
 
 int parameters(const BenchArguments& a) {
   const auto rows =
       bench_parameters(a.seed, a.scenes.value_or(1), scenes_of(a), watched("parameters"));
-  return show(a, kParameters, rows,
+  return show(a, parameter_columns(), rows,
               "evaluations: of the potential, per step; error: of a step against a strict one from "
               "the same state, in clearances\n",
               provenance_of_steps(a, scenes_of(a)));
 }
 
-const Columns<TurnRow> kTurns = {{"scene", "scene", "<10", &TurnRow::scene},
-                                 {"motion", "motion", "<10", &TurnRow::motion},
-                                 {"turned_90", "turned by 90", ">13.2g", &TurnRow::quarter},
-                                 {"turned_37", "by 37 deg", ">12.2g", &TurnRow::any},
-                                 {"mirrored", "mirrored", ">12.2g", &TurnRow::mirrored},
-                                 {"starts", "starts", ">12", &TurnRow::starts},
-                                 {"off", "off by 1e-6", ">12", &TurnRow::off}};
-
-int turns(const BenchArguments& a) {
-  return show(a, kTurns, bench_turns(a.seed, a.scenes.value_or(kScenes), watched("turns")), "",
-              provenance_of_steps(a, shipped_scenes()));
+Columns<TurnRow> turn_columns() {
+  return {{"scene", "scene", "<10", &TurnRow::scene},
+          {"motion", "motion", "<10", &TurnRow::motion},
+          {"turned_90", "turned by 90", ">13.2g", &TurnRow::quarter},
+          {"turned_37", "by 37 deg", ">12.2g", &TurnRow::any},
+          {"mirrored", "mirrored", ">12.2g", &TurnRow::mirrored},
+          {"starts", "starts", ">12", &TurnRow::starts},
+          {"off", "off by 1e-6", ">12", &TurnRow::off}};
 }
 
-const Columns<PartRow> kParts = {
-    {"scene", "scene", "<10", &PartRow::scene},
-    {"part", "with", "<20", &PartRow::part},
-    {"controller", "controller", "<18", &PartRow::controller},
-    {"trials", "", "", &PartRow::trials},
-    {"inserted", "", "", &PartRow::inserted},
-    {"low", "", "", [](auto& r) { return r.interval.low; }},
-    {"high", "", "", [](auto& r) { return r.interval.high; }},
-    {"", "inserted", ">12", [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }},
-    {"", "95 % [%]", ">18", [](auto& r) {
-       return fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low, 100 * r.interval.high);
-     }}};
+int turns(const BenchArguments& a) {
+  return show(a, turn_columns(), bench_turns(a.seed, a.scenes.value_or(kScenes), watched("turns")),
+              "", provenance_of_steps(a, shipped_scenes()));
+}
+
+Columns<PartRow> part_columns() {
+  return {{"scene", "scene", "<10", &PartRow::scene},
+          {"part", "with", "<20", &PartRow::part},
+          {"controller", "controller", "<18", &PartRow::controller},
+          {"trials", "", "", &PartRow::trials},
+          {"inserted", "", "", &PartRow::inserted},
+          {"low", "", "", [](auto& r) { return r.interval.low; }},
+          {"high", "", "", [](auto& r) { return r.interval.high; }},
+          {"", "inserted", ">12",
+           [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }},
+          {"", "95 % [%]", ">18", [](auto& r) {
+             return fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low, 100 * r.interval.high);
+           }}};
+}
 
 int parts(const BenchArguments& a) {
-  return show(a, kParts, bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")), "",
-              provenance_of_steps(a, scenes_of(a)));
+  return show(a, part_columns(), bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")),
+              "", provenance_of_steps(a, scenes_of(a)));
 }
 
 std::string count_and_interval(std::size_t count, const Interval& i) {
   return fmt::format("{} ({:.1f} to {:.1f} %)", count, 100 * i.low, 100 * i.high);
 }
-const Columns<PlanRow> kPlans = {
-    {"scene", "scene", "<10", &PlanRow::scene},
-    {"plan_for", "for", "<8", &PlanRow::plan_for},
-    {"planning_s", "plan [s]", ">8.2f", &PlanRow::planning_s},
-    {"error_bound", "bound", ">9.2g", &PlanRow::error_bound, "inf"},
-    {"sampled_twice", "sampled twice", ">14.2g", &PlanRow::sampled_twice},
-    {"full_us_per_simulated_s", "full", ">10.0f", &PlanRow::full_us_per_simulated_s},
-    {"shipped_us_per_simulated_s", "shipped", ">10.0f", &PlanRow::shipped_us_per_simulated_s},
-    {"planned_us_per_simulated_s", "planned", ">10.0f", &PlanRow::planned_us_per_simulated_s},
-    {"ratio", "ratio", ">6.2f", &PlanRow::ratio},
-    {"trials", "trials", ">7", &PlanRow::trials},
-    {"full_inserted", "", "", &PlanRow::full_inserted},
-    {"full_low", "", "", [](auto& r) { return r.full_interval.low; }},
-    {"full_high", "", "", [](auto& r) { return r.full_interval.high; }},
-    {"planned_inserted", "", "", &PlanRow::planned_inserted},
-    {"planned_low", "", "", [](auto& r) { return r.planned_interval.low; }},
-    {"planned_high", "", "", [](auto& r) { return r.planned_interval.high; }},
-    {"", "full inserted", ">24",
-     [](auto& r) { return count_and_interval(r.full_inserted, r.full_interval); }},
-    {"", "planned inserted", ">24",
-     [](auto& r) { return count_and_interval(r.planned_inserted, r.planned_interval); }}};
+Columns<PlanRow> plan_columns() {
+  return {{"scene", "scene", "<10", &PlanRow::scene},
+          {"plan_for", "for", "<8", &PlanRow::plan_for},
+          {"planning_s", "plan [s]", ">8.2f", &PlanRow::planning_s},
+          {"error_bound", "bound", ">9.2g", &PlanRow::error_bound, "inf"},
+          {"sampled_twice", "sampled twice", ">14.2g", &PlanRow::sampled_twice},
+          {"full_us_per_simulated_s", "full", ">10.0f", &PlanRow::full_us_per_simulated_s},
+          {"shipped_us_per_simulated_s", "shipped", ">10.0f", &PlanRow::shipped_us_per_simulated_s},
+          {"planned_us_per_simulated_s", "planned", ">10.0f", &PlanRow::planned_us_per_simulated_s},
+          {"ratio", "ratio", ">6.2f", &PlanRow::ratio},
+          {"trials", "trials", ">7", &PlanRow::trials},
+          {"full_inserted", "", "", &PlanRow::full_inserted},
+          {"full_low", "", "", [](auto& r) { return r.full_interval.low; }},
+          {"full_high", "", "", [](auto& r) { return r.full_interval.high; }},
+          {"planned_inserted", "", "", &PlanRow::planned_inserted},
+          {"planned_low", "", "", [](auto& r) { return r.planned_interval.low; }},
+          {"planned_high", "", "", [](auto& r) { return r.planned_interval.high; }},
+          {"", "full inserted", ">24",
+           [](auto& r) { return count_and_interval(r.full_inserted, r.full_interval); }},
+          {"", "planned inserted", ">24",
+           [](auto& r) { return count_and_interval(r.planned_inserted, r.planned_interval); }}};
+}
 
 int plans(const BenchArguments& a) {
-  return show(a, kPlans, bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")),
+  return show(a, plan_columns(), bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")),
               "full (every step solved), shipped, planned: us of the processor per simulated s of "
               "a campaign\n",
               provenance_of_steps(a, scenes_of(a)));
 }
 
-const Columns<SensorRow> kSensors = {
-    {"scene", "scene", "<10", &SensorRow::scene},
-    {"sensor", "sensor", "<32", &SensorRow::sensor},
-    {"trials", "", "", &SensorRow::trials},
-    {"inserted", "", "", &SensorRow::inserted},
-    {"", "inserted", ">12", [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }}};
+Columns<SensorRow> sensor_columns() {
+  return {{"scene", "scene", "<10", &SensorRow::scene},
+          {"sensor", "sensor", "<32", &SensorRow::sensor},
+          {"trials", "", "", &SensorRow::trials},
+          {"inserted", "", "", &SensorRow::inserted},
+          {"", "inserted", ">12",
+           [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }}};
+}
 
 int sensors(const BenchArguments& a) {
-  return show(a, kSensors, bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")),
+  return show(a, sensor_columns(),
+              bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")),
               "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as "
               "parts of the force limit; none: straight in at constant velocity\n",
               provenance_of_steps(a, scenes_of(a)));
 }
 
-const Columns<PeerRow> kPeers = {
-    {"engine", "engine", "<8", &PeerRow::engine},
-    {"version", "version", "<8", &PeerRow::version},
-    {"segments", "", "", &PeerRow::segments},
-    {"", "segments", ">8",
-     [](auto& r) { return r.segments ? fmt::format("{}", r.segments) : "round"; }},
-    {"step_s", "step [s]", ">8g", &PeerRow::step_s},
-    {"us_per_simulated_ms", "us per ms", ">9.3g", &PeerRow::us_per_simulated_ms},
-    {"pose_error_um", "pose [um]", ">10.3g", &PeerRow::pose_error_um, "diverged"},
-    {"force_error_relative", "force error", ">11.2g", &PeerRow::force_error_relative, "diverged"},
-    {"penetration_um", "penetr.[um]", ">11.3g", &PeerRow::penetration_um, "diverged"},
-    {"outside", "", "", &PeerRow::outside},
-    {"let_in", "", "", &PeerRow::let_in},
-    {"", "let in", ">8", [](auto& r) { return fmt::format("{} of {}", r.let_in, r.outside); }},
-    {"settings", "settings", "", &PeerRow::settings}};
+Columns<PeerRow> peer_columns() {
+  return {
+      {"engine", "engine", "<8", &PeerRow::engine},
+      {"version", "version", "<8", &PeerRow::version},
+      {"segments", "", "", &PeerRow::segments},
+      {"", "segments", ">8",
+       [](auto& r) { return r.segments ? fmt::format("{}", r.segments) : "round"; }},
+      {"step_s", "step [s]", ">8g", &PeerRow::step_s},
+      {"us_per_simulated_ms", "us per ms", ">9.3g", &PeerRow::us_per_simulated_ms},
+      {"pose_error_um", "pose [um]", ">10.3g", &PeerRow::pose_error_um, "diverged"},
+      {"force_error_relative", "force error", ">11.2g", &PeerRow::force_error_relative, "diverged"},
+      {"penetration_um", "penetr.[um]", ">11.3g", &PeerRow::penetration_um, "diverged"},
+      {"outside", "", "", &PeerRow::outside},
+      {"let_in", "", "", &PeerRow::let_in},
+      {"", "let in", ">8", [](auto& r) { return fmt::format("{} of {}", r.let_in, r.outside); }},
+      {"settings", "settings", "", &PeerRow::settings}};
+}
 
 int peers(const BenchArguments& a) {
   const PeerBench bench = bench_peers(watched("engines"));
   for (const std::string& missing : bench.missing)
     fmt::print(stderr, "ferrule: not measured: {}\n", missing);
-  return show(a, kPeers, bench.rows,
+  return show(a, peer_columns(), bench.rows,
               "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: "
               "of fibres that start beside a sharp bore\n",
               provenance_of_bench(), true, {{"not_measured", bench.missing}});

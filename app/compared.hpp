@@ -27,7 +27,7 @@ struct CompareArguments {
   Output output;
 };
 
-constexpr const char* kTeacher = "simulated operator";
+inline constexpr const char* kTeacher = "simulated operator";
 
 // A candidate and its trials, alone and under the supervisor.
 struct Entry {

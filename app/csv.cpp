@@ -31,9 +31,9 @@ void add_fields(const Json& value, const std::string& name, Fields& fields) {
           fields);
     return;
   }
-  fields.emplace_back(name, value.is_null()     ? ""
-                            : value.is_string() ? as_text(value.get<std::string>())
-                                                : value.dump());
+  const std::string text = value.is_string() ? as_text(value.get<std::string>()) : value.dump();
+  const bool empty = value.is_null() || (value.is_number_float() && text == "null");
+  fields.emplace_back(name, empty ? "" : text);
 }
 
 template <class Row>

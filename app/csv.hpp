@@ -6,10 +6,10 @@
 namespace ferrule {
 
 // One line of names, then one per object of the list `rows`. What is nested has dotted names, the
-// elements of a list their number in it; a row that has no such value, or null, leaves it empty. A
-// text that begins with = + - @, a tab or a carriage return has an apostrophe before it:
-// spreadsheets would take it for a formula. The columns of `provenance` come last, but for those
-// whose names the rows have.
+// elements of a list their number in it; a row that has no such value, null, or a number that is not
+// finite leaves it empty. A text that begins with = + - @, a tab or a carriage return has an
+// apostrophe before it: spreadsheets would take it for a formula. The columns of `provenance` come
+// last, but for those whose names the rows have.
 std::string csv_text(const Json& rows, const Provenance& provenance);
 
 }  // namespace ferrule

@@ -17,10 +17,6 @@ namespace {
 
 constexpr double kFileRate = 100;  // frames a second in a file
 
-std::string file_name(const std::string& path) {
-  return std::filesystem::path(path).filename().string();
-}
-
 ReplayRun run_of(const std::string& file) {
   const Episode episode = read_episode(file);
   if (episode.rows.rows() == 0) throw BadInput(file + ": an episode without rows");

@@ -5,7 +5,6 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
-#include <filesystem>
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
@@ -191,8 +190,7 @@ void print_group(const Scores& session, const Group& group) {
   fmt::print("\n");
   for (const std::size_t i : group.episodes) {
     const Scored& episode = session.all[i];
-    fmt::print("{:<20} {:<14} {:>6}",
-               printable(std::filesystem::path(episode.file).filename().string()),
+    fmt::print("{:<20} {:<14} {:>6}", printable(file_name(episode.file)),
                name(episode.measures.outcome), number_or("-", "{:.1f}", episode.total()));
     for (std::size_t part = 0; part < kParts; ++part)
       fmt::print(" {:>9.4g}", kUnits[part].factor * episode.measures.parts[part]);

@@ -128,4 +128,8 @@ std::vector<std::string> episode_files(const std::vector<std::string>& places) {
   return files;
 }
 
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
 }  // namespace ferrule

@@ -127,4 +127,7 @@ std::vector<std::string> episode_files(const std::string& folder);
 // Of several, each a folder or one such file.
 std::vector<std::string> episode_files(const std::vector<std::string>& places);
 
+// Of an episode or another file, without its folder.
+std::string file_name(const std::string& path);
+
 }  // namespace ferrule

@@ -12,8 +12,8 @@
 namespace ferrule {
 
 inline constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air; 2: no particle; 3 and 4: with the warm start of
-// the step after. Older files are read, and held against what they were.
+// 1: columns as one text, no scales, no flow and air; 2: no particle; 3 and 4: with the warm start
+// of the step after. Older files are read, and held against what they were.
 inline constexpr std::uint64_t kFormatVersion = 5;
 inline constexpr const char* kDemo = "/data/demo_0";
 inline constexpr const char* kCountsPath = "/data/demo_0/raw/counts";

@@ -155,8 +155,7 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     result.remark = fmt::format("row {} is damaged; the journal is kept as {}", rows, kept);
   } else if (fs::exists(claim.file()) && agrees(read_episode(claim.file()), journal.episode)) {
     claim.remove();
-    result.remark =
-        "was already whole as " + fs::path(claim.file()).filename().string() + ": journal removed";
+    result.remark = "was already whole as " + file_name(claim.file()) + ": journal removed";
     return;
   }
   if (rows == 0) {

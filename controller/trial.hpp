@@ -19,8 +19,8 @@ TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexc
 
 // Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
 // succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by
-// that of the scene, and its velocity is scaled down; control and simulation share one period [s]. Every
-// tick is shown to `on_tick`, if any. `stop` ends it as `interrupted` (insertion/loop.hpp).
+// that of the scene, and its velocity is scaled down; control and simulation share one period [s].
+// Every tick is shown to `on_tick`, if any. `stop` ends it as `interrupted` (insertion/loop.hpp).
 TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t seed,
                       std::uint64_t trial, double period = 1e-3, const OnTick& on_tick = {},
                       const std::function<bool()>& stop = {});

@@ -48,9 +48,6 @@ struct SessionSettings {
 
 inline constexpr const char* kBrowser = "browser";  // the device that a page is
 
-// As a page knows an episode: without its folder.
-std::string file_name(const std::string& path);
-
 class Session {
  public:
   // `send`: to all pages, from any thread. Throws FileTrouble, BadInput.

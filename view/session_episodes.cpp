@@ -1,5 +1,4 @@
-// The tries of a session: their list, what the trainee does with the last one, and what is fitted to
-// them.
+// The tries at the window: their list, what trainees do with the last one, and the fit to them.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,10 +23,6 @@ std::string free_controller(const std::string& folder) {
 }
 
 }  // namespace
-
-std::string file_name(const std::string& path) {
-  return fs::path(path).filename().string();
-}
 
 void Session::rate(int stars) {
   if (!kept_) throw BadInput("there is no try to rate");

@@ -1,4 +1,4 @@
-// What a session tells the page: messages, and frames while an insertion runs.
+// Messages to the page, and frames while an insertion runs.
 #include <algorithm>
 #include <array>
 #include <bit>

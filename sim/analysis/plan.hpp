@@ -14,10 +14,11 @@
 //
 // A term is left out where the largest force it has in any probe could not change the result by a
 // fifth of the tolerance; where the fibre snaps, sticks by friction or is dragged, by 1e-4 of it,
-// since there small forces decide where it comes to rest. What is chosen is then run, and has to stay below a third of the tolerance in every probe, with drag
-// below a twentieth: the shorter the rest of the fibre that liquid holds, the faster it moves, and
-// motions differ in that by as much. The bound is what was measured over the share it may have:
-// other motions than the probes differ by more.
+// since there small forces decide where it comes to rest. What is chosen is then run, and has to
+// stay below a third of the tolerance in every probe, with drag below a twentieth: the shorter the
+// rest of the fibre that liquid holds, the faster it moves, and motions differ in that by as much.
+// The bound is what was measured over the share it may have: other motions than the probes differ
+// by more.
 //
 // Without drag, flow and inertia nothing depends on time, and the step is that of control, 1 ms.
 // With them it is the longest that is good enough. A fibre that neither rubs nor adheres, or that

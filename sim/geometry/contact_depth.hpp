@@ -3,8 +3,8 @@
 // The end's rim meets the bore wall, the lead-in cone or the front face
 // (sim/geometry/ferrule_profile.hpp); its side meets the rim of the bore's mouth. First order in
 // the tilts: the rim of the end lies r outward.(tilt + cleave) ahead of the end's centre. In the
-// throat it touches where it is deepest, and so does a rounded rim on the face; a sharp one rests on
-// the face where it is lowest (sim/geometry/face_support.hpp).
+// throat it touches where it is deepest, and so does a rounded rim on the face; a sharp one rests
+// on the face where it is lowest (sim/geometry/face_support.hpp).
 //
 // Where it is deepest it is as deep as the circle that it is rounded to, in the half plane, of
 // radius rho and with its centre at (x + s, r - rho), is in the solid: touching it at the angle

@@ -43,13 +43,6 @@ bool is_clear(const World& world, const PoseVector& tip) noexcept {
   return !world.laws.particle || particle_depth(world, tip).value < -kFromParticle;
 }
 
-// What forces, by columns, move the end by, in equilibrium.
-Matrix5 follow_forces(const CoupledModel& model, const Matrix5& forces) noexcept {
-  Matrix5 moves;
-  for (int k = 0; k < 5; ++k) moves.col(k) = -model.solve(PoseVector(Pose(forces.col(k)))).full();
-  return moves;
-}
-
 // What the move over the step before changes the force of the drag by.
 Matrix5 drag_of_last(const FrozenCoefficients& frozen) noexcept {
   PoseMatrix drag;
@@ -265,10 +258,7 @@ void set_extrapolation(const World& world, const FrozenCoefficients& frozen, con
   set_range(world, iterate.tip, extrapolation);
   if (!(iterate.tip.x >= extrapolation.least_x && iterate.tip.x <= extrapolation.most_x)) return;
   if (!is_clear(world, iterate.tip)) return;
-  const Energy& bore = iterate.potential.bore;
-  const NewtonStep newton(world, frozen,
-                          without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
-                          iterate.tip, 1, Pivots::as_they_are);
+  const NewtonStep newton = stationary_step(world, frozen, iterate);
   const FrictionCoupling coupling(world, frozen, iterate.tip, iterate.potential);
   const CoupledModel model(newton, coupling);
   if (!model.stable()) return;

@@ -53,6 +53,14 @@ class BlockLdl {
   double over_xx_ = 0;
 };
 
+// What forces, by columns, move the pose by, in equilibrium, where `model` solves h d = -g.
+template <class Model>
+Matrix5 follow_forces(const Model& model, const Matrix5& forces) noexcept {
+  Matrix5 moves;
+  for (int k = 0; k < 5; ++k) moves.col(k) = -model.solve(PoseVector(Pose(forces.col(k)))).full();
+  return moves;
+}
+
 inline constexpr double kSlidingOn = 0.95;  // of its limit: what has just slid slides on
 inline constexpr double kLinearTurn =
     0.1;  // of the sliding direction, that a model is good for [rad]

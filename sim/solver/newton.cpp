@@ -250,6 +250,17 @@ TraceEntry entry(const Iterate& iterate, SolverStage stage, const char* reason, 
       move};
 }
 
+NewtonStep stationary_step(const World& world, const FrozenCoefficients& frozen,
+                           const Iterate& iterate) noexcept {
+  const Energy& bore = iterate.potential.bore;
+  return {world,
+          frozen,
+          without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
+          iterate.tip,
+          1,
+          Pivots::as_they_are};
+}
+
 bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& move,
                        Iterate& iterate) noexcept {
   const SolverParameters& parameters = world.numerics.solver;

@@ -58,6 +58,10 @@ inline constexpr double kResolution = 1e-15;
 // and the Hessian of the step before does for the last step.
 inline constexpr double kNearForce = 1e-7;
 
+// The Newton step of the iterate towards where the gradient vanishes, with friction as it is there.
+NewtonStep stationary_step(const World& world, const FrozenCoefficients& frozen,
+                           const Iterate& iterate) noexcept;
+
 // The last Newton step, where it is so short that the forces change along it as the Hessian says
 // and need no evaluation; false where it is not.
 bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& move,

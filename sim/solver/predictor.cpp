@@ -39,7 +39,7 @@ std::optional<PoseVector> predict_with_friction(const World& world, const Energy
   const auto coupled = [&](const PoseVector& at, double slides_at) {
     return CoupledModel(*newton, FrictionCoupling(world, frozen, at, slides_at)).step(frozen);
   };
-  const auto move = coupled(tip, kSlidingOn);
+  auto move = coupled(tip, kSlidingOn);
   if (move && friction_agrees(world, first, frozen, tip, *move)) return move;
   frozen.friction = first;
   newton.emplace(world, frozen, start, tip);

@@ -85,10 +85,7 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
     const bool agrees = coupling.largest_error() <= tolerance;
     if (agrees && iterate.converged) return true;
     if (iterate.evaluations >= max_evaluations) return false;
-    const Energy& bore = iterate.potential.bore;
-    const NewtonStep newton(
-        world, frozen, without_friction(world, frozen, iterate.tip, bore.gradient, bore.hessian),
-        iterate.tip, 1, Pivots::as_they_are);
+    const NewtonStep newton = stationary_step(world, frozen, iterate);
     const std::array limit = {frozen.friction[kEnd].limit, frozen.friction[kSide].limit};
     const auto move = CoupledModel(newton, coupling).step(frozen);
     iterate.converged = false;
