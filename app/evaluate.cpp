@@ -53,8 +53,15 @@ std::optional<Comparison> compared(const Tried& one, const Tried& other) {
   return compare(a, b);
 }
 
-void tell(const std::vector<Tried>& all) {
-  for (const Tried& tried : all) fmt::print("{}", to_text(tried.name, summarise(tried.results)));
+// Of a controller's trials; its connectors are mated with each other.
+CampaignSummary summary_of(const EvaluateArguments& a, const Scene& scene, const Tried& tried) {
+  CampaignSummary summary = summarise(tried.results);
+  summary.mated = mated(scene.joint, tried.results, a.seed);
+  return summary;
+}
+
+void tell(const EvaluateArguments& a, const Scene& scene, const std::vector<Tried>& all) {
+  for (const Tried& tried : all) fmt::print("{}", to_text(tried.name, summary_of(a, scene, tried)));
   if (all.size() < 2) return;
   if (const auto comparison = compared(all[0], all[1])) fmt::print("{}", to_text(*comparison));
 }
@@ -62,14 +69,14 @@ void tell(const std::vector<Tried>& all) {
 Json to_json(const EvaluateArguments& a, const Scene& scene,
              std::optional<std::size_t> trained_starts, const std::vector<Tried>& all) {
   Json json = {{"scene", scene.name}, {"controller", all[0].name}, {"seed", a.seed}};
-  json.update(ferrule::to_json(summarise(all[0].results)));
+  json.update(ferrule::to_json(summary_of(a, scene, all[0])));
   if (trained_starts) json["trained_starts"] = *trained_starts;
   if (a.supervise)
     json["supervisor"] = supervisor_json(supervisor_limits(scene), scene_scaling(scene));
   json["damage"] = damage_json(scene);
   json["rows"] = json_list(all, [&](const Tried& tried) {
     Json row = {{"controller", tried.name}};
-    row.update(ferrule::to_json(summarise(tried.results)));
+    row.update(ferrule::to_json(summary_of(a, scene, tried)));
     add_failures(tried.results, a.output, row);
     return row;
   });
@@ -108,7 +115,7 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
     const TestedController tested{tried.name, command, make, &tried.results};
     add_failures(scene, a.seed, tested, runs, maps);
     forces.push_back(forces_of_trials(scene, a.seed, tested));
-    text += to_text(tried.name, summarise(tried.results));
+    text += to_text(tried.name, summary_of(a, scene, tried));
   }
   if (runs.empty())  // nothing failed: the first trial that went in
     for (std::size_t k = 0; k < all[0].results.size() && runs.empty(); ++k)
@@ -179,7 +186,7 @@ int evaluate_verb(const EvaluateArguments& a) {
     while (all.size() > 1 && all.back().results.empty()) all.pop_back();
   }
   if (a.output.text()) {
-    tell(all);
+    tell(a, scene, all);
     fmt::print("{}", provenance.foot());
   } else {
     print_result(a.output, to_json(a, scene, trained, all), "rows", provenance);

@@ -82,6 +82,13 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
   return s;
 }
 
+Mated mated(const Joint& joint, const std::vector<TrialResult>& results, std::uint64_t seed) {
+  std::vector<LightAxis> inserted;
+  for (const TrialResult& r : results)
+    if (r.outcome == Outcome::inserted) inserted.push_back(r.light);
+  return {mate(joint, inserted, seed, false), mate(joint, inserted, seed, true)};
+}
+
 Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b) {
   if (a.size() != b.size())
     throw std::invalid_argument("compare: both must have the same number of trials");

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "controller/mated_pairs.hpp"
 #include "controller/statistics.hpp"
 #include "controller/trial.hpp"
 
@@ -32,6 +33,11 @@ struct InterventionSummary {
   std::array<std::size_t, kInterventions> gave_up;  // trials, by why
 };
 
+// Connectors that were inserted so, mated at random.
+struct Mated {
+  MatedPairs untuned, tuned;
+};
+
 struct CampaignSummary {
   std::size_t trials, feasible, successes;
   double success_rate;                               // of the feasible trials; NaN without any
@@ -42,9 +48,13 @@ struct CampaignSummary {
   Spread loss_dB;                                    // of the insertions that succeeded
   std::optional<InterventionSummary> interventions;  // where there was a supervisor
   std::int64_t steps, unfinished;                    // of all trials, as in InsertionSummary
+  std::optional<Mated> mated{};                      // where it was asked for
 };
 
 CampaignSummary summarise(const std::vector<TrialResult>& results);
+
+// Of the insertions that succeeded, mated among each other (mated_pairs.hpp).
+Mated mated(const Joint& joint, const std::vector<TrialResult>& results, std::uint64_t seed);
 
 // Median of a - b over pairs, and its 95 % interval; NaN where there are no pairs, or too few.
 struct PairedMedian {

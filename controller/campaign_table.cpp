@@ -11,6 +11,14 @@ Json spread_json(const Spread& s, double unit) {
   return {{"median", number_or_null(unit * s.median)}, {"p95", number_or_null(unit * s.p95)}};
 }
 
+Json to_json(const MatedPairs& m) {
+  const char* grade = connector_grade(m);
+  return {{"pairs", m.pairs},
+          {"mean_dB", number_or_null(m.mean_dB)},
+          {"p97_dB", number_or_null(m.p97_dB)},
+          {"grade", grade ? Json(grade) : Json()}};
+}
+
 Json to_json(const InterventionSummary& s) {
   Json kinds = Json::object(), gave_up = Json::object();
   for (std::size_t i = 0; i < kInterventions; ++i) {
@@ -45,6 +53,10 @@ Json to_json(const CampaignSummary& s) {
                {"loss_dB", spread_json(s.loss_dB, 1)},
                {"steps", s.steps},
                {"unfinished_steps", s.unfinished}};
+  if (s.mated) {
+    json["mated"] = to_json(s.mated->untuned);
+    json["mated_tuned"] = to_json(s.mated->tuned);
+  }
   if (s.interventions) json.update(to_json(*s.interventions));
   return json;
 }
@@ -95,6 +107,13 @@ std::string time_limit_note(const CampaignSummary& s) {
                          s.feasible - s.successes);
 }
 
+std::string to_text(const char* how, const MatedPairs& m) {
+  if (m.pairs == 0) return "";
+  const char* grade = connector_grade(m);
+  return fmt::format("  {:<14} mean {:.4g} dB, 97 % within {:.4g} dB, {}\n", how, m.mean_dB,
+                     m.p97_dB, grade ? fmt::format("grade {}", grade) : "no grade");
+}
+
 std::string to_text(const std::string& who, const CampaignSummary& s) {
   std::string text = fmt::format("{}: {} of {} inserted", who, s.successes, s.feasible);
   if (s.feasible > 0)
@@ -114,6 +133,7 @@ std::string to_text(const std::string& who, const CampaignSummary& s) {
   line("time", s.time, 1, "s");
   line("peak force", s.peak_force, 1e6, "uN");
   line("joint loss", s.loss_dB, 1, "dB");
+  if (s.mated) text += to_text("mated", s.mated->untuned) + to_text("mated, tuned", s.mated->tuned);
   if (s.unfinished > 0)
     text += fmt::format("  {:<14} {} of {} without a minimum: they lag behind until later ones\n",
                         "steps", s.unfinished, s.steps);
@@ -138,7 +158,7 @@ std::string to_text(const Comparison& c) {
 void add_trials(const std::string& controller, const std::vector<TrialResult>& results,
                 Json& rows) {
   for (std::size_t k = 0; k < results.size(); ++k) {
-    const auto& [outcome, summary, loss_dB, supervision, why] = results[k];
+    const auto& [outcome, summary, loss_dB, supervision, why, light] = results[k];
     Json& row = rows.emplace_back(Json{{"controller", controller},
                                        {"trial", k},
                                        {"outcome", name(outcome)},

@@ -40,7 +40,7 @@ SteppedTrial::SteppedTrial(std::shared_ptr<const Scene> scene, std::uint64_t see
       period_(period) {
   if (!drawn_) {
     drawn_ = scene_;
-    ended_ = trial_result(Outcome::infeasible, {});
+    ended_ = trial_result(*scene_, Outcome::infeasible, {});
     return;
   }
   entrance_ = registered_entrance(*drawn_);
@@ -66,7 +66,8 @@ void SteppedTrial::step(const HandTwist& velocity) {
 void SteppedTrial::expect_end() {
   Insertion& insertion = running_->insertion;
   if (insertion.over() && !insertion.end()) insertion.answer();
-  if (insertion.end()) ended_ = trial_result(insertion.end()->outcome, insertion.end()->summary);
+  if (insertion.end())
+    ended_ = trial_result(*drawn_, insertion.end()->outcome, insertion.end()->summary);
 }
 
 Observation SteppedTrial::observation() const noexcept {

@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "controller/joint_loss.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -29,10 +28,13 @@ void ControllerHand::render(const HandWrench& wrench) {
       limit_speed(controller_.command({wrench, hand_depth(pose_, entrance_), time_}), speed_);
 }
 
-TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept {
-  const double loss = outcome == Outcome::inserted ? joint_loss_dB(summary.offset, summary.tilt)
-                                                   : std::numeric_limits<double>::quiet_NaN();
-  return {outcome, summary, loss, {}, {}};
+TrialResult trial_result(const Scene& scene, Outcome outcome,
+                         const InsertionSummary& summary) noexcept {
+  const LightAxis light = light_axis(scene.joint, summary.tip);
+  const double loss = outcome == Outcome::inserted || outcome == Outcome::high_loss
+                          ? joint_loss_dB(scene.joint, light)
+                          : std::numeric_limits<double>::quiet_NaN();
+  return {outcome, summary, loss, {}, {}, light};
 }
 
 TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint64_t seed,
@@ -44,7 +46,7 @@ TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint
       result.supervision = *supervision;
     return result;
   };
-  if (!drawn) return with_supervision(trial_result(Outcome::infeasible, {}));
+  if (!drawn) return with_supervision(trial_result(toleranced, Outcome::infeasible, {}));
   const Scene& scene = *drawn;
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
@@ -54,7 +56,7 @@ TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint
   const InsertionEnd end = run_insertion(
       scene, start, hand, ForceSensor(scene.sensor, seed, trial),
       {.scaling = scaling, .period = period, .past_success = false, .stop = stop}, on_tick);
-  TrialResult result = with_supervision(trial_result(end.outcome, end.summary));
+  TrialResult result = with_supervision(trial_result(scene, end.outcome, end.summary));
   result.why = controller.failure();
   return result;
 }

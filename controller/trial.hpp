@@ -9,13 +9,15 @@ namespace ferrule {
 struct TrialResult {
   Outcome outcome;
   InsertionSummary summary;
-  double loss_dB;  // predicted joint loss from the final offset and tilt; NaN unless inserted
+  double loss_dB;  // of its joint with an ideal partner; NaN unless inserted or high_loss
   std::optional<Supervision> supervision;  // empty for a controller without supervisor
   std::string why{};                       // the controller failed; empty where it did not
+  LightAxis light{};                       // where the light leaves its end
 };
 
-// Of an insertion that ended so, with the joint loss that follows.
-TrialResult trial_result(Outcome outcome, const InsertionSummary& summary) noexcept;
+// Of an insertion in `scene` that ended so, with the joint that follows.
+TrialResult trial_result(const Scene& scene, Outcome outcome,
+                         const InsertionSummary& summary) noexcept;
 
 // Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
 // succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by

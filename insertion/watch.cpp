@@ -6,8 +6,8 @@ namespace ferrule {
 namespace {
 
 constexpr std::array<const char*, kOutcomes> kNames = {
-    "inserted", "force_limit",    "jam",           "missed",      "timeout",    "buckled",
-    "broken",   "invalid_output", "stopped_short", "interrupted", "infeasible", "gave_up"};
+    "inserted",       "force_limit",   "jam",         "missed",     "timeout", "buckled",  "broken",
+    "invalid_output", "stopped_short", "interrupted", "infeasible", "gave_up", "high_loss"};
 
 }  // namespace
 
@@ -46,6 +46,7 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result,
       std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.command));
   summary_.depth = now.inserted_length();
   if (summary_.reached < 0 && summary_.depth >= scene_.success.depth) summary_.reached = now.time;
+  summary_.tip = now.tip;
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();
   ++summary_.steps;
@@ -60,7 +61,10 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result,
   }
   if (result.holder[0] > scene_.world.holder.euler_load) return Outcome::buckled;
   if (summary_.peak_stress > scene_.limits.proof_stress) return Outcome::broken;
-  if (summary_.depth >= scene_.success.depth) return Outcome::inserted;
+  if (summary_.depth >= scene_.success.depth)
+    return joint_loss_dB(scene_.joint, light_axis(scene_.joint, now.tip)) <= scene_.success.loss_dB
+               ? Outcome::inserted
+               : Outcome::high_loss;
   if (now.time >= scene_.limits.time) return Outcome::timeout;
   return std::nullopt;
 }

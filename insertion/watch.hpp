@@ -24,8 +24,9 @@ enum class Outcome {
   interrupted,     // the operator or user stopped it
   infeasible,      // the drawn fibre does not fit into the drawn bore: no failure of anybody
   gave_up,         // the supervisor of the controller saw no way on
+  high_loss,       // deep enough, but the joint loses more than the scene allows
 };
-inline constexpr int kOutcomes = 12;
+inline constexpr int kOutcomes = 13;
 const char* name(Outcome outcome) noexcept;
 // Throws BadInput if there is no such outcome.
 Outcome outcome_from_name(const std::string& name);
@@ -39,6 +40,7 @@ struct InsertionSummary {
   double depth = 0;          // inserted length [m]
   double offset = 0;         // distance of the end's centre from the bore's axis [m]
   double tilt = 0;           // angle of the end to it [rad]
+  Pose tip = Pose::Zero();   // of the end [m, rad]
   // Steps, and how many of them ended without a minimum (StepStatus::iteration_limit or
   // not_converged).
   std::int64_t steps = 0, unfinished = 0;
@@ -52,8 +54,9 @@ class InsertionWatch {
  public:
   InsertionWatch(const Scene& scene, const State& start) noexcept;
 
-  // After each step. Empty while the insertion goes on; `inserted` once deep enough, and the
-  // failures of the fibre (force_limit, jam, missed, buckled) and of time.
+  // After each step. Empty while the insertion goes on; `inserted` once deep enough, or `high_loss`
+  // where the joint with an ideal partner loses more than success.loss_dB there; and the failures
+  // of the fibre (force_limit, jam, missed, buckled) and of time.
   std::optional<Outcome> after(const StepResult& result) noexcept;
   // The same with the forces of friction there; null where a later step tells the friction's work
   // since.

@@ -1,6 +1,5 @@
 #include "view/frame.hpp"
 
-#include "controller/joint_loss.hpp"
 #include "sim/geometry/contact_depth.hpp"
 #include "sim/scene/terms.hpp"
 
@@ -88,10 +87,10 @@ Frame FrameMaker::operator()(const RowVector& row, const LoopHealth& health) noe
   put(state.bridge);
   put(slips);
   put(static_cast<double>(phase_.after(state, seen)));
-  const InsertionSummary& now = watch_->summary();
-  put(joint_loss_dB(now.offset, now.tilt));
-  put(kMicro * now.offset);
-  put(now.tilt);
+  const LightAxis light = light_axis(scene_.joint, state.tip);
+  put(joint_loss_dB(scene_.joint, light));
+  put(kMicro * light.offset.norm());
+  put(light.slope.norm());
   put(kMicro * health.period);
   put(kMicro * health.worst);
   put(health.missed);

@@ -23,7 +23,7 @@
 //   <term>_*                   force on the fibre, of each term that there is (kTermNames)
 //   bridge_on, slip_on         1 while liquid spans the gap; where a contact slipped in this row
 //   phase                      place in kPhases (insertion/phase.hpp)
-//   loss_dB, _offset, _tilt    of the joint, were it to end here (controller/joint_loss.hpp)
+//   loss_dB, _offset, _tilt    of the joint, were it to end here (sim/scene/joint.hpp)
 //   period, worst_period, missed, passivity   how the loop does (LoopHealth)
 #pragma once
 

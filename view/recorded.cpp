@@ -120,6 +120,12 @@ std::string reason(const ReplayRun& run, const Scene& scene, const std::string& 
       text = fmt::format("Inserted: {}; a joint here would lose {:.2f} dB.", at,
                          value(last, "loss_dB"));
       break;
+    case Outcome::high_loss:
+      text = fmt::format(
+          "Deep enough, but a joint here would lose {:.2f} dB, where {:.4g} dB is "
+          "allowed: {}.",
+          value(last, "loss_dB"), scene.success.loss_dB, at);
+      break;
     case Outcome::force_limit:
       text = fmt::format("In the phase \"{}\" {}: {}. Strongest: {}.",
                          words(kPhases[static_cast<std::size_t>(phase_of(last))]), limit, at,

@@ -144,7 +144,7 @@ class Evaluation:
     outcome: list[str]  #: of each trial
     time_s: np.ndarray  #: of each trial [s], shape (N,)
     peak_force_N: np.ndarray  #: of each trial [N], shape (N,)
-    loss_dB: np.ndarray  #: of each trial; NaN unless inserted
+    loss_dB: np.ndarray  #: of each trial; NaN unless inserted or high_loss
 
     @property
     def success_rate(self) -> float:

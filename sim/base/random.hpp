@@ -19,7 +19,9 @@ enum class Draw : std::uint32_t {
   entrance = 7,
   roll = 8,
   bore = 9,
-  particle = 10
+  particle = 10,
+  concentricity = 11,
+  mating = 12
 };
 
 class RandomStream {

@@ -92,6 +92,16 @@ void draw_particle(Scene& drawn, RandomStream random) {
   add_number(drawn.document, "laws.particle.direction_deg", degrees);
 }
 
+// How far the core lies from the ferrule's axis: what fibre and ferrule are off, together.
+void draw_concentricity(Scene& drawn, RandomStream random) {
+  const Joint& joint = drawn.joint;
+  const double sd = std::sqrt(joint.core_sd * joint.core_sd + joint.bore_sd * joint.bore_sd);
+  const double y_um = random.normal() * 1e6 * sd, z_um = random.normal() * 1e6 * sd;
+  drawn.joint.offset = micro * Vector2d(y_um, z_um);
+  add_number(drawn.document, "joint.offset_y_um", y_um);
+  add_number(drawn.document, "joint.offset_z_um", z_um);
+}
+
 double roll_deg(const Scene& scene, std::uint64_t seed, std::uint64_t trial) noexcept {
   const FibreParameters& fibre = scene.parameters.fibre;
   return fibre.roll_deg ? *fibre.roll_deg : 360 * RandomStream(seed, trial, Draw::roll).uniform();
@@ -118,7 +128,9 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   const bool oval = ferrule.ovality_um && !ferrule.ovality_direction_deg;
   const std::optional<Particle>& law = scene.parameters.laws.particle;
   const bool particle = law && std::isnan(law->height);
-  if (!scene.tolerance && !roll && !cleave && !oval && !entrance && !particle)
+  const bool concentricity = (scene.joint.core_sd > 0 || scene.joint.bore_sd > 0) &&
+                             !scene.document["joint"].contains("offset_y_um");
+  if (!scene.tolerance && !roll && !cleave && !oval && !entrance && !particle && !concentricity)
     return {std::shared_ptr<const Scene>(), &scene};
   const auto drawn = std::make_shared<Scene>(scene);
   if (scene.tolerance && !draw_diameters(*drawn, {seed, trial, Draw::parts})) return nullptr;
@@ -145,6 +157,7 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
     add_number(drawn->document, "sensor.entrance_error_um", um);
   }
   if (particle) draw_particle(*drawn, {seed, trial, Draw::particle});
+  if (concentricity) draw_concentricity(*drawn, {seed, trial, Draw::concentricity});
   if (scene.tolerance) drawn->world = make_world(drawn->parameters);
   drawn->world.end = fibre_end(drawn->parameters.fibre);
   drawn->world.oval = oval_bore(drawn->parameters);

@@ -9,7 +9,7 @@
 namespace ferrule {
 
 // The scene of trial `trial` under `seed`: `scene` itself, or where chance decides about its parts
-// (toleranced diameters, the roll angle of a curled or cleaved fibre, a particle) or about where
+// (toleranced diameters, the roll angle of a curled or cleaved fibre, a particle, concentricity) or about where
 // the entrance is taken to be, one with what was drawn; null where that pair interferes. It must
 // not outlive `scene`. Throws BadInput if the scene cannot be with these diameters.
 std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,

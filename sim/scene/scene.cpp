@@ -240,6 +240,33 @@ void read_scaling(JsonFields f, ScalingRanges& scaling) {
   f.finish();
 }
 
+void read_success(JsonFields f, Success& success) {
+  f.number("depth_um", positive(1e-6, 1e7), success.depth, micro);
+  if (f.present("loss_dB")) f.number("loss_dB", positive(1e-9, 1e6), success.loss_dB);
+  f.finish();
+}
+
+void read_joint(JsonFields f, Joint& joint) {
+  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
+    if (f.present(key)) f.number(key, rule, value, unit);
+  };
+  number("wavelength_nm", nano, positive(100, 1e5), joint.wavelength);
+  number("index", 1, rule::between(1, 5, "must be from 1 to 5"), joint.index);
+  number("mode_field_diameter_um", 0.5 * micro, positive(0.1, 1e4), joint.mode_radius);
+  if (f.present("partner_mode_field_diameter_um"))
+    f.number("partner_mode_field_diameter_um", positive(0.1, 1e4),
+             joint.partner_mode_radius.emplace(), 0.5 * micro);
+  number("gap_um", micro, not_negative(1e6), joint.gap);
+  number("core_concentricity_sd_um", micro, not_negative(1e3), joint.core_sd);
+  number("bore_concentricity_sd_um", micro, not_negative(1e3), joint.bore_sd);
+  const Rule offset = rule::between(-1e5, 1e5, "must be from -1e5 to 1e5");
+  number("offset_y_um", micro, offset, joint.offset.x());
+  number("offset_z_um", micro, offset, joint.offset.y());
+  f.depends("offset_y_um", {"offset_z_um"});
+  f.depends("offset_z_um", {"offset_y_um"});
+  f.finish();
+}
+
 // Of all numbers of a scene.
 std::optional<Inconsistency> inconsistency(const Scene& scene) {
   if (auto found = inconsistency(scene.parameters)) return found;
@@ -272,9 +299,8 @@ void read_scene(JsonFields& fields, Scene& scene) {
   read_sensor(fields.object("sensor"), scene.sensor);
   read_limits(fields.object("limits"), scene.limits);
   read_tangent(fields, scene);
-  JsonFields success = fields.object("success");
-  success.number("depth_um", positive(1e-6, 1e7), scene.success.depth, micro);
-  success.finish();
+  read_success(fields.object("success"), scene.success);
+  if (fields.present("joint")) read_joint(fields.object("joint"), scene.joint);
   read_scaling(fields.object("scaling"), scene.scaling);
   if (fields.present("cue")) scene.cue = fields.flag("cue");
   if (fields.present("planned_accuracy")) fields.number("planned_accuracy", positive(1e-6, 0.5));

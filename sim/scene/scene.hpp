@@ -10,6 +10,7 @@
 
 #include "sim/base/json_fields.hpp"
 #include "sim/scene/force_sensor.hpp"
+#include "sim/scene/joint.hpp"
 #include "sim/scene/world_parameters.hpp"
 
 namespace ferrule {
@@ -36,6 +37,8 @@ struct Limits {
 
 struct Success {
   double depth;  // inserted length [m], > 0
+  // Most that the joint with an ideal partner may lose then [dB], > 0.
+  double loss_dB = std::numeric_limits<double>::infinity();
 };
 
 // Diameters [m], 0 < low <= high.
@@ -66,6 +69,8 @@ inline constexpr std::array kDrawnKeys = {"fibre.roll_deg",
                                           "fibre.cleave_direction_deg",
                                           "sensor.entrance_error_um",
                                           "ferrule.ovality_direction_deg",
+                                          "joint.offset_y_um",
+                                          "joint.offset_z_um",
                                           "laws.particle.height_um",
                                           "laws.particle.at_um",
                                           "laws.particle.direction_deg"};
@@ -79,6 +84,7 @@ struct Scene {
   ForceSensorModel sensor;
   Limits limits;
   Success success;
+  Joint joint;
   ScalingRanges scaling;
   bool cue = false;  // the operator's window shows which way to correct; nothing else knows of it
   // "accuracy": what the scene wants of a model that leaves out what it does not need. Reading a

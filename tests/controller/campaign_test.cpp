@@ -161,6 +161,37 @@ TEST(Campaign, ComparisonPairsTheTrials) {
   EXPECT_THROW(compare(a, b), std::invalid_argument);
 }
 
+TEST(Campaign, ConnectorsThatLoseTooMuchFailAndAreNotMated) {
+  Scene scene = quick();
+  const auto run = [&] {
+    return run_campaign(scene, scene_scaling(scene), controller_maker(ConstantVelocity(2e-3)), 7,
+                        40, 0, {});
+  };
+  const auto all = run();
+  std::vector<double> losses;
+  for (const TrialResult& r : all)
+    if (r.outcome == Outcome::inserted) {
+      losses.push_back(r.loss_dB);
+      EXPECT_EQ(r.loss_dB, joint_loss_dB(scene.joint, r.light));
+      EXPECT_EQ(r.light.offset.norm(), r.summary.offset);
+    }
+  scene.success.loss_dB = quantile(losses, 0.5);
+  const auto some = run();
+  std::size_t lossy = 0;
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const bool loses =
+        all[k].outcome == Outcome::inserted && all[k].loss_dB > scene.success.loss_dB;
+    EXPECT_EQ(some[k].outcome, loses ? Outcome::high_loss : all[k].outcome);
+    if (loses) {
+      EXPECT_EQ(some[k].loss_dB, all[k].loss_dB);
+    }
+    lossy += loses;
+  }
+  EXPECT_EQ(summarise(some).successes, losses.size() - lossy);
+  EXPECT_GT(lossy, 0u);
+  EXPECT_LT(mated(scene.joint, some, 7).untuned.p97_dB, mated(scene.joint, all, 7).untuned.p97_dB);
+}
+
 // What is recorded with a controller at the hand's place is what a trial of it does.
 TEST(Trial, IsWhatARecordingOfTheControllerShows) {
   const testing::TemporaryFolder folder;

@@ -53,6 +53,18 @@ TEST(InsertionWatch, TellsHowAnInsertionEnds) {
   EXPECT_EQ(push_straight(stiff, pose(1e-6, 0, 12e-3)), Outcome::jam);
 }
 
+TEST(InsertionWatch, AFibreWhoseJointLosesTooMuchIsNotInserted) {
+  const auto ends = [](const std::string& most, const std::string& offset) {
+    return push_straight(testing::paper({"limits.time_s=30", "success.loss_dB=" + most,
+                                         "joint.offset_y_um=" + offset, "joint.offset_z_um=0"}),
+                         pose(40e-6, 0));
+  };
+  // 4.343 (2/5.2)^2 = 0.642 dB, where the fibre is off by half a micrometre at most.
+  EXPECT_EQ(ends("0.3", "2"), Outcome::high_loss);
+  EXPECT_EQ(ends("1.1", "2"), Outcome::inserted);
+  EXPECT_EQ(ends("0.3", "0"), Outcome::inserted);
+}
+
 // In the printed wells some steps end where their evaluations do, in the corrected scene none.
 TEST(InsertionWatch, CountsTheStepsWithoutAMinimum) {
   const Scene scene = load_scene("bench");

@@ -31,6 +31,43 @@ class Learning(Case):
         for key in self.KEYS:
             self.assertEqual(alone[key], result["baseline"][key])
 
+    def test_inserted_connectors_are_mated(self):
+        arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "paper", *QUICK, "--trials", 30]
+        outputs = {self.done(*arguments, "--json", "--threads", n).stdout for n in (1, 2)}
+        self.assertEqual(len(outputs), 1)
+        plain = json.loads(outputs.pop())
+        for kind in ("mated", "mated_tuned"):
+            mated = plain[kind]
+            self.assertEqual(mated["pairs"], 10000)
+            self.assertLess(mated["mean_dB"], mated["p97_dB"])
+            limits = {"B": (0.12, 0.25), "C": (0.25, 0.5), "D": (0.5, 1)}
+            met = [grade for grade, (mean, p97) in limits.items()
+                   if mated["mean_dB"] <= mean and mated["p97_dB"] <= p97]
+            self.assertEqual(mated["grade"], met[0] if met else None)
+            self.assertEqual(plain["rows"][0][kind], mated)
+        self.assertLess(plain["mated_tuned"]["mean_dB"], plain["mated"]["mean_dB"])
+        text = self.done(*arguments).stdout
+        self.assertIn(f"mated          mean {plain['mated']['mean_dB']:.4g} dB, 97 % within "
+                      f"{plain['mated']['p97_dB']:.4g} dB, grade {plain['mated']['grade']}\n", text)
+        # Cores off by a micrometre are no grade, and too much for some.
+        off = ["--set", "joint.core_concentricity_sd_um=1"]
+        poor = json.loads(self.done(*arguments, *off, "--json").stdout)
+        self.assertEqual(poor["successes"], plain["successes"])
+        self.assertIsNone(poor["mated"]["grade"])
+        self.assertIn("no grade", self.done(*arguments, *off).stdout)
+        limited = json.loads(self.done(*arguments, *off, "--set", "success.loss_dB=0.3", "--json").stdout)
+        self.assertGreater(limited["outcomes"]["high_loss"], 0)
+        self.assertEqual(limited["outcomes"]["high_loss"] + limited["successes"], plain["successes"])
+        self.assertLess(limited["loss_dB"]["p95"], 0.3)
+
+    def test_what_chance_decides_of_a_joint_is_recorded(self):
+        out = self.path("out")
+        for file in self.record(out, "--set", "joint.core_concentricity_sd_um=1", "--set",
+                                "success.loss_dB=0.3", episodes=4):
+            self.done("replay", file, "--verify")
+        ends = [e["outcome"] for e in json.loads(self.done("score", out, "--json").stdout)["episodes"]]
+        self.assertEqual(set(ends), {"inserted", "high_loss"})
+
     def test_a_recorded_controller_is_fitted_back(self):
         out, first, second = self.path("out"), self.path("first.json"), self.path("second.json")
         self.record(out, episodes=6)

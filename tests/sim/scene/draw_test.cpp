@@ -46,6 +46,24 @@ TEST(Draw, AFibreAboutADiameterIsNormal) {
   expect_distributed(um, [](double x) { return 0.5 * std::erfc(-(x - 125) / 0.25 / M_SQRT2); });
 }
 
+// In y and in z, with the variance of both parts: fibre 0.3, ferrule 0.4 um.
+TEST(Draw, ACoreIsOffByWhatFibreAndFerruleAre) {
+  const Scene scene =
+      testing::bare({"joint.core_concentricity_sd_um=0.3", "joint.bore_concentricity_sd_um=0.4"});
+  for (const char* along : {"y", "z"}) {
+    std::vector<double> um;
+    for (std::uint64_t trial = 0; trial < kDraws; ++trial)
+      um.push_back(draw_scene(scene, 1, trial)->joint.offset[*along - 'y'] * 1e6);
+    std::sort(um.begin(), um.end());
+    expect_distributed(um, [](double x) { return 0.5 * std::erfc(-x / 0.5 / M_SQRT2); });
+  }
+  const auto drawn = draw_scene(scene, 1, 3);
+  const Scene again = parse_scene(drawn->document, "drawn");
+  EXPECT_EQ(again.joint.offset, drawn->joint.offset);
+  EXPECT_EQ(draw_scene(again, 1, 4)->joint.offset, drawn->joint.offset);
+  EXPECT_EQ(undrawn(again.document), scene.document);
+}
+
 TEST(Draw, ADrawnPairStatesWhatItWasDrawnFrom) {
   const Scene scene =
       testing::paper({"ferrule.bore_diameter_um=126..127", "fibre.diameter_um=125+0/-0.5"});

@@ -111,7 +111,8 @@ TEST(Scene, RefusesAVoltageThatNoSurfaceBearsAndNamesTheRoughnessThatDoes) {
 
 TEST(Scene, RefusesAKeyThatDoesNothingWithoutAnother) {
   const std::string drift = "sensor.temperature_drift_uN_K=1",
-                    rate = "sensor.temperature_rate_K_s=1";
+                    rate = "sensor.temperature_rate_K_s=1", offset_y = "joint.offset_y_um=0.2",
+                    offset_z = "joint.offset_z_um=0.2";
   for (const auto& [key, others] :
        {std::pair(std::string("fibre.roll_deg=20"),
                   std::vector<std::string>{"fibre.cleave_deg=1", "fibre.curl_radius_m=4"}),
@@ -119,7 +120,9 @@ TEST(Scene, RefusesAKeyThatDoesNothingWithoutAnother) {
         {"ferrule.ovality_direction_deg=20", {"ferrule.ovality_um=0.1"}},
         {"sensor.vibration_Hz=20", {"sensor.vibration_uN=1"}},
         {drift, {rate}},
-        {rate, {drift}}}) {
+        {rate, {drift}},
+        {offset_y, {offset_z}},
+        {offset_z, {offset_y}}}) {
     for (const std::string& other : others) EXPECT_NO_THROW(load_scene("bench", {key, other}));
     try {
       load_scene("bench", {key});
@@ -130,6 +133,36 @@ TEST(Scene, RefusesAKeyThatDoesNothingWithoutAnother) {
       EXPECT_NE(said.find("does nothing without"), std::string::npos) << said;
     }
   }
+}
+
+TEST(Scene, AJointIsThatOfStandardFibreUnlessStated) {
+  const Scene plain = load_scene("bench");
+  EXPECT_EQ(plain.joint.wavelength, 1550e-9);
+  EXPECT_EQ(plain.joint.index, 1.4682);
+  EXPECT_EQ(plain.joint.mode_radius, 5.2e-6);
+  EXPECT_FALSE(plain.joint.partner_mode_radius);
+  EXPECT_EQ(plain.joint.gap, 0);
+  EXPECT_TRUE(std::isinf(plain.success.loss_dB));
+  const Scene stated = load_scene(
+      "bench",
+      {"joint.wavelength_nm=1310", "joint.index=1.4677", "joint.mode_field_diameter_um=9.2",
+       "joint.partner_mode_field_diameter_um=8.6", "joint.gap_um=2",
+       "joint.core_concentricity_sd_um=0.2", "joint.bore_concentricity_sd_um=0.4",
+       "joint.offset_y_um=0.5", "joint.offset_z_um=-0.1", "success.loss_dB=0.3"});
+  EXPECT_CLOSE(stated.joint.wavelength, 1310e-9, 1e-15);
+  EXPECT_EQ(stated.joint.index, 1.4677);
+  EXPECT_CLOSE(stated.joint.mode_radius, 4.6e-6, 1e-15);
+  EXPECT_CLOSE(stated.joint.partner_mode_radius.value(), 4.3e-6, 1e-15);
+  EXPECT_CLOSE(stated.joint.gap, 2e-6, 1e-15);
+  EXPECT_CLOSE(stated.joint.core_sd, 0.2e-6, 1e-15);
+  EXPECT_CLOSE(stated.joint.bore_sd, 0.4e-6, 1e-15);
+  EXPECT_CLOSE(stated.joint.offset.x(), 0.5e-6, 1e-15);
+  EXPECT_CLOSE(stated.joint.offset.y(), -0.1e-6, 1e-15);
+  EXPECT_EQ(stated.success.loss_dB, 0.3);
+  for (const char* wrong : {"joint.wavelength_nm=0", "joint.index=0.9", "joint.gap_um=-1",
+                            "joint.mode_field_diameter_um=0", "joint.core_concentricity_sd_um=-1",
+                            "joint.radius_um=1", "success.loss_dB=0"})
+    EXPECT_THROW(load_scene("bench", {wrong}), BadInput) << wrong;
 }
 
 TEST(Scene, EveryKeyIsRequiredAndNamed) {
