@@ -28,7 +28,8 @@ std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
                                   const MakeController& make, const std::string& what) {
   const auto begin = std::chrono::steady_clock::now();
   std::vector<TrialResult> results =
-      run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(what, a.trials), interrupted);
+      run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(what, a.trials), interrupted,
+                   when(a.stopping.enough));
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;
@@ -78,9 +79,9 @@ std::vector<TrialResult> supervised_campaign(const CompareArguments& a, const Sc
 Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
             const Demonstration& demonstration, const std::vector<Vector2d>& starts) {
   Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name)};
-  e.alone = summarise(e.results);
+  e.alone = a.stopping.summary(e.results);
   e.supervised_results = supervised_campaign(a, scene, c.make, c.name);
-  e.supervised = summarise(e.supervised_results);
+  e.supervised = a.stopping.summary(e.supervised_results);
   e.rings = by_misalignment(e.results, starts);
   return e;
 }
@@ -157,9 +158,8 @@ std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
                                     [](const Entry& e) { return e.candidate.name == kTeacher; });
   if (teacher == entries.end()) return entries;
   for (Entry& e : entries)
-    if (e.candidate.name != kTeacher && e.alone.feasible > 0 &&
-        e.results.size() == teacher->results.size())
-      e.against_teacher = compare(e.results, teacher->results);
+    if (e.candidate.name != kTeacher)
+      e.against_teacher = compare_shared(e.results, teacher->results);
   return entries;
 }
 
@@ -174,7 +174,7 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
       try {
         const Candidate c = fitted(a, chosen, first_of(set, count));
         learning.push_back(
-            {c.name, count, c.rollouts, summarise(campaign(a, scene, c.make, c.name))});
+            {c.name, count, c.rollouts, a.stopping.summary(campaign(a, scene, c.make, c.name))});
       } catch (const Stopped&) {  // what is found so far is told
         return learning;
       } catch (const BadInput& error) {
@@ -201,9 +201,9 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
       try {
         const Candidate c = fitted(with, chosen, again);
         const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
-        if (results.size() == a.trials)
+        if (a.stopping.whole(results, a.trials))
           all.push_back(
-              {c.name, seed, again.demonstrations.size(), c.rollouts, summarise(results)});
+              {c.name, seed, again.demonstrations.size(), c.rollouts, a.stopping.summary(results)});
       } catch (const Stopped&) {  // what is found so far is told
         return all;
       } catch (const BadInput& error) {
@@ -226,8 +226,8 @@ std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
     if (interrupted()) break;
     const Candidate& c = i < there.size() ? there[i] : candidates[i];
     const std::string what = other.name + ", " + c.name;
-    transfer.push_back({other.name, c.name, summarise(campaign(a, other, c.make, what)),
-                        summarise(supervised_campaign(a, other, c.make, what))});
+    transfer.push_back({other.name, c.name, a.stopping.summary(campaign(a, other, c.make, what)),
+                        a.stopping.summary(supervised_campaign(a, other, c.make, what))});
   }
   return transfer;
 }
@@ -250,11 +250,20 @@ std::vector<const Demonstration*> pointers(const DemonstrationSet& set) {
   return all;
 }
 
+// Of each controller alone.
+bool all_refuted(const std::vector<Entry>& entries) {
+  return !entries.empty() && std::all_of(entries.begin(), entries.end(), [](const Entry& e) {
+    return e.alone.target && e.alone.target->kind == Verdict::refuted;
+  });
+}
+
 // Why it is partial, if it is.
 void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candidates,
                   const Found& found, Provenance& provenance) {
   if (!interrupted()) return;
-  const auto whole = [&](const Entry& e) { return e.supervised_results.size() == a.trials; };
+  const auto whole = [&](const Entry& e) {
+    return a.stopping.whole(e.supervised_results, a.trials);
+  };
   std::string text = fmt::format("{} of {} controllers are whole",
                                  std::count_if(found.entries.begin(), found.entries.end(), whole),
                                  candidates.size());
@@ -327,10 +336,11 @@ int compare_verb(const CompareArguments& a) {
   Found found;
   found.entries = tried_here(a, scene, candidates, set.demonstrations.front(), starts);
   if (a.output.text()) {
-    fmt::print("{} demonstrations, {} trials each, the same for all\n\n", set.demonstrations.size(),
-               a.trials);
+    fmt::print("{} demonstrations, {}{} trials each, the same for all\n\n",
+               set.demonstrations.size(), when(a.stopping.enough) ? "at most " : "", a.trials);
     print_alone(found.entries);
     print_supervised(found.entries);
+    print_targets(found.entries);
     print_against_teacher(found.entries);
   }
   try {
@@ -348,7 +358,7 @@ int compare_verb(const CompareArguments& a) {
   }
   if (interrupted()) return kInterrupted;
   for (const Entry& e : found.entries) refuse_if_all_failed(e.candidate.name, e.results);
-  return kDone;
+  return all_refuted(found.entries) ? kFailed : kDone;
 }
 
 }  // namespace
@@ -368,6 +378,7 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("--trials", a->trials, "Trials of each controller")
       ->capture_default_str()
       ->check(whole_number(1, 100000000));
+  a->stopping.add_to(*verb);
   verb->add_option("--demonstrations", a->demonstrations,
                    "Learn from the first N demonstrations too, for each N")
       ->delimiter(',')

@@ -75,7 +75,7 @@ Plot learning_plot(const std::vector<Learning>& learning) {
 Plot failure_map(const std::string& controller, const std::vector<TrialResult>& results,
                  const std::vector<Vector2d>& starts) {
   Series inserted{"inserted", {}, {}, Series::points}, failed{"not", {}, {}, Series::points};
-  for (std::size_t k = 0; k < starts.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(starts.size(), results.size()); ++k) {
     if (results[k].outcome == Outcome::infeasible) continue;
     Series& series = results[k].outcome == Outcome::inserted ? inserted : failed;
     series.x.push_back(1e6 * starts[k].x());

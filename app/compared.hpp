@@ -7,6 +7,7 @@
 
 #include "app/compare_plot.hpp"
 #include "app/given_controller.hpp"
+#include "app/stopping.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign.hpp"
 #include "learn/candidates.hpp"
@@ -24,6 +25,7 @@ struct CompareArguments {
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
   bool other_scaling = false;
+  StoppingArguments stopping;
   Output output;
 };
 
@@ -65,6 +67,7 @@ struct Found {
 // The tables, in the order in which they are found.
 void print_alone(const std::vector<Entry>& entries);
 void print_supervised(const std::vector<Entry>& entries);
+void print_targets(const std::vector<Entry>& entries);  // where there is one
 void print_against_teacher(const std::vector<Entry>& entries);
 void print_learning(const std::vector<Learning>& learning);
 void print_by_seeds(const std::vector<BySeed>& all);

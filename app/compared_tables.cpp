@@ -120,6 +120,14 @@ void print_supervised(const std::vector<Entry>& entries) {
   }
 }
 
+void print_targets(const std::vector<Entry>& entries) {
+  if (entries.empty() || !entries.front().alone.target) return;
+  fmt::print("\n{:<26} {:<36} {}\n", "target", "alone", "supervised");
+  for (const Entry& e : entries)
+    fmt::print("{:<26} {:<36} {}\n", e.candidate.name, to_text(*e.alone.target),
+               to_text(*e.supervised.target));
+}
+
 void print_against_teacher(const std::vector<Entry>& entries) {
   fmt::print("\n{:<26} {:>26} {:>9} {:>23} {:>23}\n", fmt::format("minus {}", kTeacher),
              "inserted [points], 95 %", "McNemar p", "time [s], 95 %", "peak [uN], 95 %");

@@ -6,6 +6,7 @@
 #include "app/failures.hpp"
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
+#include "app/stopping.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
@@ -23,6 +24,7 @@ struct EvaluateArguments {
   std::uint64_t seed = 7;
   int threads = 0;
   bool supervise = false, other_scaling = false;
+  StoppingArguments stopping;
   Output output;
 };
 
@@ -37,25 +39,14 @@ struct Tried {
 void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
   const MakeController make =
       a.supervise ? supervised(tried.make, supervisor_limits(scene)) : tried.make;
-  tried.results = run_campaign(scene, make, a.seed, a.trials, a.threads,
-                               Progress(tried.name, a.trials), interrupted);
-}
-
-std::vector<TrialResult> first(const std::vector<TrialResult>& results, std::size_t count) {
-  return {results.begin(), results.begin() + static_cast<std::ptrdiff_t>(count)};
-}
-
-// Of `one`, beside `other` on the trials that both have.
-std::optional<Comparison> compared(const Tried& one, const Tried& other) {
-  const std::size_t count = std::min(one.results.size(), other.results.size());
-  const auto a = first(one.results, count), b = first(other.results, count);
-  if (summarise(a).feasible == 0) return std::nullopt;
-  return compare(a, b);
+  tried.results =
+      run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(tried.name, a.trials),
+                   interrupted, when(a.stopping.enough));
 }
 
 // Of a controller's trials; its connectors are mated with each other.
 CampaignSummary summary_of(const EvaluateArguments& a, const Scene& scene, const Tried& tried) {
-  CampaignSummary summary = summarise(tried.results);
+  CampaignSummary summary = a.stopping.summary(tried.results);
   summary.mated = mated(scene.joint, tried.results, a.seed);
   return summary;
 }
@@ -63,7 +54,8 @@ CampaignSummary summary_of(const EvaluateArguments& a, const Scene& scene, const
 void tell(const EvaluateArguments& a, const Scene& scene, const std::vector<Tried>& all) {
   for (const Tried& tried : all) fmt::print("{}", to_text(tried.name, summary_of(a, scene, tried)));
   if (all.size() < 2) return;
-  if (const auto comparison = compared(all[0], all[1])) fmt::print("{}", to_text(*comparison));
+  if (const auto comparison = compare_shared(all[0].results, all[1].results))
+    fmt::print("{}", to_text(*comparison));
 }
 
 Json to_json(const EvaluateArguments& a, const Scene& scene,
@@ -82,7 +74,8 @@ Json to_json(const EvaluateArguments& a, const Scene& scene,
   });
   if (all.size() < 2) return json;
   json["baseline"] = json["rows"][1];
-  if (const auto comparison = compared(all[0], all[1])) add_json(*comparison, json["baseline"]);
+  if (const auto comparison = compare_shared(all[0].results, all[1].results))
+    add_json(*comparison, json["baseline"]);
   return json;
 }
 
@@ -122,7 +115,8 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
       if (all[0].results[k].outcome == Outcome::inserted)
         runs.push_back(replay_of(scene, all[0].make, a.seed, k, fmt::format("trial {}", k)));
   if (all.size() > 1)
-    if (const auto comparison = compared(all[0], all[1])) text += to_text(*comparison);
+    if (const auto comparison = compare_shared(all[0].results, all[1].results))
+      text += to_text(*comparison);
   write_text(a.report, html_head("ferrule: trials") + "<h1>Trials of " + escaped(all[0].name) +
                            "</h1>\n" + replay_section("trials that failed", runs, maps) + "<pre>" +
                            escaped(text) + "</pre>\n" + to_html(forces) + "<p>" +
@@ -197,7 +191,9 @@ int evaluate_verb(const EvaluateArguments& a) {
     write_text(a.trials_out, csv_text(rows, provenance));
   }
   if (!a.report.empty() && !interrupted()) write_report(a, scene, all, provenance);
-  return interrupted() ? kInterrupted : kDone;
+  if (interrupted()) return kInterrupted;
+  const auto target = a.stopping.summary(all[0].results).target;
+  return target && target->kind == Verdict::refuted ? kFailed : kDone;
 }
 
 }  // namespace
@@ -212,6 +208,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   verb->add_option("--trials", a->trials, "How many")
       ->capture_default_str()
       ->check(whole_number(1, 100000000));
+  a->stopping.add_to(*verb);
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
   verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
@@ -230,6 +227,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_examples(*verb,
                {"evaluate controller.json --trials 200 --baseline constant-velocity",
                 "evaluate controller.json --scene tight --supervise --trials-out trials.csv",
+                "evaluate controller.json --target 0.999 --trials 20000",
                 "evaluate --policy \"python3 examples/policy.py\" --policy-hz 50 --trials 20"});
   verb->callback([a, &run] { run = [a] { return evaluate_verb(*a); }; });
 }

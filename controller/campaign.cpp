@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 
 namespace ferrule {
@@ -13,18 +14,31 @@ namespace ferrule {
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
-                                      const std::function<bool()>& stop) {
+                                      const std::function<bool()>& stop,
+                                      const std::function<bool(const TrialResult&)>& enough) {
   std::vector<TrialResult> results(trials);
   std::vector<char> done(trials, false);
   std::atomic<std::size_t> next = 0, count = 0;
+  std::atomic<bool> known = false;
+  std::mutex mutex;
+  std::size_t shown = 0;  // to `enough`
+  const auto finish = [&](std::size_t k) {
+    const std::lock_guard lock(mutex);
+    done[k] = true;
+    while (!known && shown < trials && done[shown]) {
+      const TrialResult& result = results[shown++];
+      known = enough && enough(result);
+    }
+  };
   // Trials are begun in their order. What stops them ends those that run, too.
+  const std::function<bool()> ends = [&] { return known || (stop && stop()); };
   const auto work = [&](int) {
-    while (!stop || !stop()) {
+    while (!ends()) {
       const std::size_t k = next++;
       if (k >= trials) return;
-      results[k] = run_trial(scene, *make(k), seed, k, 1e-3, {}, stop);
-      if (stop && stop()) return;
-      done[k] = true;
+      results[k] = run_trial(scene, *make(k), seed, k, 1e-3, {}, ends);
+      if (ends()) return;
+      finish(k);
       const std::size_t so_far = ++count;
       if (progress) progress(so_far);
     }
@@ -32,8 +46,7 @@ std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& 
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute(
       [&] { tbb::parallel_for(0, arena.max_concurrency(), work, tbb::simple_partitioner()); });
-  results.resize(
-      static_cast<std::size_t>(std::find(done.begin(), done.end(), false) - done.begin()));
+  results.resize(shown);
   return results;
 }
 
@@ -117,6 +130,14 @@ Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialRes
           mcnemar_p(only_a, only_b),
           paired(time),
           paired(force)};
+}
+
+std::optional<Comparison> compare_shared(const std::vector<TrialResult>& a,
+                                         const std::vector<TrialResult>& b) {
+  const auto count = static_cast<std::ptrdiff_t>(std::min(a.size(), b.size()));
+  const std::vector<TrialResult> first(a.begin(), a.begin() + count);
+  if (summarise(first).feasible == 0) return std::nullopt;
+  return compare(first, {b.begin(), b.begin() + count});
 }
 
 }  // namespace ferrule

@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "controller/enough.hpp"
 #include "controller/mated_pairs.hpp"
 #include "controller/statistics.hpp"
 #include "controller/trial.hpp"
@@ -13,11 +14,14 @@ namespace ferrule {
 
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
-// results are those of the first trials up to one that was not done, fewer than `trials`.
+// results are those of the first trials up to one that was not done, fewer than `trials`. `enough`
+// is shown the results in the order of the trials, one at a time; the one after which it says so is
+// the last (controller/enough.hpp).
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
-                                      const std::function<bool()>& stop = {});
+                                      const std::function<bool()>& stop = {},
+                                      const std::function<bool(const TrialResult&)>& enough = {});
 
 struct Spread {
   double median, p95;  // NaN where there is nothing to take them of
@@ -48,6 +52,7 @@ struct CampaignSummary {
   Spread loss_dB;                                    // of the insertions that succeeded
   std::optional<InterventionSummary> interventions;  // where there was a supervisor
   std::int64_t steps, unfinished;                    // of all trials, as in InsertionSummary
+  std::optional<Verdict> target{};                   // where there is one
   std::optional<Mated> mated{};                      // where it was asked for
 };
 
@@ -73,5 +78,8 @@ struct Comparison {
 
 // Throws std::invalid_argument unless both have the same number of trials, some of them feasible.
 Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b);
+// On the first trials, those that both have; empty where none of them is feasible.
+std::optional<Comparison> compare_shared(const std::vector<TrialResult>& a,
+                                         const std::vector<TrialResult>& b);
 
 }  // namespace ferrule

@@ -53,6 +53,9 @@ Json to_json(const CampaignSummary& s) {
                {"loss_dB", spread_json(s.loss_dB, 1)},
                {"steps", s.steps},
                {"unfinished_steps", s.unfinished}};
+  if (s.target)
+    json["target"] = {
+        {"rate", s.target->rate}, {"verdict", name(s.target->kind)}, {"trials", s.target->trials}};
   if (s.mated) {
     json["mated"] = to_json(s.mated->untuned);
     json["mated_tuned"] = to_json(s.mated->tuned);
@@ -97,6 +100,10 @@ std::string trials_to_show_or(const char* otherwise, double rate, const Campaign
   return trials ? std::to_string(*trials) : otherwise;
 }
 
+std::string to_text(const Verdict& v) {
+  return fmt::format("{:.6g} % {} after {} trials", 100 * v.rate, name(v.kind), v.trials);
+}
+
 std::string time_limit_note(std::size_t timeouts, std::size_t failures) {
   if (2 * timeouts <= failures) return "";
   return fmt::format("the time limit (limits.time_s) ended {} of {} failures", timeouts, failures);
@@ -121,6 +128,7 @@ std::string to_text(const std::string& who, const CampaignSummary& s) {
                         100 * s.wilson.low, 100 * s.wilson.high);
   text += "\n";
   if (s.feasible > 0) text += fmt::format("  {:<14} {}\n", "to show", to_show_text(s));
+  if (s.target) text += fmt::format("  {:<14} {}\n", "target", to_text(*s.target));
   for (int i = 1; i < kOutcomes; ++i)
     if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
       text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);

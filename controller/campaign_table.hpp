@@ -12,6 +12,8 @@ Json to_json(const CampaignSummary& summary);
 void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);
 std::string to_text(const Comparison& comparison);
+// "99.9 % shown after 4512 trials".
+std::string to_text(const Verdict& verdict);
 
 // Further trials that would show `rate` at the success rate so far (trials_to_show), or `otherwise`
 // where none would.

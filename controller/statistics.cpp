@@ -15,6 +15,12 @@ double two_sided_z() {
   return boost::math::quantile(boost::math::normal(), 0.975);
 }
 
+// tail/point; where the point is too unlikely for a double, what that goes to on its side.
+double evidence(double tail, double point, bool on_its_side) {
+  if (point > 0) return tail / point;
+  return on_its_side ? std::numeric_limits<double>::infinity() : 0;
+}
+
 }  // namespace
 
 Interval wilson(std::size_t successes, std::size_t trials) {
@@ -34,6 +40,18 @@ std::optional<std::size_t> trials_to_show(double rate, std::size_t successes, st
   if (!(above > 0)) return std::nullopt;
   const auto all = static_cast<std::size_t>(std::ceil(z * z * rate * (1 - rate) / (above * above)));
   return all > trials ? all - trials : 0;
+}
+
+double evidence_above(double rate, std::size_t successes, std::size_t trials) {
+  const auto n = static_cast<double>(trials), s = static_cast<double>(successes);
+  const boost::math::binomial now(n, rate), next(n + 1, rate);
+  return evidence(cdf(next, s), (n + 1) * (1 - rate) * pdf(now, s), s > rate * n);
+}
+
+double evidence_below(double rate, std::size_t successes, std::size_t trials) {
+  const auto n = static_cast<double>(trials), s = static_cast<double>(successes);
+  const boost::math::binomial now(n, rate), next(n + 1, rate);
+  return evidence(cdf(complement(next, s)), (n + 1) * rate * pdf(now, s), s < rate * n);
 }
 
 double mcnemar_p(std::size_t only_a, std::size_t only_b) {

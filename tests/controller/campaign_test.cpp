@@ -129,6 +129,32 @@ TEST(Campaign, IsStoppedWithinATrial) {
   EXPECT_LT(asked, 10'000);
 }
 
+// The shortest beginning of the whole campaign that is enough, on any number of threads.
+TEST(Campaign, EndsWithTheFirstTrialAfterWhichEnoughIsKnown) {
+  const Scene scene = quick();
+  const auto run = [&](int threads, const std::function<bool(const TrialResult&)>& enough) {
+    return run_campaign(scene, scene_scaling(scene), controller_maker(ConstantVelocity(2e-3)), 7,
+                        40, threads, {}, {}, enough);
+  };
+  const auto whole = run(0, {});
+  for (const int threads : {1, 2, 7}) {
+    int failures = 0;
+    const auto some = run(threads, [&](const TrialResult& r) {
+      return (failures += r.outcome != Outcome::inserted) == 3;
+    });
+    ASSERT_LT(some.size(), whole.size());
+    int left = 3;
+    for (std::size_t k = 0; k < some.size(); ++k) {
+      EXPECT_GT(left, 0);
+      left -= whole[k].outcome != Outcome::inserted;
+      EXPECT_EQ(some[k].outcome, whole[k].outcome);
+      EXPECT_EQ(some[k].summary.peak_force, whole[k].summary.peak_force);
+    }
+    EXPECT_EQ(left, 0);
+    EXPECT_EQ(run(threads, [](const TrialResult&) { return false; }).size(), whole.size());
+  }
+}
+
 TEST(Campaign, SummaryCountsEveryTrialOnce) {
   const Scene scene = quick();
   const auto results = run_campaign(scene, controller_maker(ConstantVelocity(2e-3)), 7, 40, 0, {});
@@ -159,6 +185,8 @@ TEST(Campaign, ComparisonPairsTheTrials) {
   EXPECT_CLOSE(c.peak_force.interval.high, 8e-6, 1e-9);
   b.pop_back();
   EXPECT_THROW(compare(a, b), std::invalid_argument);
+  EXPECT_CLOSE(compare_shared(a, b).value().difference, 4.0 / 9, 1e-12);
+  EXPECT_FALSE(compare_shared(a, {}));
 }
 
 TEST(Campaign, ConnectorsThatLoseTooMuchFailAndAreNotMated) {

@@ -10,7 +10,7 @@ import xml.dom.minidom
 import h5py
 import numpy
 
-from case import PROGRAM, Case, main
+from case import PROGRAM, Case, ferrule, main
 
 # Short: 30 um instead of 270.
 SCENE = ["--set", "start.distance_um=20", "--set", "success.depth_um=10",
@@ -223,6 +223,26 @@ class Compare(Case):
         self.assertEqual((found["feasible"], found["baseline"]["feasible"]), (0, 0))
         self.assertNotIn("difference", found["baseline"])
         self.assertNotIn("nan", self.done(*arguments).stdout)
+
+    def test_each_controller_is_tried_until_enough_is_known(self):
+        arguments = ["compare", self.out, *SCENE, "--learners", "linear", "--json"]
+
+        def rows(code, *more):
+            run = ferrule(*arguments, *more)
+            self.assertEqual(run.returncode, code, run.stderr)
+            return {row["controller"]: row for row in json.loads(run.stdout)["rows"]}
+
+        some = rows(0, "--trials", 200, "--target", 0.5)
+        verdicts = {row["target"]["verdict"] for row in some.values()}
+        self.assertIn("shown", verdicts)
+        for row in some.values():
+            for part in (row, row["supervised"]):
+                self.assertEqual(part["trials"], part["target"]["trials"])
+                self.assertEqual(part["target"]["verdict"] == "undecided", part["trials"] == 200)
+        text = self.done(*arguments[:-1], "--trials", 200, "--target", 0.5).stdout
+        self.assertIn(f"50 % shown after {some['simulated operator']['target']['trials']} trials", text)
+        # None of them inserts where the time does not suffice.
+        rows(1, "--trials", 60, "--target", 0.5, "--set", "limits.time_s=0.01")
 
     # A campaign may take long: Ctrl-C ends it with what it has, said to be partial.
     def test_ctrl_c_ends_it_at_once(self):

@@ -1,7 +1,7 @@
 import json
 import os
 
-from case import QUICK, Case, main
+from case import QUICK, Case, ferrule, main
 
 
 class Learning(Case):
@@ -59,6 +59,37 @@ class Learning(Case):
         self.assertGreater(limited["outcomes"]["high_loss"], 0)
         self.assertEqual(limited["outcomes"]["high_loss"] + limited["successes"], plain["successes"])
         self.assertLess(limited["loss_dB"]["p95"], 0.3)
+
+    def test_trials_end_when_enough_is_known(self):
+        arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "paper", *QUICK]
+
+        def told(code, *more):
+            runs = [ferrule(*arguments, *more, "--json", "--threads", n) for n in (1, 2)]
+            self.assertEqual([run.returncode for run in runs], [code, code], runs[0].stderr)
+            self.assertEqual(runs[0].stdout, runs[1].stdout)
+            return json.loads(runs[0].stdout)
+
+        whole = told(0, "--trials", 150, "--set", "start.lateral_sd_um=14")
+        few = 0.5 * whole["success_rate"]  # of what succeeds
+        for target, verdict, code in ((few, "shown", 0), (0.5 * (1 + whole["success_rate"]), "refuted", 1)):
+            found = told(code, "--trials", 2000, "--set", "start.lateral_sd_um=14", "--target", target)
+            self.assertEqual(found["target"], {"rate": target, "verdict": verdict, "trials": found["trials"]})
+            self.assertEqual(found["rows"][0]["target"], found["target"])
+            self.assertLess(found["trials"], 1000)
+        self.assertEqual(told(0, "--trials", 2, "--target", 0.999)["target"],
+                         {"rate": 0.999, "verdict": "undecided", "trials": 2})
+        self.assertIn("99.9 % undecided after 2 trials",
+                      self.done(*arguments, "--trials", 2, "--target", 0.999).stdout)
+
+        found = told(0, "--trials", 2000, "--set", "start.lateral_sd_um=14", "--until-width", 0.3)
+        self.assertLess(found["wilson_high"] - found["wilson_low"], 0.3)
+        self.assertLess(found["trials"], 100)
+        self.assertEqual(told(0, "--trials", found["trials"], "--set", "start.lateral_sd_um=14")["outcomes"],
+                         found["outcomes"])
+        before = told(0, "--trials", found["trials"] - 1, "--set", "start.lateral_sd_um=14")
+        self.assertGreaterEqual(before["wilson_high"] - before["wilson_low"], 0.3)
+        for wrong in (("--target", 1), ("--target", 0), ("--until-width", 0)):
+            self.refused(2, *arguments, *wrong, says=(wrong[0],))
 
     def test_what_chance_decides_of_a_joint_is_recorded(self):
         out = self.path("out")
