@@ -133,8 +133,8 @@ TEST(Campaign, IsStoppedWithinATrial) {
 TEST(Campaign, EndsWithTheFirstTrialAfterWhichEnoughIsKnown) {
   const Scene scene = quick();
   const auto run = [&](int threads, const std::function<bool(const TrialResult&)>& enough) {
-    return run_campaign(scene, scene_scaling(scene), controller_maker(ConstantVelocity(2e-3)), 7,
-                        40, threads, {}, {}, enough);
+    return run_campaign(scene, controller_maker(ConstantVelocity(2e-3)), 7, 40, threads, {}, {},
+                        enough);
   };
   const auto whole = run(0, {});
   for (const int threads : {1, 2, 7}) {
@@ -192,8 +192,7 @@ TEST(Campaign, ComparisonPairsTheTrials) {
 TEST(Campaign, ConnectorsThatLoseTooMuchFailAndAreNotMated) {
   Scene scene = quick();
   const auto run = [&] {
-    return run_campaign(scene, scene_scaling(scene), controller_maker(ConstantVelocity(2e-3)), 7,
-                        40, 0, {});
+    return run_campaign(scene, controller_maker(ConstantVelocity(2e-3)), 7, 40, 0, {});
   };
   const auto all = run();
   std::vector<double> losses;
