@@ -28,6 +28,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_compare(app, run);
   add_export(app, run);
   app.group("Answers for an engineer");
+  add_sweep(app, run);
   add_limits(app, run);
   add_release(app, run);
   add_identify(app, run);

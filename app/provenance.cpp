@@ -7,6 +7,7 @@
 
 #include "capture/episode.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/scene/extends.hpp"
 
 namespace ferrule {
 namespace {
@@ -25,7 +26,8 @@ bool remark(const std::string& key) {
 
 void add_changes(const Json& value, const Json& shipped, const std::string& path,
                  std::vector<SceneChange>& changes) {
-  if (!value.is_object() || !shipped.is_object()) {
+  const auto whole = [](const Json& v) { return !v.is_object() || Distribution::read(v); };
+  if (whole(value) || whole(shipped)) {
     if (value != shipped) changes.push_back({path, value, shipped});
     return;
   }
@@ -107,7 +109,10 @@ Provenance& Provenance::in(const ChosenScene& chosen) {
             {"other_than_brought", chosen.other}};
   if (!chosen.relation.empty()) scene_["relation"] = chosen.relation.substr(2);
   std::error_code error;
-  if (std::filesystem::is_regular_file(chosen.file, error)) read(chosen.file);
+  if (std::filesystem::is_regular_file(chosen.file, error))
+    for (const SceneLayer& layer :
+         scene_layers(parse_json(read_text(chosen.file), chosen.file), chosen.file))
+      read(layer.file);
   const double bound = document.value("planned_error_bound", 0.0),
                accuracy = document.value("planned_accuracy", 0.0);
   if (bound > accuracy) {

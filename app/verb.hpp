@@ -40,6 +40,7 @@ void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
 void add_identify(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
+void add_sweep(CLI::App& app, Run& run);
 void add_score(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
 void add_export_episodes(CLI::App& app, Run& run);

@@ -39,8 +39,10 @@ class InsertionEnv(gymnasium.Env):
     seed, and "outcome" (and "is_success") at the end.
 
     ``reset(seed=N)`` begins with trial 0 of the trials that ``ferrule evaluate --seed N`` runs, and
-    every further reset takes the next one; ``options={"trial": K}`` takes trial K. Pairs of parts
-    that do not fit are passed over. Without any seed it is drawn.
+    every further reset takes the next one; ``options={"trial": K}`` takes trial K. Parts that do
+    not fit are passed over. Without any seed it is drawn. ``options={"set": {"fibre.diameter_um":
+    125.3}}`` changes values of the scene for this episode; they may be drawn, as in a scene:
+    ``{"uniform": [124.7, 125.3]}``.
     """
 
     metadata = {"render_modes": ["rgb_array", "human"], "render_fps": 50}
@@ -55,7 +57,8 @@ class InsertionEnv(gymnasium.Env):
         self.observation_space = self.task.observation_space
         self.action_space = self.task.action_space
         self.metadata = {**self.metadata, "render_fps": round(1 / (self.task.periods * PERIOD))}
-        self.simulator: Simulator | None = Simulator(self.task.scene)
+        self._scene = self.task.scene
+        self.simulator: Simulator | None = Simulator(self._scene)
         self._seed: int | None = None
         self._next = 0
         self._running = False
@@ -75,6 +78,10 @@ class InsertionEnv(gymnasium.Env):
             trial = options["trial"]
             if not isinstance(trial, (int, np.integer)) or not 0 <= trial < 2**64:
                 raise ValueError(f"options['trial'] = {trial!r}: expected a whole number >= 0")
+        settings = options.get("set") if options else None
+        if settings or self._scene is not self.task.scene:
+            self._scene = self.task.changed(settings) if settings else self.task.scene
+            simulator = self.simulator = Simulator(self._scene)
         simulator.reset(seed=self._seed, trial=int(trial), feasible=True)
         self._next = int(trial) + 1
         self._running = True
@@ -107,7 +114,7 @@ class InsertionEnv(gymnasium.Env):
             return None
         if self.render_mode == "human":
             return None  # step and reset have shown it
-        return picture(self.task.scene, simulator.tip, simulator.observation)
+        return picture(self._scene, simulator.tip, simulator.observation)
 
     def _show(self) -> None:
         """In the window, in time: a second of it takes a second."""
@@ -116,7 +123,7 @@ class InsertionEnv(gymnasium.Env):
         simulator = self._open("show")
         if self._window is None:
             self._window = Window()
-        self._window.show(picture(self.task.scene, simulator.tip, simulator.observation))
+        self._window.show(picture(self._scene, simulator.tip, simulator.observation))
         due = self._shown + self.task.periods * PERIOD
         self._shown = max(due, time.monotonic())
         time.sleep(max(0.0, due - time.monotonic()))

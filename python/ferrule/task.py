@@ -53,6 +53,18 @@ class Task:
         )
         self.action_space = spaces.Box(-1.0, 1.0, (5,), np.float32)
 
+    def changed(self, overrides: Overrides) -> Scene:
+        """The scene with other values, for one episode."""
+        scene = load_scene(self.scene, overrides)
+        for name in ("speed_limit", "force_limit", "time_limit", "motion_scale", "force_scale",
+                     "start_distance", "success_depth"):
+            if getattr(scene, name) != getattr(self.scene, name):
+                raise ValueError(
+                    f"options['set'] changes {name}, of which spaces and rewards are made: make "
+                    "another environment with overrides"
+                )
+        return scene
+
     def velocity(self, action: Any) -> np.ndarray:
         """Of the hand [m/s, rad/s]; what is not a number stays none."""
         return np.minimum(np.maximum(np.asarray(action, dtype=float), -1), 1) * self.hand_scale

@@ -3,6 +3,7 @@
 #include "insertion/scene_scaling.hpp"
 #include "sim/analysis/gap_forces.hpp"
 #include "sim/analysis/plan.hpp"
+#include "sim/scene/extends.hpp"
 #include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 
@@ -22,7 +23,7 @@ std::shared_ptr<const Scene> load(const std::string& name_or_file,
 
 std::shared_ptr<const Scene> parse(const std::string& document, const std::string& where,
                                    const std::vector<std::string>& settings, bool plan) {
-  Json json = parse_json(document, where);
+  Json json = whole_scene(scene_layers(parse_json(document, where), where));
   for (const std::string& setting : settings) apply_setting(json, setting);
   const Scene scene = parse_scene(json, where);
   refuse_contradictions(scene, where);

@@ -171,7 +171,7 @@ class Trials {
   void begin(std::size_t i, std::uint64_t trial) {
     numbers_[i] = trial;
     const std::uint64_t feasible =
-        scene_->tolerance ? feasible_trial(*scene_, seed_, trial).trial : trial;
+        !scene_->drawn.empty() ? feasible_trial(*scene_, seed_, trial).trial : trial;
     trials_[i] = std::make_unique<SteppedTrial>(scene_, seed_, feasible);
     show(i);
   }

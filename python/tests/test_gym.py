@@ -116,6 +116,30 @@ def test_seeds_and_options_choose_the_trial():
         env.reset(options={"trial": -1})
 
 
+def test_values_of_the_scene_change_for_an_episode():
+    env = make()
+    env.reset(seed=3, options={"set": {"fibre.young_GPa": {"uniform": [60, 80]}}})
+    other = ferrule.Simulator("bench", ["fibre.young_GPa=60..80"])
+    other.reset(seed=3, trial=0)
+    for _ in range(20):
+        env.step(straight())
+        other.step(env.task.velocity(straight()), env.task.periods)
+    assert (env.simulator.tip == other.tip).all()
+    env.reset(seed=3)
+    plain = ferrule.Simulator("bench")
+    plain.reset(seed=3, trial=0)
+    assert (env.simulator.observation.values == plain.observation.values).all()
+    for _ in range(20):
+        env.step(straight())
+    assert (env.simulator.tip != other.tip).any()
+    with pytest.raises(ValueError, match="changes force_limit"):
+        env.reset(options={"set": {"limits.force_uN": 5}})
+    with pytest.raises(ferrule.BadInput, match="fibre.young_GPa"):
+        env.reset(options={"set": {"fibre.young_GPa": {"uniform": [80, 60]}}})
+    # Refused: the episode before goes on.
+    env.step(straight())
+
+
 def test_pairs_that_do_not_fit_are_passed_over():
     env = gymnasium.make("ferrule/Insertion-v0", scene="tolerance").unwrapped
     env.reset(seed=7)

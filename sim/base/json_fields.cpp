@@ -138,6 +138,13 @@ int write_all(int fd, const char* bytes, std::size_t size) {
   return 0;
 }
 
+Json::json_pointer pointer_to(const std::string& dotted_key) {
+  Json::json_pointer at;
+  std::istringstream parts(dotted_key);
+  for (std::string part; std::getline(parts, part, '.');) at /= part;
+  return at;
+}
+
 Json number_or_null(double x) {
   return std::isfinite(x) ? Json(x) : Json(nullptr);
 }

@@ -19,6 +19,8 @@ using Json = nlohmann::json;
 Json parse_json(const std::string& text, const std::string& file);
 // The line of text[position], from 1.
 std::size_t line_at(const std::string& text, std::size_t position);
+// Where a dotted key is, "fibre.diameter_um" at /fibre/diameter_um.
+Json::json_pointer pointer_to(const std::string& dotted_key);
 // A number, or null where it is not finite.
 Json number_or_null(double x);
 // Throws FileTrouble if the file cannot be read.

@@ -8,11 +8,24 @@
 #include "sim/base/elementary.hpp"
 
 namespace ferrule {
+namespace {
+
+// FNV-1a (Fowler, Noll and Vo), with the highest bit set: no Draw has it.
+Draw stream_of(std::string_view key) noexcept {
+  std::uint32_t hash = 2166136261u;
+  for (const char c : key) hash = (hash ^ static_cast<unsigned char>(c)) * 16777619u;
+  return static_cast<Draw>(hash | 0x80000000u);
+}
+
+}  // namespace
 
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) noexcept
     : key_{static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32)},
       counter_{0, static_cast<std::uint32_t>(draw), static_cast<std::uint32_t>(trial),
                static_cast<std::uint32_t>(trial >> 32)} {}
+
+RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view key) noexcept
+    : RandomStream(seed, trial, stream_of(key)) {}
 
 std::uint64_t RandomStream::bits() noexcept {
   const r123::Philox4x32::ctr_type counter{{counter_[0], counter_[1], counter_[2], counter_[3]}};

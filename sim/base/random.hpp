@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string_view>
 
 namespace ferrule {
 
@@ -27,6 +28,8 @@ enum class Draw : std::uint32_t {
 class RandomStream {
  public:
   RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) noexcept;
+  // For the number of a dotted key: whatever else is drawn, it is drawn alike.
+  RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view key) noexcept;
 
   std::uint64_t bits() noexcept;
   // Uniform in (0, 1).

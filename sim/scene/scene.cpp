@@ -6,6 +6,7 @@
 #include "sim/base/json_file.hpp"
 #include "sim/base/shipped_files.hpp"
 #include "sim/base/units.hpp"
+#include "sim/scene/extends.hpp"
 #include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 
@@ -147,32 +148,46 @@ void read_start(JsonFields f, StartDistribution& start) {
   f.finish();
 }
 
-// The smallest and the largest diameter.
-DiameterRange read_diameters(JsonFields& f, const char* key) {
-  const Vector2d um = f.pair(key);
-  if (!(um[0] >= 1 && um[1] >= um[0] && um[1] <= 1e5))
-    f.refuse(key, "must be the smallest and the largest diameter, both positive, from 1 to 100000");
-  return {micro * um[0], micro * um[1]};
-}
-
-void read_tolerance(JsonFields f, Tolerance& t) {
+// Of pairs of parts, as scenes before 0.9.0 state it: what is drawn of each diameter.
+void read_tolerance(JsonFields f, const Json& fibre_um, std::vector<DrawnNumber>& drawn) {
+  const auto add = [&](const char* key, const Json& distribution) {
+    drawn.push_back({key, *Distribution::read(distribution)});
+  };
+  const auto band = [&](const char* key) {
+    const Vector2d um = f.pair(key);
+    if (!(um[0] >= 1 && um[1] >= um[0] && um[1] <= 1e5))
+      f.refuse(key,
+               "must be the smallest and the largest diameter, both positive, from 1 to 100000");
+    return Json{{"uniform", {um[0], um[1]}}};
+  };
   if (f.present("fibre_diameter_um")) {
     if (f.present("fibre_diameter_sd_um"))
       f.refuse("fibre_diameter_um",
                "does not go with fibre_diameter_sd_um: it is one or the other");
-    t.fibre = read_diameters(f, "fibre_diameter_um");
-  } else {
-    f.number("fibre_diameter_sd_um", not_negative(1e3), t.fibre_sd, micro);
+    add("fibre.diameter_um", band("fibre_diameter_um"));
+  } else if (f.present("fibre_diameter_sd_um")) {
+    const double sd_um = f.number("fibre_diameter_sd_um", not_negative(1e3));
+    add("fibre.diameter_um", {{"normal", {fibre_um, sd_um}}});
   }
-  t.bore = read_diameters(f, "bore_diameter_um");
+  if (f.present("bore_diameter_um")) add("ferrule.bore_diameter_um", band("bore_diameter_um"));
   f.finish();
 }
 
-// What is only said: what the numbers that chance decided of a recorded pair were drawn from.
-void read_drawn_from(JsonFields f) {
-  if (f.present("tolerance")) {
-    Tolerance tolerance{};
-    read_tolerance(f.object("tolerance"), tolerance);
+// What is only said: what the numbers of a drawn scene were drawn from.
+void read_drawn_from(JsonFields f, const Json& document) {
+  const auto is_there = [&](const std::string& key) {
+    return key == "tolerance" || document.contains(pointer_to(key));
+  };
+  if (f.present("was")) {
+    const Json& was = f.raw("was");
+    bool known = was.is_object();
+    if (known)
+      for (const auto& [key, value] : was.items()) known = known && is_there(key);
+    if (!known) f.refuse("was", "must have keys of the scene, and what stood there");
+  }
+  if (f.present("tolerance")) {  // as recordings before 0.9.0 have it
+    std::vector<DrawnNumber> drawn;
+    read_tolerance(f.object("tolerance"), 0, drawn);
     for (const char* key : {"fibre_diameter_um", "ferrule_bore_diameter_um"})
       f.number(key, positive(1, 1e5));
   }
@@ -287,15 +302,15 @@ std::optional<Inconsistency> inconsistency(const Scene& scene) {
 }
 
 // All but the world that follows.
-void read_scene(JsonFields& fields, Scene& scene) {
+void read_scene(JsonFields& fields, const Json& document, Scene& scene) {
   if (fields.present("$schema")) fields.text("$schema");
   scene.name = fields.line("name", 100);
   if (fields.present("about")) fields.text("about");
   read_world(fields, scene.parameters);
   read_start(fields.object("start"), scene.start);
   if (fields.present("tolerance"))
-    read_tolerance(fields.object("tolerance"), scene.tolerance.emplace());
-  if (fields.present("drawn_from")) read_drawn_from(fields.object("drawn_from"));
+    read_tolerance(fields.object("tolerance"), scene.parameters.fibre.diameter_um, scene.drawn);
+  if (fields.present("drawn_from")) read_drawn_from(fields.object("drawn_from"), document);
   read_sensor(fields.object("sensor"), scene.sensor);
   read_limits(fields.object("limits"), scene.limits);
   read_tangent(fields, scene);
@@ -312,13 +327,31 @@ void read_scene(JsonFields& fields, Scene& scene) {
   fields.finish();
 }
 
-}  // namespace
+// What chance decides unless the document states it.
+void add_unstated(const Json& document, Scene& scene) {
+  const auto add = [&](const char* key, const Json& distribution) {
+    if (!document.contains(pointer_to(key)))
+      scene.drawn.push_back({key, *Distribution::read(distribution)});
+  };
+  const Json all_round = {{"uniform", {0, 360}}};
+  const FibreParameters& fibre = scene.parameters.fibre;
+  if (fibre.curl_radius_m || fibre.cleave_deg) add("fibre.roll_deg", all_round);
+  if (fibre.cleave_deg) add("fibre.cleave_direction_deg", all_round);
+  if (scene.parameters.ferrule.ovality_um)
+    add("ferrule.ovality_direction_deg", {{"uniform", {0, 180}}});
+  if (scene.sensor.entrance_sd > 0)
+    add("sensor.entrance_error_um", {{"normal", {0, 1e6 * scene.sensor.entrance_sd}}});
+  // What fibre and ferrule are off, together.
+  if (const double sd = std::hypot(scene.joint.core_sd, scene.joint.bore_sd); sd > 0)
+    for (const char* key : {"joint.offset_y_um", "joint.offset_z_um"})
+      add(key, {{"normal", {0, 1e6 * sd}}});
+}
 
-Scene parse_scene(const Json& document, const std::string& file) {
+// Of a document without distributions.
+Scene scene_of_numbers(const Json& document, const std::string& file) {
   JsonFields fields(document, file);
   Scene scene{};
-  scene.document = document;
-  read_scene(fields, scene);
+  read_scene(fields, document, scene);
   if (const auto found = inconsistency(scene)) refuse(fields, found->key, found->rule);
   scene.world = make_world(scene.parameters);
   if (scene.world.holder.sag.tail<2>().norm() > kMostHanging)
@@ -328,15 +361,66 @@ Scene parse_scene(const Json& document, const std::string& file) {
   return scene;
 }
 
+// Why a number that is drawn is refused: `rule`, and the number as it stands in the document.
+RefusedKey refusal(const Json& document, const DrawnNumber& number, const std::string& file,
+                   const std::string& rule) {
+  const Json::json_pointer at = pointer_to(number.key);
+  RefusedKey refused(file, at, number.key + " = " + document.at(at).dump() + ": " + rule);
+  refused.value = document.at(at);
+  return refused;
+}
+
+constexpr const char* kMayBe = "may be drawn as what it must not be: ";
+
+// Refuses a number whose least or largest draw its key must not have; `centre` is allowed.
+void refuse_beyond(const Json& document, const Json& centre, const DrawnNumber& number,
+                   const std::string& file) {
+  for (const double extreme : number.distribution.extremes()) {
+    Json changed = centre;
+    changed[pointer_to(number.key)] = as_written(extreme);
+    JsonFields fields(changed, file);
+    Scene scene{};
+    try {
+      read_scene(fields, changed, scene);
+    } catch (const RefusedKey& refused) {
+      throw refusal(document, number, file, kMayBe + refused.why);
+    }
+  }
+}
+
+}  // namespace
+
+Scene parse_scene(const Json& document, const std::string& file) {
+  const std::vector<DrawnNumber> stated = drawn_numbers(document, file);
+  const Json centre = at_centre(document, stated);
+  Scene scene{};
+  try {
+    scene = scene_of_numbers(centre, file);
+  } catch (const RefusedKey& refused) {
+    for (const DrawnNumber& number : stated)
+      if (pointer_to(number.key) == refused.at)
+        throw refusal(document, number, file, kMayBe + refused.why);
+    throw;
+  }
+  for (const DrawnNumber& number : stated) {
+    refuse_beyond(document, centre, number, file);
+    for (const DrawnNumber& other : scene.drawn)
+      if (other.key == number.key)
+        throw refusal(document, number, file, "tolerance draws it too: state one of them");
+  }
+  scene.drawn.insert(scene.drawn.end(), stated.begin(), stated.end());
+  add_unstated(document, scene);
+  scene.document = document;
+  return scene;
+}
+
 VariableScene::VariableScene(const Scene& scene) : scene_{} {
   std::vector<BoundNumber> bound;
-  JsonFields fields(scene.document, scene.name, &bound);
-  read_scene(fields, scene_);
+  const Json centre = at_centre(scene.document, drawn_numbers(scene.document, scene.name));
+  JsonFields fields(centre, scene.name, &bound);
+  read_scene(fields, centre, scene_);
   for (BoundNumber& number : bound) {
-    std::string path = number.key;
-    std::replace(path.begin(), path.end(), '.', '/');
-    path.insert(path.begin(), '/');
-    const double value = scene.document.at(Json::json_pointer(path)).get<double>();
+    const double value = centre.at(pointer_to(number.key)).get<double>();
     numbers_.push_back({std::move(number), value});
   }
 }
@@ -364,7 +448,8 @@ bool VariableScene::consistent() const {
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings) {
   const std::string file = kScenes.find(name_or_file);
   const std::string source = settings.empty() ? file : file + " with --set";
-  return read_json(file, source, [&](Json document) {
+  return read_json(file, source, [&](const Json& stated) {
+    Json document = whole_scene(scene_layers(stated, file));
     for (const auto& setting : settings) apply_setting(document, setting);
     Scene scene = parse_scene(document, source);
     refuse_contradictions(scene, source);

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "sim/base/json_fields.hpp"
+#include "sim/scene/drawn_numbers.hpp"
 #include "sim/scene/force_sensor.hpp"
 #include "sim/scene/joint.hpp"
 #include "sim/scene/world_parameters.hpp"
@@ -41,20 +42,6 @@ struct Success {
   double loss_dB = std::numeric_limits<double>::infinity();
 };
 
-// Diameters [m], 0 < low <= high.
-struct DiameterRange {
-  double low, high;
-};
-
-// Pairs of parts as they come: the fibre's diameter is normally distributed about
-// fibre.diameter_um, cut at three standard deviations (where sorting ends), or uniform over its
-// tolerance band; the bore's is uniform over its own.
-struct Tolerance {
-  double fibre_sd;                     // of the diameter [m], >= 0
-  std::optional<DiameterRange> fibre;  // empty: normal
-  DiameterRange bore;
-};
-
 // Ranges of (14) and (15) of the paper.
 struct ScalingRanges {
   double hand_range, tip_range;  // x_s and x_m [m], > 0
@@ -80,7 +67,6 @@ struct Scene {
   WorldParameters parameters;  // what it states of the world
   World world;                 // and the world that follows
   StartDistribution start;
-  std::optional<Tolerance> tolerance;
   ForceSensorModel sensor;
   Limits limits;
   Success success;
@@ -90,13 +76,17 @@ struct Scene {
   // "accuracy": what the scene wants of a model that leaves out what it does not need. Reading a
   // scene does not apply it; planned() of sim/analysis/plan.hpp does.
   std::optional<double> accuracy;
+  // What chance decides in each trial. All of the above has it at its centre, or as the document
+  // states it besides; draw_scene of draw.hpp gives a trial's scene, which has none.
+  std::vector<DrawnNumber> drawn;
   Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
 };
 
 // Throws BadInput: "FILE: KEY = VALUE: RULE".
 Scene parse_scene(const Json& document, const std::string& file);
 
-// `name_or_file`: a file, or the bare name of a scene that ships with the program. `settings` are
+// `name_or_file`: a file, or the bare name of a scene that ships with the program; it may extend
+// another one (sim/scene/extends.hpp). `settings` are
 // "dotted.key=value" (sim/scene/setting.hpp). Throws BadInput, FileTrouble.
 Scene load_scene(const std::string& name_or_file, const std::vector<std::string>& settings = {});
 

@@ -1,55 +1,11 @@
 #include "sim/scene/setting.hpp"
 
-#include <charconv>
-#include <cmath>
-#include <optional>
+#include <algorithm>
+
+#include "sim/scene/distribution.hpp"
 
 namespace ferrule {
 namespace {
-
-constexpr const char *kFibre = "fibre.diameter_um", *kBore = "ferrule.bore_diameter_um";
-constexpr const char* kForms = "a tolerance as 126+-0.3, 125.5+1/-0 or 125.2..126.5";
-
-std::optional<double> number(const std::string& text) {
-  double value = 0;
-  const auto read = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (text.empty() || read.ec != std::errc() || read.ptr != text.data() + text.size())
-    return std::nullopt;
-  return value;
-}
-
-struct Band {
-  double low, middle, high;
-  std::optional<double> sd{};  // of a fibre that is normal within it
-};
-
-std::optional<Band> band(std::string text) {
-  std::erase(text, ' ');
-  const auto dots = text.find(".."), sign = text.find("+-"), slash = text.find("/-");
-  const auto plus = text.find('+');
-  if (dots != text.npos) {
-    const auto low = number(text.substr(0, dots)), high = number(text.substr(dots + 2));
-    if (!low || !high || !(*low <= *high)) return std::nullopt;
-    return Band{*low, (*low + *high) / 2, *high};
-  }
-  if (sign != text.npos) {
-    const auto nominal = number(text.substr(0, sign)), half = number(text.substr(sign + 2));
-    if (!nominal || !half || !(*half >= 0)) return std::nullopt;
-    return Band{*nominal - *half, *nominal, *nominal + *half, *half / 3};
-  }
-  if (plus == text.npos || slash == text.npos || slash < plus) return std::nullopt;
-  const auto nominal = number(text.substr(0, plus));
-  const auto above = number(text.substr(plus + 1, slash - plus - 1));
-  const auto below = number(text.substr(slash + 2));
-  if (!nominal || !above || !below || !(*above >= 0 && *below >= 0)) return std::nullopt;
-  const double low = *nominal - *below, high = *nominal + *above;
-  return Band{low, (low + high) / 2, high};
-}
-
-// 126 rather than 126.0: the same text, and so the same hash, as in a file.
-Json as_written(double x) {
-  return x == std::round(x) && std::abs(x) < 1e15 ? Json(std::llround(x)) : Json(x);
-}
 
 void set_value(Json& document, const std::string& setting, const std::string& key,
                const Json& value) {
@@ -69,31 +25,36 @@ void set_value(Json& document, const std::string& setting, const std::string& ke
   *place = value;
 }
 
-void set_tolerance(Json& document, const std::string& key, const Band& band) {
-  Json& tolerance = document["tolerance"];
-  if (!tolerance.is_object()) {
-    const Json::json_pointer at("/ferrule/bore_diameter_um");
-    const Json width = document.contains(at) ? document.at(at) : Json();
-    tolerance = {{"fibre_diameter_sd_um", 0}, {"bore_diameter_um", {width, width}}};
+// A diameter that is set is not drawn by the tolerance.
+void end_tolerance(Json& document, const std::string& key) {
+  const auto tolerance = document.find("tolerance");
+  if (tolerance == document.end() || !tolerance->is_object()) return;
+  if (key == "ferrule.bore_diameter_um") tolerance->erase("bore_diameter_um");
+  if (key == "fibre.diameter_um") {
+    tolerance->erase("fibre_diameter_um");
+    tolerance->erase("fibre_diameter_sd_um");
   }
-  if (key == kBore) {
-    tolerance["bore_diameter_um"] = {band.low, band.high};
-    return;
-  }
-  tolerance.erase("fibre_diameter_um");
-  tolerance.erase("fibre_diameter_sd_um");
-  if (band.sd)
-    tolerance["fibre_diameter_sd_um"] = *band.sd;
-  else
-    tolerance["fibre_diameter_um"] = {band.low, band.high};
+  if (tolerance->empty()) document.erase(tolerance);
 }
 
-// Parts that are drawn are drawn from the tolerance: a diameter beside it would say nothing.
-void refuse_if_drawn(const Json& document, const std::string& setting, const std::string& key) {
-  const std::string drawn = key == kBore ? "bore_diameter_um" : "fibre_diameter_um";
-  if (document.contains(Json::json_pointer("/tolerance/" + drawn)))
-    throw BadInput("--set " + setting + ": the scene draws it from tolerance." + drawn +
-                   "; set that, or " + kForms + ", or tolerance=null before it");
+// What the document has at the dotted key; null: nothing.
+Json now_at(const Json& document, const std::string& key) {
+  const Json::json_pointer at = pointer_to(key);
+  return document.contains(at) ? document.at(at) : Json();
+}
+
+// A diameter that the tolerance draws is a number besides: the middle, where it was drawn.
+void end_drawn(Json& document) {
+  const Json tolerance = document.value("tolerance", Json());
+  const auto end = [&](const char* key, std::initializer_list<const char*> by) {
+    const Json now = now_at(document, key);
+    const auto drawn = Distribution::read(now);
+    if (drawn &&
+        std::any_of(by.begin(), by.end(), [&](const char* k) { return tolerance.contains(k); }))
+      document[pointer_to(key)] = as_written(drawn->centre());
+  };
+  end("ferrule.bore_diameter_um", {"bore_diameter_um"});
+  end("fibre.diameter_um", {"fibre_diameter_um", "fibre_diameter_sd_um"});
 }
 
 }  // namespace
@@ -109,16 +70,19 @@ void apply_setting(Json& document, const std::string& setting) {
     throw BadInput("--set " + setting + ": must be dotted.key=value");
   const std::string key = setting.substr(0, equals);
   const Json value = value_of(setting.substr(equals + 1));
-  const bool diameter = key == kFibre || key == kBore;
-  std::optional<Band> tolerated;
-  if (value.is_string()) tolerated = band(value.get<std::string>());
-  if (tolerated && !diameter)
-    throw BadInput("--set " + setting + ": only " + kFibre + " and " + kBore + " take a tolerance");
-  if (diameter && value.is_string() && !tolerated)
-    throw BadInput("--set " + setting + ": must be a number, or " + kForms);
-  if (diameter && !tolerated) refuse_if_drawn(document, setting, key);
-  set_value(document, setting, key, tolerated ? as_written(tolerated->middle) : value);
-  if (tolerated) set_tolerance(document, key, *tolerated);
+  const Json now = now_at(document, key);
+  if (!value.is_string() || now.is_string()) {
+    set_value(document, setting, key, value);
+  } else if (const auto drawn = distribution_of(value.get<std::string>())) {
+    set_value(document, setting, key, *drawn);
+  } else {
+    if (now.is_number() || (now.is_object() && Distribution::read(now)))
+      throw BadInput("--set " + setting +
+                     ": must be a number, or drawn as 126+-0.3, 125.5+1/-0 or 125.2..126.5");
+    set_value(document, setting, key, value);
+  }
+  end_tolerance(document, key);
+  if (key.starts_with("tolerance")) end_drawn(document);
 }
 
 }  // namespace ferrule

@@ -172,7 +172,7 @@ TEST(DrawScene, PairsInterfereAsOftenAsTheirTolerancesSay) {
     ASSERT_GT(bore, fibre);
     ASSERT_LE(std::abs(fibre - 125), 3 * sd);
     ASSERT_TRUE(bore >= low && bore <= high);
-    EXPECT_FALSE(drawn->tolerance);
+    EXPECT_TRUE(drawn->drawn.empty());
   }
   const double rate = static_cast<double>(interfering) / trials;
   EXPECT_LE(std::abs(rate - expected), 4 * std::sqrt(expected * (1 - expected) / trials));

@@ -52,7 +52,7 @@ TEST(Scene, AdhesionAbsentLetsTheWallBeginAtTouch) {
 TEST(Scene, ComplaintsNameKeyValueAndRule) {
   EXPECT_NE(complaint("fibre.diameter_um=-3").find("fibre.diameter_um = -3: must be positive"),
             std::string::npos);
-  EXPECT_NE(complaint("fibre.young_GPa=nan").find("fibre.young_GPa = \"nan\": must be a number"),
+  EXPECT_NE(complaint("fibre.young_GPa=nan").find("fibre.young_GPa=nan: must be a number"),
             std::string::npos);
   EXPECT_NE(complaint("laws.capilary={}").find("laws.capilary = {}: unknown key"),
             std::string::npos);

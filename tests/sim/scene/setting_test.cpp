@@ -22,70 +22,45 @@ std::string said_of(const std::vector<std::string>& settings) {
   return "";
 }
 
-TEST(Setting, ABoreIsWithinItsTolerance) {
-  for (const auto& [text, low, middle, high] : {std::tuple("126+-0.5", 125.5, 126.0, 126.5),
-                                                {"125.5+1/-0", 125.5, 126.0, 126.5},
-                                                {"126.25 +0.25 / -0.75", 125.5, 126.0, 126.5},
-                                                {"125.5..126.5", 125.5, 126.0, 126.5}}) {
-    const Json d = with({std::string("ferrule.bore_diameter_um=") + text});
-    EXPECT_EQ(d["ferrule"]["bore_diameter_um"], middle) << text;
-    EXPECT_EQ(d["ferrule"]["bore_diameter_um"].dump(), "126") << text;
-    EXPECT_EQ(d["tolerance"]["bore_diameter_um"], (Json{low, high})) << text;
-    EXPECT_EQ(d["tolerance"]["fibre_diameter_sd_um"], 0) << text;
-    EXPECT_NO_THROW(parse_scene(d, text));
-  }
+TEST(Setting, ANumberIsDrawnWithinWhatADrawingStates) {
+  for (const auto& [text, drawn] : {std::pair("125+-0.75", Json{{"normal", {125, 0.25}}}),
+                                    {"125.5+1/-0", Json{{"uniform", {125.5, 126.5}}}},
+                                    {"126.25 +0.25 / -0.75", Json{{"uniform", {125.5, 126.5}}}},
+                                    {"125.5..127", Json{{"uniform", {125.5, 127}}}}})
+    for (const std::string key : {"ferrule.young_GPa", "fibre.young_GPa"}) {
+      const Json d = with({key + "=" + text});
+      EXPECT_EQ(d.at(pointer_to(key)), drawn) << text;
+      EXPECT_EQ(parse_scene(d, text).drawn.front().key, key);
+      EXPECT_NO_THROW(parse_scene(with({key + "=" + drawn.dump()}), text));
+    }
+  EXPECT_EQ(with({"fibre.diameter_um=124..125"})["fibre"]["diameter_um"].dump(),
+            R"({"uniform":[124,125]})");
+  EXPECT_EQ(with({"name=from..to"})["name"], "from..to");
 }
 
-TEST(Setting, AFibreIsNormalAboutANumberAndUniformBetweenTwo) {
-  const Json normal = with({"fibre.diameter_um=125+-0.75"});
-  EXPECT_EQ(normal["fibre"]["diameter_um"], 125);
-  EXPECT_EQ(normal["tolerance"]["fibre_diameter_sd_um"], 0.25);
-  EXPECT_FALSE(normal["tolerance"].contains("fibre_diameter_um"));
-  const Json width = normal["ferrule"]["bore_diameter_um"];
-  EXPECT_EQ(normal["tolerance"]["bore_diameter_um"], (Json{width, width}));
-  for (const char* text : {"124.5..125", "125+0/-0.5"}) {
-    const Json d = with({std::string("fibre.diameter_um=") + text});
-    EXPECT_EQ(d["fibre"]["diameter_um"], 124.75) << text;
-    EXPECT_EQ(d["tolerance"]["fibre_diameter_um"], (Json{124.5, 125.0})) << text;
-    EXPECT_FALSE(d["tolerance"].contains("fibre_diameter_sd_um")) << text;
-    EXPECT_NO_THROW(parse_scene(d, text));
-  }
+TEST(Setting, WhatIsSetLastHolds) {
+  const auto diameters = [](const std::vector<std::string>& settings) {
+    const Json d = with(settings);
+    EXPECT_NO_THROW(parse_scene(d, "twice"));
+    return std::pair(d["fibre"]["diameter_um"], d.value("tolerance", Json()));
+  };
+  EXPECT_EQ(diameters({"fibre.diameter_um=125+-0.3", "fibre.diameter_um=124.5"}),
+            std::pair(Json(124.5), Json()));
+  const Json sd = {{"fibre_diameter_sd_um", 0.1}};
+  EXPECT_EQ(diameters({"fibre.diameter_um=124..125", "tolerance.fibre_diameter_sd_um=0.1"}),
+            std::pair(Json(124.5), sd));
+  EXPECT_EQ(diameters({"tolerance.fibre_diameter_sd_um=0.1", "fibre.diameter_um=124"}),
+            std::pair(Json(124), Json()));
+  EXPECT_EQ(
+      diameters({"tolerance.fibre_diameter_sd_um=0.1", "ferrule.bore_diameter_um=127"}).second, sd);
 }
 
-TEST(Setting, TheLastToleranceOfAPartHolds) {
-  const Json d = with({"ferrule.bore_diameter_um=126..127", "fibre.diameter_um=125+-0.3",
-                       "fibre.diameter_um=124..125", "ferrule.bore_diameter_um=126+-0.25"});
-  EXPECT_EQ(d["tolerance"],
-            (Json{{"fibre_diameter_um", {124.0, 125.0}}, {"bore_diameter_um", {125.75, 126.25}}}));
-  EXPECT_NO_THROW(parse_scene(d, "twice"));
-}
-
-TEST(Setting, ADiameterSaysWhatItMayBe) {
+TEST(Setting, ANumberSaysWhatItMayBe) {
   for (const char* wrong : {"wide", "125+-", "a+-1", "126+--0.1", "127..126", "..126", "126+1",
                             "126+1/0", "126-1/+0", "126+1/--1", "125...126"})
     EXPECT_EQ(said_of({std::string("ferrule.bore_diameter_um=") + wrong}),
               std::string("--set ferrule.bore_diameter_um=") + wrong +
-                  ": must be a number, or a tolerance as 126+-0.3, 125.5+1/-0 or 125.2..126.5");
-}
-
-TEST(Setting, NothingElseHasATolerance) {
-  for (const char* text : {"72+-1", "72+1/-0", "70..72"})
-    EXPECT_EQ(said_of({std::string("fibre.young_GPa=") + text}),
-              std::string("--set fibre.young_GPa=") + text +
-                  ": only fibre.diameter_um and ferrule.bore_diameter_um take a tolerance");
-  EXPECT_EQ(said_of({"name=from..to"}), "");
-}
-
-TEST(Setting, ANumberBesideATolerance) {
-  EXPECT_NE(said_of({"fibre.diameter_um=124..125", "fibre.diameter_um=125"})
-                .find("the scene draws it from tolerance.fibre_diameter_um"),
-            std::string::npos);
-  EXPECT_NE(said_of({"fibre.diameter_um=125+-0.3", "ferrule.bore_diameter_um=127"})
-                .find("the scene draws it from tolerance.bore_diameter_um"),
-            std::string::npos);
-  // The mean of what is normal.
-  EXPECT_EQ(said_of({"fibre.diameter_um=125+-0.3", "fibre.diameter_um=124"}), "");
-  EXPECT_EQ(said_of({"fibre.diameter_um=124..125", "tolerance=null", "fibre.diameter_um=125"}), "");
+                  ": must be a number, or drawn as 126+-0.3, 125.5+1/-0 or 125.2..126.5");
 }
 
 }  // namespace

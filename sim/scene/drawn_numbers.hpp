@@ -1,0 +1,34 @@
+// Numbers of a scene that chance decides in each trial, each by itself: its generator is keyed by
+// (seed, trial, key), so that no other one changes it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/scene/distribution.hpp"
+
+namespace ferrule {
+
+struct DrawnNumber {
+  std::string key;  // dotted
+  Distribution distribution;
+};
+
+// Those that stand in a scene's document. Throws RefusedKey.
+std::vector<DrawnNumber> drawn_numbers(const Json& document, const std::string& file);
+
+// The document with each of them at its centre.
+Json at_centre(Json document, const std::vector<DrawnNumber>& drawn);
+
+// The document with the numbers of that trial. It says in "drawn_from" what they replace ("was"),
+// and which keys are new ("added").
+Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::uint64_t seed,
+                    std::uint64_t trial);
+
+// States a number that the document does not have yet.
+void add_drawn(Json& document, const std::string& key, double value);
+
+// The document that a drawn one was drawn from; of any other one, `document` itself.
+Json undrawn(Json document);
+
+}  // namespace ferrule
