@@ -56,6 +56,8 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   } catch (const RefusedKey&) {  // each of the numbers can be, but not these together
     return nullptr;
   }
+  // What has chance in it only as it was drawn.
+  if (!drawn->drawn.empty()) return draw_scene(*drawn, seed, trial);
   if (particle) {
     draw_particle(*drawn, {seed, trial, Draw::particle});
     drawn->world.laws.particle = ferrule::particle(drawn->parameters);
@@ -69,7 +71,7 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
   while (!(found.scene = draw_scene(scene, seed, found.trial))) {
     if (++found.infeasible == kMostDraws)
       throw BadInput(scene.name + ": of " + std::to_string(kMostDraws) +
-                     " draws of it not one can be");
+                     " draws not one has parts that fit");
     found.trial += std::uint64_t{1} << 32;
   }
   return found;

@@ -70,7 +70,7 @@ Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::u
       add_drawn(document, key, value);
     }
   }
-  if (!was.empty()) document["drawn_from"]["was"] = was;
+  if (!was.empty()) document["drawn_from"]["was"].update(was);
   return document;
 }
 

@@ -342,7 +342,9 @@ void add_unstated(const Json& document, Scene& scene) {
   if (scene.sensor.entrance_sd > 0)
     add("sensor.entrance_error_um", {{"normal", {0, 1e6 * scene.sensor.entrance_sd}}});
   // What fibre and ferrule are off, together.
-  if (const double sd = std::hypot(scene.joint.core_sd, scene.joint.bore_sd); sd > 0)
+  if (const double sd = std::sqrt(scene.joint.core_sd * scene.joint.core_sd +
+                                  scene.joint.bore_sd * scene.joint.bore_sd);
+      sd > 0)
     for (const char* key : {"joint.offset_y_um", "joint.offset_z_um"})
       add(key, {{"normal", {0, 1e6 * sd}}});
 }

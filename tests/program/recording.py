@@ -255,7 +255,7 @@ class Recording(Case):
             json.dump(scene, file)
         out = self.path("out")
         self.refused(2, "record", "--scene", self.path("never.json"), "--out", out,
-                     says=["not one can be"])
+                     says=["not one has parts that fit"])
         self.assertEqual(os.listdir(out), [])
 
     def test_a_full_disk_is_one_line_and_keeps_what_was_flushed(self):

@@ -97,6 +97,18 @@ TEST(Draw, NoTwoKeysShareAGenerator) {
   EXPECT_EQ(first.size(), keys.size());
 }
 
+TEST(Draw, WhatIsDrawnMayBringFurtherChance) {
+  const Scene scene = testing::bare({R"(sensor.entrance_sd_um={"choice":[0,5]})"});
+  int with = 0;
+  for (std::uint64_t trial = 0; trial < 100; ++trial) {
+    const auto drawn = draw_scene(scene, 1, trial);
+    EXPECT_TRUE(drawn->drawn.empty());
+    with += drawn->sensor.entrance_error != 0;
+    EXPECT_EQ(undrawn(drawn->document), scene.document);
+  }
+  EXPECT_NEAR(with, 50, 25);
+}
+
 // At either end of what may be drawn.
 TEST(Draw, WhatAKeyMustNotBeIsRefusedBeforeItIsDrawn) {
   for (const auto& [setting, says] :
