@@ -118,8 +118,8 @@ def test_seeds_and_options_choose_the_trial():
 
 def test_values_of_the_scene_change_for_an_episode():
     env = make()
-    env.reset(seed=3, options={"set": {"fibre.young_GPa": {"uniform": [60, 80]}}})
-    other = ferrule.Simulator("bench", ["fibre.young_GPa=60..80"])
+    env.reset(seed=3, options={"set": {"start.tilt_sd_mrad": {"uniform": [2, 3]}}})
+    other = ferrule.Simulator("bench", ["start.tilt_sd_mrad=2..3"])
     other.reset(seed=3, trial=0)
     for _ in range(20):
         env.step(straight())
