@@ -78,7 +78,7 @@ TEST(JointLoss, IsTheOverlapOfTheFieldsWhateverActsAtOnce) {
     joint.gap = i % 4 ? 60e-6 * random.uniform() : 0;
     const LightAxis from{pair(1.5e-6), pair(0.02)}, into{pair(1.5e-6), pair(0.02)};
     const double found = efficiency(joint_loss_dB(joint, from, into));
-    EXPECT_NEAR(found, overlap(joint, from, into), 1e-9) << i;
+    EXPECT_CLOSE(found, overlap(joint, from, into), 1e-9) << i;
     least = std::min(least, found);
   }
   EXPECT_LT(least, 0.5);
