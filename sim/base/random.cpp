@@ -27,12 +27,17 @@ RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, Draw draw) n
 RandomStream::RandomStream(std::uint64_t seed, std::uint64_t trial, std::string_view key) noexcept
     : RandomStream(seed, trial, stream_of(key)) {}
 
-std::uint64_t RandomStream::bits() noexcept {
+std::array<std::uint32_t, 4> RandomStream::block() noexcept {
   const r123::Philox4x32::ctr_type counter{{counter_[0], counter_[1], counter_[2], counter_[3]}};
   const r123::Philox4x32::key_type key{{key_[0], key_[1]}};
   const auto block = r123::Philox4x32()(counter, key);
   ++counter_[0];
-  return (static_cast<std::uint64_t>(block[1]) << 32) | block[0];
+  return {block[0], block[1], block[2], block[3]};
+}
+
+std::uint64_t RandomStream::bits() noexcept {
+  const auto words = block();
+  return (static_cast<std::uint64_t>(words[1]) << 32) | words[0];
 }
 
 double RandomStream::uniform() noexcept {

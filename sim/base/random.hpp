@@ -22,7 +22,8 @@ enum class Draw : std::uint32_t {
   bore = 9,
   particle = 10,
   concentricity = 11,
-  mating = 12
+  mating = 12,
+  bootstrap = 13
 };
 
 class RandomStream {
@@ -44,8 +45,33 @@ class RandomStream {
   result_type operator()() noexcept { return bits(); }
 
  private:
+  friend class RandomWords;
+  std::array<std::uint32_t, 4> block() noexcept;
+
   std::array<std::uint32_t, 2> key_;
   std::array<std::uint32_t, 4> counter_;
+};
+
+// The bits of a stream in words, four for the price of one: for much chance of few digits.
+class RandomWords {
+ public:
+  explicit RandomWords(const RandomStream& stream) noexcept : stream_(stream) {}
+
+  using result_type = std::uint32_t;
+  static constexpr result_type min() noexcept { return 0; }
+  static constexpr result_type max() noexcept { return ~result_type{0}; }
+  result_type operator()() noexcept {
+    if (next_ == words_.size()) {
+      words_ = stream_.block();
+      next_ = 0;
+    }
+    return words_[next_++];
+  }
+
+ private:
+  RandomStream stream_;
+  std::array<std::uint32_t, 4> words_{};
+  std::size_t next_ = words_.size();
 };
 
 }  // namespace ferrule

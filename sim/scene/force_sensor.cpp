@@ -6,6 +6,18 @@
 #include "sim/base/elementary.hpp"
 
 namespace ferrule {
+namespace {
+
+// The multiple of `step` nearest to x; std::round is a call into a library.
+double rounded_to(double step, double x) noexcept {
+  constexpr double kWhole = 0x1p51;  // beyond it all doubles are
+  const double steps = x / step;
+  if (!(std::abs(steps) < kWhole)) return x;
+  return step * static_cast<double>(static_cast<std::int64_t>(steps + std::copysign(0.5, steps)));
+}
+
+}  // namespace
+
 double ForceSensorModel::deviation(double force, double time) const noexcept {
   double d = std::hypot(noise, bias);
   for (const double more : {bias_walk * std::sqrt(time), drift * temperature_rate * time, vibration,
@@ -16,20 +28,20 @@ double ForceSensorModel::deviation(double force, double time) const noexcept {
 
 ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,
                          std::uint64_t trial) noexcept
-    : model_(model), random_(seed, trial, Draw::sensor) {
+    : model_(model), random_({seed, trial, Draw::sensor}) {
   if (model_.bias > 0) bias_ = model_.bias * normals();
   if (model_.gain_error > 0) gain_.diagonal() += model_.gain_error * normals();
   if (model_.cross_talk > 0)
     for (int i = 0; i < 5; ++i)
       for (int j = 0; j < 5; ++j)
-        if (i != j) gain_(i, j) = model_.cross_talk * random_.normal();
+        if (i != j) gain_(i, j) = model_.cross_talk * normal();
   if (model_.drift * model_.temperature_rate > 0) {
-    const double rate = model_.temperature_rate * random_.normal();
+    const double rate = model_.temperature_rate * normal();
     warming_ = model_.drift * rate * normals();
   }
   if (model_.vibration > 0)
     for (int i = 0; i < 5; ++i) {
-      const double a = random_.normal(), b = random_.normal();
+      const double a = normal(), b = normal();
       const double amplitude = std::numbers::sqrt2 * model_.vibration / std::sqrt(a * a + b * b);
       swing_[i] = amplitude * a;
       swing_across_[i] = amplitude * b;
@@ -37,9 +49,14 @@ ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,
 }
 
 // By a ziggurat (Marsaglia and Tsang, 2000), which takes no logarithm.
+double ForceSensor::normal() noexcept {
+  return boost::random::normal_distribution<float>()(random_);
+}
+
 Wrench ForceSensor::normals() noexcept {
-  boost::random::normal_distribution<double> normal;
-  return Wrench::NullaryExpr([&] { return normal(random_); });
+  Wrench all;
+  for (double& each : all) each = normal();
+  return all;
 }
 
 Wrench ForceSensor::bias_after(double period) noexcept {
@@ -62,23 +79,24 @@ Wrench ForceSensor::bias_after(double period) noexcept {
 
 Wrench ForceSensor::read(const Wrench& holder, double period) noexcept {
   if (model_.ideal()) return holder;
-  Wrench force = holder;  // moments as forces at the arm
-  force.tail<2>() /= model_.arm;
-  if (!tared_) {
-    smooth_ = force;
-  } else {
-    smooth_ -=
-        elementary::expm1(-2 * std::numbers::pi * model_.bandwidth * period) * (force - smooth_);
+  if (period != period_)
+    followed_ = -elementary::expm1(-2 * std::numbers::pi * model_.bandwidth * period);
+  period_ = period;
+  for (int i = 0; i < 5; ++i) {
+    const double force =
+        i < 3 ? holder[i] : holder[i] / model_.arm;  // moments as forces at the arm
+    smooth_[i] = tared_ ? smooth_[i] + followed_ * (force - smooth_[i]) : force;
   }
   Wrench reading = smooth_;
   if (model_.gain_error > 0 || model_.cross_talk > 0) reading = gain_ * smooth_;
   if (tared_) {
     reading += bias_after(period);
-    if (model_.noise > 0) reading += model_.noise * normals();
+    if (model_.noise > 0)
+      for (double& r : reading) r += model_.noise * normal();
   }
   tared_ = true;
   if (model_.resolution > 0)
-    for (double& r : reading) r = model_.resolution * std::round(r / model_.resolution);
+    for (double& r : reading) r = rounded_to(model_.resolution, r);
   reading.tail<2>() *= model_.arm;
   return reading;
 }

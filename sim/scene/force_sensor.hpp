@@ -67,16 +67,18 @@ class ForceSensor {
   Wrench read(const Wrench& holder, double period) noexcept;
 
  private:
-  Wrench normals() noexcept;  // independent standard ones
+  double normal() noexcept;  // a standard one, of 24 bits
+  Wrench normals() noexcept;
   Wrench bias_after(double period) noexcept;
 
   ForceSensorModel model_;
-  RandomStream random_;
+  RandomWords random_;
   Matrix5 gain_ = Matrix5::Identity();  // C
   Wrench smooth_ = Wrench::Zero();
   Wrench bias_ = Wrench::Zero();                                   // b_0 + walk
   Wrench warming_ = Wrench::Zero();                                // k theta [N/s]
   Wrench swing_ = Wrench::Zero(), swing_across_ = Wrench::Zero();  // v, and a quarter period later
+  double period_ = 0, followed_ = 0;  // of the last reading: T, and 1 - exp(-2 pi f_b T)
   double time_ = 0;
   bool tared_ = false;
 };
