@@ -11,11 +11,11 @@
 namespace ferrule {
 namespace {
 
-constexpr double kProofStress = 0.69;  // usual for telecom fibre [GPa]
-constexpr double kEdge = 1;            // polished [um]
+constexpr double kProofStress = 0.69;             // usual for telecom fibre [GPa]
+constexpr double kPolished = 1, kCleaved = 0.02;  // radii of an edge [um]
 
-Damage first_damage(const Scene& scene) {
-  const auto all = damages(scene, damage_input(scene));
+Damage first_of(const Scene& scene, double edge_um) {
+  const auto all = damages(scene, {damage_input(scene).stress_GPa, edge_um});
   return *std::min_element(all.begin(), all.end(),
                            [](const Damage& a, const Damage& b) { return a.force < b.force; });
 }
@@ -25,7 +25,7 @@ Damage first_damage(const Scene& scene) {
 DamageInput damage_input(const Scene& scene) {
   const double stated = scene.limits.proof_stress;
   return {std::isfinite(stated) ? 1e-9 * stated : kProofStress,
-          scene.parameters.fibre.edge_um.value_or(kEdge)};
+          scene.parameters.fibre.edge_um.value_or(kPolished)};
 }
 
 std::array<Damage, 4> damages(const Scene& scene, const DamageInput& input) {
@@ -41,20 +41,40 @@ std::array<Damage, 4> damages(const Scene& scene, const DamageInput& input) {
            {"chipping", "on the end's edge: a chip breaks off", d.chipping}}};
 }
 
-std::string damage_note(const Scene& scene) {
-  const Damage first = first_damage(scene);
-  if (!(scene.limits.force > first.force)) return "";
+FirstDamage first_damage(const Scene& scene) {
+  const std::optional<double>& stated = scene.parameters.fibre.edge_um;
+  const double sharpest = stated.value_or(kCleaved), roundest = stated.value_or(kPolished);
+  return {first_of(scene, sharpest), first_of(scene, roundest), sharpest, roundest};
+}
+
+std::string to_text(const FirstDamage& d) {
+  if (d.sharpest_um == d.roundest_um)
+    return fmt::format("{} at {:.4g} uN (edge of {:g} um)", d.sharpest.name, 1e6 * d.sharpest.force,
+                       d.sharpest_um);
   return fmt::format(
-      "note: limits.force_uN = {:g}: above the {:.4g} uN at which the fibre is damaged ({}; see "
-      "ferrule limits)\n",
-      1e6 * scene.limits.force, 1e6 * first.force, first.name);
+      "{} from {:.4g} uN (edge of {:g} um, as cleaved) to {:.4g} uN ({:g} um, polished)",
+      d.sharpest.name, 1e6 * d.sharpest.force, d.sharpest_um, 1e6 * d.roundest.force,
+      d.roundest_um);
+}
+
+std::string damage_note(const Scene& scene) {
+  const FirstDamage damage = first_damage(scene);
+  if (!(scene.limits.force > damage.sharpest.force)) return "";
+  const bool surely = scene.limits.force > damage.roundest.force;
+  return fmt::format(
+      "note: limits.force_uN = {:g}: the fibre {} damaged before: {}; see ferrule limits\n",
+      1e6 * scene.limits.force, surely ? "is" : "may be", to_text(damage));
 }
 
 Json damage_json(const Scene& scene) {
-  const Damage first = first_damage(scene);
-  return {{"by", first.name},
-          {"force_uN", 1e6 * first.force},
-          {"over_limit", first.force / scene.limits.force}};
+  const FirstDamage d = first_damage(scene);
+  return {{"by", d.roundest.name},
+          {"force_uN", 1e6 * d.roundest.force},
+          {"over_limit", d.roundest.force / scene.limits.force},
+          {"sharpest_by", d.sharpest.name},
+          {"sharpest_force_uN", 1e6 * d.sharpest.force},
+          {"edge_um", {d.sharpest_um, d.roundest_um}},
+          {"text", to_text(d)}};
 }
 
 }  // namespace ferrule

@@ -22,8 +22,18 @@ struct Damage {
 };
 std::array<Damage, 4> damages(const Scene& scene, const DamageInput& input);
 
-// What verbs that insert say of the first of them: a note where the scene's limit on the force is
-// above it, otherwise nothing; and an object of their JSON.
+// The damage that a growing force does first. The end's edge decides it, and where the scene does
+// not state its radius it may be anything from that of a cleaved end to that of a polished one.
+struct FirstDamage {
+  Damage sharpest, roundest;        // the same where the edge is stated
+  double sharpest_um, roundest_um;  // radii of the edge
+};
+FirstDamage first_damage(const Scene& scene);
+// "ring, from 63.3 uN (edge of 0.02 um, as cleaved) to 3165 uN (1 um, polished)"
+std::string to_text(const FirstDamage& damage);
+
+// What verbs that insert say of it: a note where the scene's limit on the force is above it,
+// otherwise nothing; and an object of their JSON, of which `force_uN` is that of the roundest edge.
 std::string damage_note(const Scene& scene);
 Json damage_json(const Scene& scene);
 

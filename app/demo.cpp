@@ -5,8 +5,8 @@
 #include <filesystem>
 
 #include "app/damage.hpp"
+#include "app/demo_report.hpp"
 #include "app/recording.hpp"
-#include "app/report.hpp"
 #include "app/verb.hpp"
 #include "controller/controller_file.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -85,7 +85,7 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
 }
 
 // False where Ctrl-C ended it.
-bool record_all(const DemoArguments& a, Report& report) {
+bool record_all(const DemoArguments& a, DemoReport& report) {
   tell(fmt::format("1/4 recording {} episodes each of simulated trainees of skill {} and {}",
                    kEpisodesPerSkill, kSkills[0], kSkills[1]));
   const Stopwatch clock;
@@ -108,7 +108,7 @@ bool record_all(const DemoArguments& a, Report& report) {
   return true;
 }
 
-void fit(const DemoArguments& a, Report& report) {
+void fit(const DemoArguments& a, DemoReport& report) {
   tell("2/4 fitting the insertion law");
   const Stopwatch clock;
   report.fit = fit_law(load_demonstrations(episodes_folder(a)), a.seed);
@@ -116,7 +116,7 @@ void fit(const DemoArguments& a, Report& report) {
   report.fit_seconds = clock.seconds();
 }
 
-void evaluate(const DemoArguments& a, Report& report) {
+void evaluate(const DemoArguments& a, DemoReport& report) {
   tell(fmt::format("3/4 evaluating it and the constant-velocity baseline in {} trials each",
                    kTrials));
   const Stopwatch clock;
@@ -134,7 +134,7 @@ void evaluate(const DemoArguments& a, Report& report) {
 
 // The demonstration to show: of the most skilled that inserted, the one that started lowest. Like
 // the paper's, it touches the lower side of the bore.
-std::string shown(const Report& report) {
+std::string shown(const DemoReport& report) {
   std::string file;
   double lowest = INFINITY;
   for (std::size_t i = 0; i < report.recorded.size(); ++i) {
@@ -153,7 +153,7 @@ int demo_verb(const DemoArguments& a) {
   fmt::print(stderr, "{}", damage_note(scene));
   make_folder(a.out);
   const Stopwatch clock;
-  Report report;
+  DemoReport report;
   report.scene = &scene;
   report.scene_arguments = SceneArguments{a.scene.name(), a.scene.settings}.given().substr(1);
   report.seed = a.seed;

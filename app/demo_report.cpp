@@ -1,4 +1,4 @@
-#include "app/report.hpp"
+#include "app/demo_report.hpp"
 
 #include <fmt/format.h>
 
@@ -38,7 +38,7 @@ Plot depth_plot(const Scene& scene) {
 }
 
 // Outcome of every trial against where it started.
-Plot start_map(const Report& r, const std::vector<TrialResult>& results, const char* title) {
+Plot start_map(const DemoReport& r, const std::vector<TrialResult>& results, const char* title) {
   Axes axes{"start y [um]", "start z [um]", false, false, {}};
   for (int i = 0; i < kOutcomes; ++i) {
     Series series{name(static_cast<Outcome>(i)), {}, {}, Series::points};
@@ -102,7 +102,7 @@ std::string outcome_table(const CampaignSummary& learned, const CampaignSummary&
   return table.html();
 }
 
-std::string recorded_table(const Report& r) {
+std::string recorded_table(const DemoReport& r) {
   HtmlTable table(
       {{"skill"}, {"episodes"}, {"inserted"}, {"median time [s]"}, {"median peak force [uN]"}});
   for (std::size_t i = 0; i < r.recorded.size();) {
@@ -122,7 +122,7 @@ std::string recorded_table(const Report& r) {
   return table.html();
 }
 
-std::string summary_section(const Report& r, const CampaignSummary& learned,
+std::string summary_section(const DemoReport& r, const CampaignSummary& learned,
                             const CampaignSummary& baseline) {
   const Scene& scene = *r.scene;
   return fmt::format(
@@ -146,7 +146,7 @@ std::string summary_section(const Report& r, const CampaignSummary& learned,
              r.evaluate_seconds);
 }
 
-std::vector<TestedController> tested_controllers(const Report& r) {
+std::vector<TestedController> tested_controllers(const DemoReport& r) {
   const Scene& scene = *r.scene;
   const std::string command = fmt::format("./ferrule view --trial TRIAL {{}} {} --seed {}",
                                           r.scene_arguments, r.trial_seed());
@@ -158,7 +158,7 @@ std::vector<TestedController> tested_controllers(const Report& r) {
 }
 
 // What the demonstration that is shown and the trials looked like.
-std::string replays_section(const Report& r) {
+std::string replays_section(const DemoReport& r) {
   const Scene& scene = *r.scene;
   std::vector<ReplayRun> runs;
   std::vector<TrialMap> maps;
@@ -173,7 +173,7 @@ std::string replays_section(const Report& r) {
 }
 
 // Every input that is not as in the shipped scene that is nearest.
-std::string inputs_section(const Report& r) {
+std::string inputs_section(const DemoReport& r) {
   const SceneChanges of = changes_from_shipped(r.scene->document);
   std::string html = "<h2>The inputs</h2>\n<p>";
   if (of.changes.empty())
@@ -198,7 +198,7 @@ std::string forces_section(const Scene& scene) {
          figure(depth_plot(scene), "Attraction negative. Compare Fig. 7 of the paper.");
 }
 
-std::string demonstrations_section(const Report& r) {
+std::string demonstrations_section(const DemoReport& r) {
   std::string html = "<h2>The demonstrations</h2>\n" + recorded_table(r);
   if (r.shown.empty()) return html;
   return html +
@@ -226,7 +226,7 @@ std::string law_section(const LawFit& fit) {
              1e3 * c.held_out_residual, 100 * fit.explained, c.reaction_time);
 }
 
-std::string trials_section(const Report& r, const CampaignSummary& learned,
+std::string trials_section(const DemoReport& r, const CampaignSummary& learned,
                            const CampaignSummary& baseline) {
   const Comparison c = compare(r.learned, r.baseline);
   return "<h2>By itself</h2>\n" + success_table(learned, baseline) +
@@ -242,7 +242,7 @@ std::string trials_section(const Report& r, const CampaignSummary& learned,
 }
 
 // In the demonstration that is drawn, and in trials.
-std::string acting_section(const Report& r) {
+std::string acting_section(const DemoReport& r) {
   std::vector<NamedHistory> forces;
   if (!r.shown.empty())
     forces.push_back({"demonstration " + r.shown, force_history(read_episode(r.shown), *r.scene)});
@@ -251,7 +251,7 @@ std::string acting_section(const Report& r) {
   return to_html(forces);
 }
 
-std::string commands_section(const Report& r) {
+std::string commands_section(const DemoReport& r) {
   return "<h2>Again, step by step</h2>\n<pre>" +
          escaped(fmt::format(
              "./ferrule record {0} --skill 0.5 --episodes 10 --seed {1} --out episodes\n"
@@ -265,7 +265,7 @@ std::string commands_section(const Report& r) {
 
 }  // namespace
 
-void write_report(const std::string& file, const Report& r) {
+void write_report(const std::string& file, const DemoReport& r) {
   const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
   write_text(file, html_head("ferrule: demo report") + summary_section(r, learned, baseline) +
                        replays_section(r) + inputs_section(r) + forces_section(*r.scene) +
@@ -274,7 +274,7 @@ void write_report(const std::string& file, const Report& r) {
                        commands_section(r) + "</body></html>\n");
 }
 
-Json report_json(const Report& r) {
+Json report_json(const DemoReport& r) {
   Json json = to_json(summarise(r.learned));
   json["scene"] = r.scene->name;
   json["seed"] = r.seed;
@@ -283,7 +283,7 @@ Json report_json(const Report& r) {
   return json;
 }
 
-std::string report_text(const Report& r) {
+std::string report_text(const DemoReport& r) {
   return to_text("learned controller", summarise(r.learned)) +
          to_text("constant velocity", summarise(r.baseline)) +
          to_text(compare(r.learned, r.baseline));

@@ -8,7 +8,7 @@
 
 namespace ferrule {
 
-struct Report {
+struct DemoReport {
   const Scene* scene = nullptr;
   Provenance provenance;
   std::string scene_arguments;  // that the program was called with
@@ -28,8 +28,8 @@ struct Report {
 };
 
 // Throws FileTrouble.
-void write_report(const std::string& file, const Report& report);
-std::string report_text(const Report& report);
-Json report_json(const Report& report);
+void write_report(const std::string& file, const DemoReport& report);
+std::string report_text(const DemoReport& report);
+Json report_json(const DemoReport& report);
 
 }  // namespace ferrule

@@ -57,6 +57,9 @@ figure { margin: 1.5rem 0 } img { max-width: 100%; height: auto }
 figcaption { color: #555; font-size: 0.9rem } code, pre { font-size: 0.85rem; background: #f5f5f5 }
 pre { padding: 0.8rem; white-space: pre-wrap } .big { font-size: 1.25rem }
 p, h1, h2, code, pre, figcaption { overflow-wrap: anywhere }
+.bar { position: relative; display: inline-block; width: 7rem; height: 0.8rem; background: #eee }
+.bar i { position: absolute; top: 0; bottom: 0; background: #56B4E9 }
+.bar b { position: absolute; top: 0; bottom: 0; width: 2px; margin-left: -1px; background: #222 }
 iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw, 1400px); aspect-ratio: 16 / 9;
   margin-left: calc(50% - min(48vw, 700px)) }
 @media (max-width: 40rem) {
@@ -69,6 +72,10 @@ iframe.replay { border: 1px solid #bbb; box-sizing: border-box; width: min(96vw,
   td:not(:first-child) { display: grid; grid-template-columns: 1fr auto; column-gap: 1rem; text-align: right; white-space: normal }
   td:not(:first-child)::before { content: attr(data-heading); color: #555; text-align: left }
   iframe.replay { height: 90vh; aspect-ratio: auto }
+}
+@media print {
+  body { margin: 0; max-width: none; font-size: 11pt } h1 { font-size: 16pt } tr, figure { break-inside: avoid }
+  h2 { break-after: avoid } img { max-height: 22cm } .bar, .bar * { print-color-adjust: exact; -webkit-print-color-adjust: exact }
 }
 </style></head><body>
 )";

@@ -19,6 +19,7 @@ int limits_verb(const LimitsArguments& a) {
   if (a.stress_GPa > 0) input.stress_GPa = a.stress_GPa;
   if (a.edge_um > 0) input.edge_um = a.edge_um;
   const auto rows = damages(scene, input);
+  const bool edge_known = a.edge_um > 0 || scene.parameters.fibre.edge_um;
   Provenance provenance;
   provenance.in({scene, scene_file(a.scene.name())});
   if (a.output.text()) {
@@ -27,8 +28,12 @@ int limits_verb(const LimitsArguments& a) {
     for (const Damage& r : rows)
       fmt::print("{:<9} {:>12} {:>14}  {}\n", r.name, number_or("-", "{:.4g}", 1e6 * r.force),
                  number_or("-", "{:.4g}", r.force / scene.limits.force), r.what);
-    fmt::print("limits.force_uN is {:g}; stress allowed {:g} GPa, edge rounded by {:g} um\n{}",
-               1e6 * scene.limits.force, input.stress_GPa, input.edge_um, provenance.foot());
+    fmt::print("limits.force_uN is {:g}; stress allowed {:g} GPa, edge rounded by {:g} um\n{}{}",
+               1e6 * scene.limits.force, input.stress_GPa, input.edge_um,
+               edge_known ? ""
+                          : "the scene does not state fibre.edge_um: first damage " +
+                                to_text(first_damage(scene)) + "\n",
+               provenance.foot());
   }
   const auto json = [&](const Damage& r) {
     return Json{{"damage", r.name},

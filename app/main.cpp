@@ -29,6 +29,9 @@ void add_verbs(CLI::App& app, Run& run) {
   add_export(app, run);
   app.group("Answers for an engineer");
   add_sweep(app, run);
+  add_map(app, run);
+  add_sensitivity(app, run);
+  add_report(app, run);
   add_limits(app, run);
   add_release(app, run);
   add_identify(app, run);

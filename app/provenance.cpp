@@ -102,11 +102,9 @@ Provenance& Provenance::in(const ChosenScene& chosen) {
     if (!c.value.is_null()) change["value"] = c.value;
     if (!c.shipped.is_null()) change["shipped"] = c.shipped;
   }
-  scene_ = {{"name", chosen.scene.name},
-            {"sha1", sha1(document.dump())},
-            {"shipped", of.from},
-            {"changes", changes},
-            {"other_than_brought", chosen.other}};
+  scene_ = {{"name", chosen.scene.name}, {"sha1", sha1(document.dump())},
+            {"document", document},      {"shipped", of.from},
+            {"changes", changes},        {"other_than_brought", chosen.other}};
   if (!chosen.relation.empty()) scene_["relation"] = chosen.relation.substr(2);
   std::error_code error;
   if (std::filesystem::is_regular_file(chosen.file, error))

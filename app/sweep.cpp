@@ -4,30 +4,18 @@
 #include <algorithm>
 
 #include "app/columns.hpp"
-#include "app/given_controller.hpp"
-#include "app/plot.hpp"
+#include "app/damage.hpp"
 #include "app/stopping.hpp"
-#include "app/trained.hpp"
-#include "app/verb.hpp"
-#include "controller/campaign_table.hpp"
-#include "controller/controller.hpp"
-#include "insertion/scene_scaling.hpp"
+#include "app/varied_plots.hpp"
+#include "app/varied_scene.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr const char* kStraight = "constant-velocity";
-
-struct SweepArguments {
-  SceneArguments scene;
-  std::string controller, plot;
+struct SweepArguments : VariedArguments {
   std::vector<std::string> keys;
-  std::size_t trials = 200;
-  std::uint64_t seed = 7;
-  int threads = 0;
-  bool other_scaling = false;
+  std::string plot;
   StoppingArguments stopping;
-  Output output;
 };
 
 // KEY=a,b,c.
@@ -36,11 +24,8 @@ struct Swept {
   std::vector<std::string> values;  // as --set takes them
 };
 
-struct Point {
-  std::vector<std::string> values;  // of the keys
-  ChosenScene chosen;
-  std::vector<TrialResult> results{};
-  CampaignSummary summary{};
+struct SweptPoint : Point {
+  std::vector<std::string> written;  // the values of the keys
 };
 
 Swept swept(const std::string& text) {
@@ -74,29 +59,26 @@ std::vector<std::vector<std::string>> combinations(const std::vector<Swept>& all
 }
 
 // All scenes, before the first trial: what is refused is refused at once.
-std::vector<Point> points_of(const SweepArguments& a, const std::vector<Swept>& all,
-                             const BroughtScene& brought) {
-  std::vector<Point> points;
+std::vector<SweptPoint> points_of(const std::vector<Swept>& all, const VariedScene& varied) {
+  std::vector<SweptPoint> points;
   for (const std::vector<std::string>& values : combinations(all)) {
-    SceneArguments scene = a.scene;
-    for (std::size_t i = 0; i < all.size(); ++i)
-      scene.settings.push_back(all[i].key + "=" + values[i]);
-    points.push_back({values, scene.choose(brought)});
+    std::vector<std::string> settings;
+    for (std::size_t i = 0; i < all.size(); ++i) settings.push_back(all[i].key + "=" + values[i]);
+    SweptPoint& point = points.emplace_back();
+    point.written = values;
+    point.scene = varied.with(settings).scene;
+    for (const Swept& s : all) point.values[s.key] = point.scene->document.at(pointer_to(s.key));
   }
   return points;
 }
 
-Json value_in(const Point& point, const std::string& key) {
-  return point.chosen.scene.document.at(pointer_to(key));
-}
-
-Columns<Point> columns(const std::vector<Swept>& all) {
-  Columns<Point> table;
+Columns<SweptPoint> columns(const std::vector<Swept>& all) {
+  Columns<SweptPoint> table;
   for (std::size_t i = 0; i < all.size(); ++i)
     table.push_back(
-        {"", all[i].key.c_str(), ">18", [i](const Point& p) { return Json(p.values[i]); }});
+        {"", all[i].key.c_str(), ">18", [i](const SweptPoint& p) { return Json(p.written[i]); }});
   const auto add = [&](const char* heading, const char* format, auto cell) {
-    table.push_back({"", heading, format, [cell](const Point& p) { return cell(p.summary); }});
+    table.push_back({"", heading, format, [cell](const SweptPoint& p) { return cell(p.summary); }});
   };
   using S = const CampaignSummary&;
   add("trials", ">7", [](S s) { return Json(s.trials); });
@@ -112,101 +94,35 @@ Columns<Point> columns(const std::vector<Swept>& all) {
   return table;
 }
 
-// Over the first key, a line for each combination of the others.
-Plot plot(const std::vector<Swept>& all, const std::vector<Point>& points, const std::string& who) {
-  Axes success, force, loss;
-  success.y_label = "inserted [%]";
-  force.y_label = "peak force [uN]";
-  loss.y_label = "joint loss [dB]";
-  success.y_low = 0;
-  success.y_high = 100;
-  for (std::size_t k = 0; k < points.size(); ++k) {
-    const Point& point = points[k];
-    std::string name;
-    for (std::size_t i = 1; i < all.size(); ++i)
-      name += (i > 1 ? ", " : "") + all[i].key + " " + point.values[i];
-    const Json value = value_in(point, all[0].key);
-    const auto drawn = Distribution::read(value);
-    const double x = drawn               ? drawn->centre()
-                     : value.is_number() ? value.get<double>()
-                                         : static_cast<double>(k);
-    const auto add = [&](Axes& axes, double y) {
-      axes.x_label = all[0].key;
-      auto series = std::find_if(axes.series.begin(), axes.series.end(),
-                                 [&](const Series& s) { return s.name == name; });
-      if (series == axes.series.end())
-        series = axes.series.insert(axes.series.end(), {name, {}, {}, Series::points_on_line});
-      series->x.push_back(x);
-      series->y.push_back(y);
-    };
-    add(success, 100 * point.summary.success_rate);
-    add(force, 1e6 * point.summary.peak_force.median);
-    add(loss, point.summary.loss_dB.median);
-  }
-  return {"Trials of " + who, {success, force, loss}, 860, 300};
-}
-
 Json to_json(const SweepArguments& a, const std::string& who, const std::vector<Swept>& all,
-             const std::vector<Point>& points) {
-  return {
-      {"controller", who}, {"seed", a.seed}, {"rows", json_list(points, [&](const Point& point) {
-                                                Json row = Json::object();
-                                                for (const Swept& s : all)
-                                                  row[s.key] = value_in(point, s.key);
-                                                row.update(ferrule::to_json(point.summary));
-                                                return row;
-                                              })}};
-}
-
-// In that scene; the straight push is as fast as it may be there.
-MakeController in_scene(const std::optional<GivenController>& given, const Scene& scene) {
-  if (given) return given->make;
-  return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
-}
-
-void run(const SweepArguments& a, const std::optional<GivenController>& given,
-         std::vector<Point>& points) {
-  for (std::size_t k = 0; k < points.size() && !interrupted(); ++k) {
-    Point& point = points[k];
-    const Scene& scene = point.chosen.scene;
-    point.results =
-        run_campaign(scene, in_scene(given, scene), a.seed, a.trials, a.threads,
-                     Progress(fmt::format("point {} of {}", k + 1, points.size()), a.trials),
-                     interrupted, when(a.stopping.enough));
-    point.summary = a.stopping.summary(point.results);
-    point.summary.mated = mated(scene.joint, point.results, a.seed);
-  }
+             const std::vector<SweptPoint>& points, const ChosenScene& chosen) {
+  return {{"controller", who},
+          {"seed", a.seed},
+          {"keys", json_list(all, [](const Swept& s) { return s.key; })},
+          {"damage", damage_json(chosen.scene)},
+          {"rows", json_list(points, [](const Point& point) { return to_json(point); })}};
 }
 
 int sweep_verb(const SweepArguments& a) {
-  const bool file = a.controller != kStraight;
   std::vector<Swept> all;
   for (const std::string& text : a.keys) all.push_back(swept(text));
-  std::optional<GivenController> given;
-  BroughtScene brought;
-  if (file) {
-    given = given_file(a.controller, {}, a.seed);
-    if (given->file) brought = brought_by(trained_on(*given->file), a.controller);
-  }
+  const VariedScene varied(a);
   expect_place_for(a.plot);
-  std::vector<Point> points = points_of(a, all, brought);
-  Provenance provenance;
-  provenance.in(a.scene.choose(brought)).seed("trials", a.seed);
-  if (file) provenance.read(a.controller);
-  if (given && given->file)
-    for (const Point& point : points)
-      refuse_other_scaling(trained_on(*given->file).scaling, a.controller, point.chosen.scene,
-                           a.other_scaling);
+  std::vector<SweptPoint> points = points_of(all, varied);
+  const ChosenScene chosen = varied.with({});
+  Provenance provenance = varied.provenance(chosen);
   if (a.output.text()) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long
-  run(a, given, points);
+  std::vector<Point*> to_run;
+  for (SweptPoint& point : points) to_run.push_back(&point);
+  run(a, varied, a.stopping.enough, to_run);
   if (interrupted()) {
     const auto whole = [&](const Point& p) { return a.stopping.whole(p.results, a.trials); };
     const auto count = std::count_if(points.begin(), points.end(), whole);
     provenance.partial(fmt::format("{} of {} points", count, points.size()));
     std::erase_if(points, [&](const Point& p) { return !whole(p); });
   }
-  const std::string who = printable(a.controller);
+  const Json json = to_json(a, varied.controller_name(), all, points, chosen);
   if (a.output.text()) {
     print_table(columns(all), points);
     fmt::print(
@@ -215,10 +131,10 @@ int sweep_verb(const SweepArguments& a) {
         "the inserted\n{}",
         when(a.stopping.enough) ? "at most " : "", a.trials, provenance.foot());
   } else {
-    print_result(a.output, to_json(a, who, all, points), "rows", provenance);
+    print_result(a.output, json, "rows", provenance);
   }
   std::fflush(stdout);  // before what may fail
-  if (!a.plot.empty() && !points.empty()) write_plot(a.plot, plot(all, points, who));
+  if (!a.plot.empty() && !points.empty()) write_plot(a.plot, sweep_plot(json));
   return interrupted() ? kInterrupted : kDone;
 }
 
@@ -228,24 +144,16 @@ void add_sweep(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
       "sweep", "Success, time, force and loss of a controller over numbers of the scene");
   auto a = std::make_shared<SweepArguments>();
-  verb->add_option("controller", a->controller,
-                   std::string("Controller file, or TorchScript; or ") + kStraight)
-      ->type_name("FILE.json|FILE.pt")
-      ->required();
+  a->trials = 200;
+  a->add_controller(*verb);
   verb->add_option(
           "keys", a->keys,
           "Values of a key, as --set takes them: a,b,c, or of numbers from:to:count[:log]; "
           "with several keys all combinations")
       ->type_name("KEY=VALUES")
       ->required();
-  a->scene.add_to(*verb, "that of the controller's training, or demo");
-  add_other_scaling(*verb, a->other_scaling);
-  verb->add_option("--trials", a->trials, "At each point")
-      ->capture_default_str()
-      ->check(whole_number(1, 100000000));
+  a->add_options(*verb, "At each point");
   a->stopping.add_to(*verb);
-  add_seed(*verb, a->seed, "Seed of the trials, the same at each point");
-  add_threads(*verb, a->threads);
   add_plot(*verb, a->plot, "Draw it over the first key, a line for each combination of the others");
   add_output(*verb, a->output);
   add_examples(*verb, {"sweep controller.json ferrule.bore_diameter_um=125.5,126,127",

@@ -61,10 +61,13 @@ Eigen::RowVectorXd row_scale(const Rows& rows) {
 InsertionEnd insert_again(const Scene& scene, const Episode& episode, const OnTick& on_tick) {
   const EpisodeInfo& info = episode.info;
   RecordedHand hand(episode);
-  return run_insertion(
-      scene, draw_start(scene, info.seed, info.trial), hand,
-      ForceSensor(scene.sensor, info.seed, info.trial),
-      {.scaling = scene_scaling(scene), .period = info.period, .past_success = true}, on_tick);
+  return run_insertion(scene, draw_start(scene, info.seed, info.trial), hand,
+                       ForceSensor(scene.sensor, info.seed, info.trial),
+                       {.scaling = scene_scaling(scene),
+                        .period = info.period,
+                        .past_success = true,
+                        .recorded = true},
+                       on_tick);
 }
 
 }  // namespace

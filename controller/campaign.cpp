@@ -6,48 +6,87 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <mutex>
 #include <stdexcept>
 
 namespace ferrule {
 
-std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
-                                      std::uint64_t seed, std::size_t trials, int threads,
-                                      const std::function<void(std::size_t)>& progress,
-                                      const std::function<bool()>& stop,
-                                      const std::function<bool(const TrialResult&)>& enough) {
-  std::vector<TrialResult> results(trials);
-  std::vector<char> done(trials, false);
-  std::atomic<std::size_t> next = 0, count = 0;
-  std::atomic<bool> known = false;
-  std::mutex mutex;
-  std::size_t shown = 0;  // to `enough`
-  const auto finish = [&](std::size_t k) {
-    const std::lock_guard lock(mutex);
-    done[k] = true;
-    while (!known && shown < trials && done[shown]) {
-      const TrialResult& result = results[shown++];
-      known = enough && enough(result);
+namespace {
+
+// A campaign while it runs: its trials are begun in their order.
+class Running {
+ public:
+  Running(const Campaign& campaign, std::size_t trials)
+      : campaign_(campaign), results_(trials), done_(trials, false) {}
+
+  // The next trial to be run; empty: none is left.
+  std::optional<std::size_t> begin() {
+    if (known_) return std::nullopt;
+    const std::size_t k = next_++;
+    return k < results_.size() ? std::optional(k) : std::nullopt;
+  }
+
+  // Runs it. False where that was ended before the trial was over.
+  bool run(std::size_t k, std::uint64_t seed, const std::function<bool()>& stop) {
+    const std::function<bool()> ends = [&] { return known_ || (stop && stop()); };
+    TrialResult result = run_trial(*campaign_.scene, *campaign_.make(k), seed, k, 1e-3, {}, ends);
+    if (ends()) return false;
+    const std::lock_guard lock(mutex_);
+    results_[k] = std::move(result);
+    done_[k] = true;
+    while (!known_ && shown_ < results_.size() && done_[shown_]) {
+      const TrialResult& next = results_[shown_++];
+      known_ = campaign_.enough && campaign_.enough(next);
     }
-  };
-  // Trials are begun in their order. What stops them ends those that run, too.
-  const std::function<bool()> ends = [&] { return known || (stop && stop()); };
+    return true;
+  }
+
+  std::vector<TrialResult> results() {
+    results_.resize(shown_);
+    return std::move(results_);
+  }
+
+ private:
+  const Campaign& campaign_;
+  std::vector<TrialResult> results_;
+  std::vector<char> done_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> known_ = false;
+  std::mutex mutex_;
+  std::size_t shown_ = 0;  // to `enough`
+};
+
+}  // namespace
+
+std::vector<std::vector<TrialResult>> run_campaigns(
+    const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
+    const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+  std::deque<Running> all;
+  for (const Campaign& campaign : campaigns) all.emplace_back(campaign, trials);
+  std::atomic<std::size_t> count = 0;
   const auto work = [&](int) {
-    while (!ends()) {
-      const std::size_t k = next++;
-      if (k >= trials) return;
-      results[k] = run_trial(scene, *make(k), seed, k, 1e-3, {}, ends);
-      if (ends()) return;
-      finish(k);
-      const std::size_t so_far = ++count;
-      if (progress) progress(so_far);
-    }
+    for (Running& one : all)
+      while (const auto k = one.begin()) {
+        if (stop && stop()) return;
+        if (!one.run(*k, seed, stop)) continue;
+        const std::size_t so_far = ++count;
+        if (progress) progress(so_far);
+      }
   };
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute(
       [&] { tbb::parallel_for(0, arena.max_concurrency(), work, tbb::simple_partitioner()); });
-  results.resize(shown);
+  std::vector<std::vector<TrialResult>> results;
+  for (Running& one : all) results.push_back(one.results());
   return results;
+}
+
+std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
+                                      std::uint64_t seed, std::size_t trials, int threads,
+                                      const std::function<void(std::size_t)>& progress,
+                                      const std::function<bool()>& stop, const IsEnough& enough) {
+  return run_campaigns({{&scene, make, enough}}, seed, trials, threads, progress, stop).front();
 }
 
 namespace {

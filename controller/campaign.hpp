@@ -12,16 +12,30 @@
 
 namespace ferrule {
 
+// Says of the results of a campaign, shown one at a time in the order of the trials, after which one
+// it is long enough (controller/enough.hpp).
+using IsEnough = std::function<bool(const TrialResult&)>;
+
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
-// results are those of the first trials up to one that was not done, fewer than `trials`. `enough`
-// is shown the results in the order of the trials, one at a time; the one after which it says so is
-// the last (controller/enough.hpp).
+// results are those of the first trials up to one that was not done, fewer than `trials`. The trial
+// after which it is `enough` is the last.
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop = {},
-                                      const std::function<bool(const TrialResult&)>& enough = {});
+                                      const IsEnough& enough = {});
+
+// Several at once, each with the same trials, so that those of all fill the cores.
+struct Campaign {
+  const Scene* scene;
+  MakeController make;
+  IsEnough enough{};
+};
+// The results of each, as of run_campaign.
+std::vector<std::vector<TrialResult>> run_campaigns(
+    const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
+    const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop = {});
 
 struct Spread {
   double median, p95;  // NaN where there is nothing to take them of

@@ -54,7 +54,7 @@ TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),
                       scaling.motion * scene.sensor.entrance_error);
   const InsertionEnd end = run_insertion(
-      scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+      scene, start, hand, ForceSensor(scene.sensor, seed_of("sensor", scene.redrawn, seed), trial),
       {.scaling = scaling, .period = period, .past_success = false, .stop = stop}, on_tick);
   TrialResult result = with_supervision(trial_result(scene, end.outcome, end.summary));
   result.why = controller.failure();

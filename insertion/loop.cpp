@@ -1,5 +1,6 @@
 #include "insertion/loop.hpp"
 
+#include "insertion/imperfect_hand.hpp"
 #include "insertion/sensed_wrench.hpp"
 #include "sim/solver/held_stiffness.hpp"
 
@@ -25,13 +26,17 @@ class Insertion::Grip {
         device_(device),
         settings_(settings),
         feedback_(settings.feedback),
+        moved_(settings.recorded ? HandErrors() : scene.hand, settings.scaling, settings.period),
         fibre_(settings.scaling, ForceSensor(), settings.period) {}
 
   // The hand at time t [s], which moves the holder of a fibre in `state` unless it is not trusted.
   Held read(double t, const State& state) {
     const HandSample sample = device_.read(t);
     const bool trusted = !feedback_ || feedback_->trusts(t, sample.age, sample.pose);
-    if (trusted) holder_ = feedback_ ? feedback_->hold(sample.pose, stiffness(state)) : sample.pose;
+    if (trusted) {
+      holder_ = moved_.holder(sample.pose);
+      if (feedback_) holder_ = feedback_->hold(holder_, stiffness(state));
+    }
     if (feedback_ && sample.stalled) feedback_->ramp_again(t);
     return {sample, holder_, trusted};
   }
@@ -60,6 +65,7 @@ class Insertion::Grip {
   Device& device_;
   const LoopSettings& settings_;
   ForceFeedback* feedback_;
+  ImperfectHand moved_;
   SensedWrench fibre_;  // as it is
   HandPose holder_ = HandPose::Zero();
 };

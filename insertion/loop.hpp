@@ -2,7 +2,8 @@
 //
 // The hand is a Device (haptic/device.hpp): a person at one, a simulated operator, a controller, a
 // recording. Tick n, at time t_n = n T:
-//   read     the hand is at a pose, to which it has moved the fibre's holder
+//   read     the hand is at a pose, to which it has moved the fibre's holder, but for the errors of
+//            the scene's hand (insertion/imperfect_hand.hpp)
 //   step     the simulator steps to it, which gives the state and the forces at t_n
 //   render   the hand feels the holder's wrench, as the force sensor reads it, relative to that at
 //            rest at t_0
@@ -29,7 +30,8 @@ namespace ferrule {
 struct Tick {
   double time;                 // t_n [s]
   const HandSample& sample;    // as the device gave it
-  const HandPose& hand;        // pose of the fibre's holder: the sample's, or what a coupling made
+  const HandPose& hand;        // pose of the fibre's holder: the sample's, or what its errors or a
+                               // coupling made of it
   const HandTwist& velocity;   // of it over [t_n-1, t_n); 0 in the first tick [m/s, rad/s]
   const HandTwist& command;    // of it over [t_n, t_n+1) [m/s, rad/s]
   const StepResult& result;    // state at t_n, at the tip's scale
@@ -44,6 +46,8 @@ struct LoopSettings {
   // Whether the hand goes on after success until it is finished, as a simulated operator does; or
   // success ends the insertion, as in a trial.
   bool past_success = false;
+  // The hand is that of a recording, which has the errors of the scene's hand in it.
+  bool recorded = false;
   // Where a person feels the fibre, and holds it, by way of that: what it cannot trust ends the
   // insertion as `interrupted`, with no force and after the ticks before.
   ForceFeedback* feedback = nullptr;

@@ -53,14 +53,14 @@ Json at_centre(Json document, const std::vector<DrawnNumber>& drawn) {
 }
 
 Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::uint64_t seed,
-                    std::uint64_t trial) {
+                    std::uint64_t trial, const std::string& redrawn) {
   Json was = Json::object();
   if (document.contains("tolerance")) {
     was["tolerance"] = document["tolerance"];
     document.erase("tolerance");
   }
   for (const auto& [key, distribution] : drawn) {
-    RandomStream random(seed, trial, key);
+    RandomStream random(seed_of(key, redrawn, seed), trial, key);
     const double value = distribution.draw(random);
     const Json::json_pointer at = pointer_to(key);
     if (document.contains(at)) {

@@ -9,7 +9,7 @@
 namespace ferrule {
 namespace {
 
-constexpr std::array kSections = {"fibre",  "ferrule", "laws",    "start", "sensor",
+constexpr std::array kSections = {"fibre",  "ferrule", "laws",    "start", "sensor", "hand",
                                   "limits", "tangent", "success", "joint", "scaling"};
 
 std::string extended_file(const SceneLayer& layer, const std::string& base) {

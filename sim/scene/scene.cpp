@@ -225,6 +225,23 @@ void read_sensor(JsonFields f, ForceSensorModel& sensor) {
   f.finish();
 }
 
+void read_hand(JsonFields f, HandErrors& hand) {
+  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
+    if (f.present(key)) f.number(key, rule, value, unit);
+  };
+  number("gain", 1, rule::between(0.01, 100, "must be from 0.01 to 100"), hand.gain);
+  number("delay_ms", milli, not_negative(1e3), hand.delay);
+  number("smoothing_ms", milli, not_negative(1e5), hand.smoothing);
+  number("dead_zone_um_s", micro, not_negative(1e9), hand.dead_zone);
+  const Rule offset = rule::between(-kFarthest, kFarthest, "must be from -1e6 to 1e6");
+  number("grasp_y_um", micro, offset, hand.grasp.x());
+  number("grasp_z_um", micro, offset, hand.grasp.y());
+  const Rule tilt = rule::between(-100, 100, "must be from -100 to 100");
+  number("grasp_tilt_y_mrad", milli, tilt, hand.grasp_tilt.x());
+  number("grasp_tilt_z_mrad", milli, tilt, hand.grasp_tilt.y());
+  f.finish();
+}
+
 void read_limits(JsonFields f, Limits& limits) {
   f.number("force_uN", positive(1e-6, 1e12), limits.force, micro);
   f.number("speed_um_s", positive(1e-6, 1e9), limits.speed, micro);
@@ -312,6 +329,7 @@ void read_scene(JsonFields& fields, const Json& document, Scene& scene) {
     read_tolerance(fields.object("tolerance"), scene.parameters.fibre.diameter_um, scene.drawn);
   if (fields.present("drawn_from")) read_drawn_from(fields.object("drawn_from"), document);
   read_sensor(fields.object("sensor"), scene.sensor);
+  if (fields.present("hand")) read_hand(fields.object("hand"), scene.hand);
   read_limits(fields.object("limits"), scene.limits);
   read_tangent(fields, scene);
   read_success(fields.object("success"), scene.success);

@@ -42,6 +42,19 @@ struct Success {
   double loss_dB = std::numeric_limits<double>::infinity();
 };
 
+// How the holder does not move quite as the hand means it to (insertion/imperfect_hand.hpp), and how
+// the fibre does not lie in it quite as it should: added to where it starts.
+struct HandErrors {
+  double gain = 1;       // the holder's motion over that of the hand [-], > 0
+  double delay = 0;      // [s], >= 0
+  double smoothing = 0;  // time constant of a first-order lag [s], >= 0
+  double dead_zone = 0;  // speed below which the hand does not move the holder [m/s], >= 0
+  Vector2d grasp = Vector2d::Zero();       // in y and z [m]
+  Vector2d grasp_tilt = Vector2d::Zero();  // [rad]
+
+  bool none() const noexcept { return gain == 1 && delay == 0 && smoothing == 0 && dead_zone == 0; }
+};
+
 // Ranges of (14) and (15) of the paper.
 struct ScalingRanges {
   double hand_range, tip_range;  // x_s and x_m [m], > 0
@@ -62,12 +75,18 @@ inline constexpr std::array kDrawnKeys = {"fibre.roll_deg",
                                           "laws.particle.at_um",
                                           "laws.particle.direction_deg"};
 
+// What chance decides of a trial besides: where the fibre starts and how tilted, what the force
+// sensor adds, and the particle.
+inline constexpr std::array kDrawnBesides = {"start.lateral_sd_um", "start.tilt_sd_mrad", "sensor",
+                                             "laws.particle"};
+
 struct Scene {
   std::string name;
   WorldParameters parameters;  // what it states of the world
   World world;                 // and the world that follows
   StartDistribution start;
   ForceSensorModel sensor;
+  HandErrors hand;
   Limits limits;
   Success success;
   Joint joint;
@@ -79,6 +98,9 @@ struct Scene {
   // What chance decides in each trial. All of the above has it at its centre, or as the document
   // states it besides; draw_scene of draw.hpp gives a trial's scene, which has none.
   std::vector<DrawnNumber> drawn;
+  // What is drawn as under another seed while all else stays as it is: one of these keys, or of
+  // kDrawnBesides; empty: nothing.
+  std::string redrawn{};
   Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
 };
 

@@ -246,34 +246,6 @@ class Compare(Case):
         # None of them inserts where the time does not suffice.
         rows(1, "--trials", 60, "--target", 0.5, "--set", "limits.time_s=0.01")
 
-    # Each point is what evaluate says of it.
-    def test_a_sweep_is_an_evaluation_at_each_point(self):
-        short = [*SCENE, "--scene", "bench", "--trials", 12, "--seed", 3]
-        arguments = ["sweep", "constant-velocity", "ferrule.bore_diameter_um=126,125.5+1/-0",
-                     "limits.force_uN=20:80:3:log", *short]
-        rows = json.loads(self.done(*arguments, "--json", "--plot", self.path("s.svg")).stdout)["rows"]
-        self.assertEqual([row["limits.force_uN"] for row in rows], [20, 40, 80] * 2)
-        self.assertEqual([row["ferrule.bore_diameter_um"] for row in rows],
-                         [126] * 3 + [{"uniform": [125.5, 126.5]}] * 3)
-        for row, bore in ((rows[1], "126"), (rows[5], "125.5..126.5")):
-            alone = json.loads(self.done(
-                "evaluate", "--baseline", "constant-velocity", *short, "--set",
-                f"ferrule.bore_diameter_um={bore}", "--set",
-                f"limits.force_uN={row['limits.force_uN']}", "--json").stdout)
-            for key in ("successes", "feasible", "outcomes", "time_s", "peak_force_uN", "mated"):
-                self.assertEqual(row[key], alone[key], key)
-        self.assertIn("</svg>", open(self.path("s.svg")).read())
-        table = list(csv.DictReader(self.done(*arguments, "--csv").stdout.splitlines()))
-        self.assertEqual([float(row["limits.force_uN"]) for row in table], [20, 40, 80] * 2)
-        text = self.done(*arguments).stdout
-        self.assertEqual(len(re.findall(r"^ +125\.5\+1/-0 ", text, re.M)), 3)
-        # Whatever a point must not be is said before the first trial.
-        for wrong, says in (("bore=1,2", "unknown key"), ("limits.force_uN=5,-1", "limits.force_uN = -1"),
-                            ("limits.force_uN", "KEY=a,b,c"), ("limits.force_uN=", "KEY=a,b,c"),
-                            ("limits.force_uN=1:2", "limits.force_uN 1:2")):
-            self.refused(2, "sweep", "constant-velocity", wrong, says=[says])
-        self.refused(3, "sweep", "no.json", "limits.force_uN=5,6", says=["no.json"])
-
     # A campaign may take long: Ctrl-C ends it with what it has, said to be partial.
     def test_ctrl_c_ends_it_at_once(self):
         process = subprocess.Popen([PROGRAM, "compare", self.out, "--trials", "100000", "--learners",

@@ -15,7 +15,7 @@ from case import PROGRAM, SOURCE, Case, main
 
 # How many trials and the like are enough here. What is printed stays what a reader runs.
 CUTS = [(r"\s+#.*", ""), (r"--trials \d+", "--trials 4"), (r"--scenes \d+", "--scenes 1"),
-        (r"^(./ferrule (?:compare|evaluate)\b(?!.*--trials).*)", r"\1 --trials 4"),
+        (r"^(./ferrule (?:compare|evaluate|sweep|map|sensitivity)\b(?!.*--trials).*)", r"\1 --trials 4"),
         (r"--seeds 1\.\.5", "--seeds 1..2"), (r"--demonstrations \S+", "--demonstrations 5"),
         (r"--episodes (20|100)\b", "--episodes 6"), (r"insertion,(torch,)?dagger", "insertion")]
 
@@ -73,6 +73,19 @@ class Documents(Case):
                                      capture_output=True, text=True, stdin=subprocess.DEVNULL)
                 expected = next((FAILS[f] for f in FAILS if re.search(f, command)), 0)
                 self.assertEqual(run.returncode, expected, run.stderr[-2000:])
+
+    # Uncut: the numbers of the recipe are those that its commands print.
+    @unittest.skipUnless(os.environ.get("FERRULE_LONG"), "takes minutes: ./ferrule test --long")
+    def test_numbers_of_the_engineer(self):
+        os.symlink(PROGRAM, self.path("ferrule"))
+        text = open(os.path.join(SOURCE, "docs/engineer.md")).read()
+        printed = ""
+        for _, command in blocks(text):
+            printed += subprocess.run(["bash", "-c", command], cwd=self.folder, check=True, stdout=subprocess.PIPE,
+                                      stderr=subprocess.STDOUT, text=True).stdout
+        prose = re.sub(r"^```\n.*?^```$", "", text, flags=re.S | re.M)
+        for number in re.findall(r"\d+\.\d+", prose):
+            self.assertIn(number, printed)
 
     def test_every_rule_leaves_something_out(self):
         commands = [command for document in DOCUMENTS

@@ -276,21 +276,39 @@ class Forces(Case):
         self.assertEqual([(float(row["edge_um"]), float(row["stress_GPa"])) for row in rows],
                          [(2, 1.4)] * 4)
 
+    def first_damage(self, *more):
+        rows = json.loads(self.done("limits", "--scene", "bench", "--json", *more).stdout)["rows"]
+        return min(rows, key=lambda row: row["force_uN"] or math.inf)
+
+    # The radius of an edge that the scene does not state may be that of a cleaved or of a polished end.
     def test_a_limit_that_lets_the_fibre_be_damaged_is_said(self):
-        rows = json.loads(self.done("limits", "--scene", "bench", "--json").stdout)["rows"]
-        first = min(rows, key=lambda row: row["force_uN"] or math.inf)
-        for force, said in ((1.01 * first["force_uN"], True), (0.99 * first["force_uN"], False)):
+        sharp, first = self.first_damage("--edge-um", 0.02), self.first_damage()
+        self.assertLess(sharp["force_uN"], 0.1 * first["force_uN"])
+        for force, said in ((1.01 * first["force_uN"], "is"), (0.99 * first["force_uN"], "may be"),
+                            (1.01 * sharp["force_uN"], "may be"), (0.99 * sharp["force_uN"], "")):
             setting = ["--scene", "bench", *QUICK, "--set", f"limits.force_uN={force}"]
+            note = f"note: limits.force_uN = {force:g}: the fibre {said} damaged before: {sharp['damage']} from "
             for arguments in (["evaluate", "--baseline", "constant-velocity", "--trials", 1],
-                              ["record", "--episodes", 1, "--out", self.path(f"out-{said}"),
-                               "--append"]):
+                              ["record", "--episodes", 1, "--out", self.path("out"), "--append"]):
                 run = self.done(*arguments, *setting, "--json")
                 damage = json.loads(run.stdout)["damage"]
-                self.assertEqual(damage["by"], first["damage"])
+                self.assertEqual([damage["by"], damage["sharpest_by"]], [first["damage"], sharp["damage"]])
+                self.assertEqual(damage["edge_um"], [0.02, 1])
                 self.assertAlmostEqual(damage["over_limit"] * force, first["force_uN"], places=6)
+                self.assertAlmostEqual(damage["sharpest_force_uN"], sharp["force_uN"], places=6)
                 for text in (run.stderr, self.done(*arguments, *setting).stdout):
-                    self.assertEqual(f"note: limits.force_uN = {force:g}: above the " in text, said)
-                    self.assertEqual(f"damaged ({first['damage']}; see ferrule limits)" in text, said)
+                    self.assertEqual(note in text, bool(said))
+                    self.assertEqual("damaged before" in text, bool(said))
+        self.assertIn("does not state fibre.edge_um", self.done("limits", "--scene", "bench").stdout)
+
+    def test_a_stated_edge_is_no_range(self):
+        edge = ["--set", "fibre.edge_um=0.05"]
+        first = self.first_damage(*edge)
+        run = self.done("evaluate", "--baseline", "constant-velocity", "--trials", 1, "--scene", "bench",
+                        *QUICK, *edge, "--set", f"limits.force_uN={1.01 * first['force_uN']}", "--json")
+        self.assertIn(f"is damaged before: {first['damage']} at {first['force_uN']:.4g} uN", run.stderr)
+        self.assertEqual(json.loads(run.stdout)["damage"]["edge_um"], [0.05, 0.05])
+        self.assertNotIn("does not state", self.done("limits", "--scene", "bench", *edge).stdout)
 
     def test_a_fibre_is_no_farther_in_than_the_bore_is_long(self):
         for verb in ("forces", "release"):

@@ -13,6 +13,31 @@ from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
 
 
 class Recording(Case):
+    # What is recorded is what the holder did, so it is replayed without making the errors again.
+    def test_errors_of_the_hand_are_drawn_and_replayed(self):
+        out = self.path("hand")
+        files = self.record(out, "--set", "hand.gain=0.59..1.41", "--set", "hand.delay_ms=0..50", "--set",
+                            "hand.smoothing_ms=20", episodes=2)
+        gains = []
+        for file in files:
+            self.done("replay", file, "--verify")
+            with h5py.File(file) as f:
+                hand = json.loads(f.attrs["scene"])["hand"]
+            gains.append(hand["gain"])
+            self.assertTrue(0.59 <= hand["gain"] <= 1.41 and 0 <= hand["delay_ms"] <= 50)
+        self.assertNotEqual(*gains)
+
+        def time_of(*settings):
+            return json.loads(self.done(
+                "evaluate", "--baseline", "constant-velocity", "--scene", "bench", *QUICK, *settings, "--trials",
+                2, "--json").stdout)["time_s"]["median"]
+        plain = time_of()
+        self.assertAlmostEqual(time_of("--set", "hand.gain=2"), plain / 2, delta=0.05 * plain)
+        self.assertAlmostEqual(time_of("--set", "hand.delay_ms=300"), plain + 0.3, delta=0.01)
+        for setting in ("hand.gain=0", "hand.gain=0..1", "hand.delay_ms=-1"):
+            self.refused(2, "evaluate", "--baseline", "constant-velocity", "--set", setting,
+                         says=[setting.split("=")[0]])
+
     def test_an_episode_is_read_by_h5py_as_documented(self):
         files = self.record(self.path("out"))
         self.assertEqual(len(files), 3)

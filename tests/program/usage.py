@@ -62,7 +62,7 @@ class Usage(Case):
         self.assertIn("evaluate", verbs["The job"])
         self.assertIn("limits", verbs["Answers for an engineer"])
         self.assertIn("doctor", verbs["Devices"])
-        self.assertEqual(sum(map(len, verbs.values())), 22)
+        self.assertEqual(sum(map(len, verbs.values())), 25)
 
     def test_completion_knows_the_verbs(self):
         words = subprocess.run(
@@ -72,7 +72,7 @@ class Usage(Case):
         self.assertEqual(words[:2], ["--help", "--version"])
         for verb in ("demo", "evaluate", "limits", "export-episodes"):
             self.assertIn(verb, words)
-        self.assertEqual(len(words), 24)
+        self.assertEqual(len(words), 27)
 
     def test_an_option_that_is_given_twice_is_named(self):
         for again in (["forces", "--scene", "demo", "--scene", "paper"],
@@ -94,8 +94,8 @@ class Usage(Case):
     def test_help_and_version(self):
         text = self.done("--help").stdout
         for verb in ("demo", "scene", "forces", "contact", "release", "limits", "plan", "record", "recover", "replay",
-                     "score", "fit", "identify", "evaluate", "compare", "sweep", "export", "bench", "devices",
-                     "doctor"):
+                     "score", "fit", "identify", "evaluate", "compare", "sweep", "map", "sensitivity", "report",
+                     "export", "bench", "devices", "doctor"):
             self.assertIn(verb, text)
             help = self.done(verb, "--help").stdout
             self.assertGreaterEqual(help.count("\n  ferrule " + verb), 2, verb)

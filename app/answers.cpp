@@ -1,0 +1,315 @@
+#include "app/answers.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "app/varied_plots.hpp"
+#include "app/verb.hpp"
+
+namespace ferrule {
+namespace {
+
+double number(const Json& row, const char* key) {
+  const Json value = row.value(key, Json());
+  return value.is_number() ? value.get<double>() : NAN;
+}
+
+std::string percent(double share) {
+  // As many digits as are left below 100 %.
+  return fmt::format("{:.{}f} %", 100 * share, share > 0.99 && share < 1 ? 2 : 1);
+}
+
+// Of a row: a summary has wilson_low, the row of a point low.
+Json low_of(const Json& row) {
+  return row.contains("low") ? row["low"] : row["wilson_low"];
+}
+Json high_of(const Json& row) {
+  return row.contains("high") ? row["high"] : row["wilson_high"];
+}
+double median_of(const Json& row, const char* key) {
+  const Json value = row.value(key, Json());
+  return value.is_object() ? number(value, "median") : number(row, key);
+}
+
+std::string success(const Json& row) {
+  const std::size_t feasible = row.at("feasible");
+  if (feasible == 0) return "no trial, as no pair of parts fits together";
+  return fmt::format("{} of {} simulated trials: {} (95 % confidence: {} to {})",
+                     row.at("successes").get<std::size_t>(), feasible,
+                     percent(row.at("success_rate")), percent(low_of(row)), percent(high_of(row)));
+}
+
+// "0.184 dB on average, 97 % of them up to 0.491 dB: grade C of IEC 61755-1".
+std::string mated_in_words(const Json& mated) {
+  const Json& grade = mated.at("grade");
+  return fmt::format("{:.3g} dB on average, 97 % of them up to {:.3g} dB: {} of IEC 61755-1",
+                     number(mated, "mean_dB"), number(mated, "p97_dB"),
+                     grade.is_string() ? "grade " + grade.get<std::string>() : "no grade");
+}
+
+// How long, how strong, which grade.
+std::vector<std::string> besides(const Json& row) {
+  std::vector<std::string> lines = {
+      fmt::format("It takes {} s and the force peaks at {} uN (medians).",
+                  number_or("-", "{:.3g}", median_of(row, "time_s")),
+                  number_or("-", "{:.3g}", median_of(row, "peak_force_uN")))};
+  const Json mated = row.value("mated", Json());
+  if (mated.is_object() && mated.at("pairs") > 0)
+    lines.push_back("Connectors that are mated at random lose " + mated_in_words(mated) +
+                    "; tuned, " + mated_in_words(row.at("mated_tuned")) + ".");
+  else if (const double loss = median_of(row, "loss_dB"); std::isfinite(loss))
+    lines.push_back(fmt::format("The joint loses {:.3g} dB (median).", loss));
+  return lines;
+}
+
+// A line, what is said besides, and one more unless it is empty.
+std::vector<std::string> lines_of(const std::string& first, const Json& row,
+                                  const std::string& last) {
+  std::vector<std::string> lines = besides(row);
+  lines.insert(lines.begin(), first);
+  if (!last.empty()) lines.push_back(last);
+  return lines;
+}
+
+std::string verdict(const Json& row) {
+  const Json target = row.value("target", Json());
+  if (!target.is_object()) return "";
+  const std::string kind = target.at("verdict");
+  const std::string rate = fmt::format("{:.6g} %", 100 * target.at("rate").get<double>());
+  if (kind == "shown")
+    return "That it is more than " + rate + " is shown, wrong with a chance of at most 5 %.";
+  if (kind == "refuted")
+    return "That it is " + rate + " is refuted, wrong with a chance of at most 5 %.";
+  return "Whether it is more than " + rate + " is open: more trials would tell.";
+}
+
+Answer of_evaluation(const Json& result) {
+  const Json& rows = result.at("rows");
+  Answer a;
+  a.question = fmt::format("How often does {} insert the fibre, in scene {}?",
+                           result.at("controller").get<std::string>(),
+                           result.at("scene").get<std::string>());
+  a.lines = lines_of("In " + success(rows.at(0)) + ".", rows.at(0), verdict(rows.at(0)));
+  for (std::size_t k = 1; k < rows.size(); ++k)
+    a.lines.push_back(rows[k].at("controller").get<std::string>() + " does so in " +
+                      success(rows[k]) + ".");
+  return a;
+}
+
+// Two intervals that do not meet tell rows apart.
+std::string not_told_apart(const Json& rows, const Json& best) {
+  const auto count = std::count_if(rows.begin(), rows.end(), [&](const Json& row) {
+    return &row != &best && row.at("feasible") > 0 && high_of(row) >= low_of(best);
+  });
+  if (count == 0) return "No other interval reaches up to this.";
+  return count == 1 ? "The interval of one other reaches up to this."
+                    : fmt::format("The intervals of {} others reach up to this.", count);
+}
+
+Answer of_comparison(const Json& result) {
+  const Json& rows = result.at("rows");
+  const Json& best = best_row(rows);
+  Answer a;
+  a.question = fmt::format("Which of {} controllers inserts the fibre most often, in scene {}?",
+                           rows.size(), result.at("scene").get<std::string>());
+  a.lines = lines_of(best.at("controller").get<std::string>() + ": in " + success(best) + ".", best,
+                     not_told_apart(rows, best));
+  return a;
+}
+
+std::string values_in_words(const Json& values, const Json& keys) {
+  std::string text;
+  for (const Json& key : keys)
+    text += (text.empty() ? "" : ", ") +
+            in_words(key.get<std::string>(), values.at(key.get<std::string>()));
+  return text;
+}
+
+std::string names_in_words(const Json& keys) {
+  std::string text;
+  for (std::size_t i = 0; i < keys.size(); ++i)
+    text += (i == 0                 ? ""
+             : i + 1 == keys.size() ? " and "
+                                    : ", ") +
+            in_words(keys[i].get<std::string>()).name;
+  return text;
+}
+
+Answer of_sweep(const Json& result) {
+  const Json& rows = result.at("rows");
+  Answer a;
+  a.question = fmt::format("Which {} {} best, with {}?", names_in_words(result.at("keys")),
+                           result.at("keys").size() == 1 ? "is" : "are",
+                           result.at("controller").get<std::string>());
+  if (rows.empty()) return a;
+  const Json& best = best_row(rows);
+  a.lines = lines_of("Of " + std::to_string(rows.size()) + " that were tried, " +
+                         values_in_words(best.at("values"), result.at("keys")) + ": in " +
+                         success(best) + ".",
+                     best, not_told_apart(rows, best));
+  return a;
+}
+
+// Where the contour crosses x.
+std::vector<double> crossings(const Json& result, double x) {
+  std::vector<double> found;
+  const Json &contour = result.at("contour"), &begins = result.at("contour_begins");
+  for (std::size_t k = 1; k < contour.size(); ++k) {
+    if (std::find(begins.begin(), begins.end(), k) != begins.end()) continue;
+    const double x0 = contour[k - 1][0], x1 = contour[k][0], y0 = contour[k - 1][1],
+                 y1 = contour[k][1];
+    if ((x0 <= x) != (x1 <= x)) found.push_back(y0 + (x - x0) / (x1 - x0) * (y1 - y0));
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+// Is the target reached at the point that is nearest to (x, y), of those beyond y upwards?
+bool reached_beyond(const Json& result, double x, double y, bool upwards) {
+  const Json &x_axis = result.at("keys").at(0), &y_axis = result.at("keys").at(1);
+  const auto place = [](const Json& axis, double v) {
+    const double low = axis.at("low"), high = axis.at("high");
+    return axis.at("log") ? std::log(v / low) / std::log(high / low) : (v - low) / (high - low);
+  };
+  double nearest = INFINITY;
+  bool reached = false;
+  for (const Json& row : result.at("rows")) {
+    const double row_x = row.at("values").at(x_axis.at("key").get<std::string>()),
+                 row_y = row.at("values").at(y_axis.at("key").get<std::string>());
+    if (upwards ? row_y < y : row_y > y) continue;
+    const double distance = std::abs(place(x_axis, row_x) - place(x_axis, x)) +
+                            std::abs(place(y_axis, row_y) - place(y_axis, y));
+    if (distance >= nearest) continue;
+    nearest = distance;
+    reached = number(row, "success_rate") >= result.at("target").get<double>();
+  }
+  return reached;
+}
+
+Answer of_map(const Json& result) {
+  const Json &x_axis = result.at("keys").at(0), &y_axis = result.at("keys").at(1);
+  const KeyInWords x = in_words(x_axis.at("key").get<std::string>()),
+                   y = in_words(y_axis.at("key").get<std::string>());
+  const double low = x_axis.at("low"), high = x_axis.at("high"), y_low = y_axis.at("low");
+  Answer a;
+  a.question = fmt::format("For which {} and {} does {} insert the fibre in {:g} % of trials?",
+                           x.name, y.name, result.at("controller").get<std::string>(),
+                           100 * result.at("target").get<double>());
+  for (const double share : {0.1, 0.5, 0.9}) {
+    const double at =
+        x_axis.at("log") ? low * std::pow(high / low, share) : low + share * (high - low);
+    const std::vector<double> y_at = crossings(result, at);
+    const auto range = [&]() -> std::string {
+      if (y_at.empty())
+        return reached_beyond(result, at, y_low, true) ? "for any " + y.name : "for no " + y.name;
+      const bool upwards = reached_beyond(result, at, y_at.back(), true);
+      if (y_at.size() == 1)
+        return fmt::format("for a {} {} {:.4g} {}", y.name, upwards ? "of at least" : "up to",
+                           y_at[0], y.unit);
+      std::string text = fmt::format("the {} at which this changes is", y.name);
+      for (const double each : y_at) text += fmt::format(" {:.4g}", each);
+      return text + " " + y.unit;
+    };
+    a.lines.push_back(fmt::format("With a {} of {:.4g} {}: {}.", x.name, at, x.unit, range()));
+  }
+  const std::size_t open = result.at("undecided");
+  a.lines.push_back(
+      fmt::format("The line between is known to 1/{:.0f} of either range; each point beside it was "
+                  "decided with "
+                  "a chance of error of at most 5 %{}.",
+                  1 / result.at("width").get<double>(),
+                  open == 0 ? "" : fmt::format(", but for {} that are too close to tell", open)));
+  return a;
+}
+
+Answer of_sensitivity(const Json& result) {
+  Answer a;
+  a.question = fmt::format("What decides whether {} inserts the fibre?",
+                           result.at("controller").get<std::string>());
+  std::string decides, not_known;
+  for (const Json& row : result.at("rows")) {
+    if (row.at("of") != "success") continue;
+    if (row.at("total").is_null()) {
+      not_known = "All trials ended alike: nothing decides.";
+    } else if (number(row, "low") > 0.05) {
+      decides += fmt::format(
+          "{}{} ({:.0f} % of the variance; 95 % confidence: {:.0f} to {:.0f} %)",
+          decides.empty() ? "" : ", ", in_words(row.at("key").get<std::string>()).name,
+          100 * number(row, "total"), 100 * number(row, "low"), 100 * number(row, "high"));
+    }
+  }
+  a.lines.push_back(!decides.empty() ? "Above all: " + decides + "."
+                    : !not_known.empty()
+                        ? not_known
+                        : "Nothing that is drawn, by more than 5 % of the variance.");
+  a.lines.push_back(fmt::format("{} of {} simulated trials inserted the fibre.",
+                                percent(number(result, "success_rate")),
+                                result.at("trials").get<std::size_t>()));
+  return a;
+}
+
+}  // namespace
+
+const Json& best_row(const Json& rows) {
+  const auto worse = [](const Json& a, const Json& b) {
+    if (low_of(a) != low_of(b)) return low_of(a) < low_of(b);
+    return median_of(a, "loss_dB") > median_of(b, "loss_dB");
+  };
+  return *std::max_element(rows.begin(), rows.end(), worse);
+}
+
+KeyInWords in_words(const std::string& key) {
+  constexpr std::array kUnits = {"um_s", "um",  "nm",  "mm",   "uN",   "mrad", "deg", "dB", "Hz",
+                                 "s",    "GPa", "N_m", "Pa_s", "J_m2", "J",    "V",   "K_s"};
+  KeyInWords words{key.substr(key.rfind('.') + 1), ""};  // npos + 1 is 0
+  for (const std::string unit : kUnits)
+    if (words.unit.empty() && words.name.ends_with("_" + unit)) {
+      words.name.resize(words.name.size() - unit.size() - 1);
+      words.unit = unit;
+    }
+  std::replace(words.name.begin(), words.name.end(), '_', ' ');
+  std::replace(words.unit.begin(), words.unit.end(), '_', '/');
+  if (words.unit == "Pa/s") words.unit = "Pa s";
+  // What these words say depends on the section: the force limit, the start's scatter.
+  const std::string section = key.substr(0, key.find('.'));
+  if (section == "limits") words.name += " limit";
+  if (section != "limits" && section != key && section != "ferrule")
+    words.name = section + " " + words.name;
+  return words;
+}
+
+std::string in_words(const std::string& key, const Json& value) {
+  const KeyInWords words = in_words(key);
+  return words.name + " " + setting_text(value) + (words.unit.empty() ? "" : " " + words.unit);
+}
+
+std::string failures_in_words(const Json& outcomes) {
+  std::vector<std::pair<std::size_t, std::string>> failed;
+  std::size_t all = 0;
+  for (const auto& [outcome, count] : outcomes.items()) {
+    all += count.get<std::size_t>();
+    if (outcome != "inserted" && count > 0) failed.emplace_back(count, outcome);
+  }
+  std::sort(failed.rbegin(), failed.rend());
+  std::string text;
+  for (auto& [count, outcome] : failed) {
+    std::replace(outcome.begin(), outcome.end(), '_', ' ');
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", outcome, count);
+  }
+  return text.empty() ? "" : text + fmt::format(", of {} trials", all);
+}
+
+Answer answer(const std::string& verb, const Json& result) {
+  const std::map<std::string, Answer (*)(const Json&)> answers = {{"evaluate", of_evaluation},
+                                                                  {"compare", of_comparison},
+                                                                  {"sweep", of_sweep},
+                                                                  {"map", of_map},
+                                                                  {"sensitivity", of_sensitivity}};
+  return answers.at(verb)(result);
+}
+
+}  // namespace ferrule

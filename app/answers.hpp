@@ -1,0 +1,33 @@
+// What a result of evaluate, compare, sweep, map or sensitivity answers, in words: from its JSON.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/base/json_fields.hpp"
+
+namespace ferrule {
+
+struct Answer {
+  std::string question;
+  std::vector<std::string> lines;  // the answer, how long and which grade, at which confidence
+};
+
+// Of the result of that verb. Throws what reading JSON throws where it has no such keys.
+Answer answer(const std::string& verb, const Json& result);
+
+// The row of evaluate, compare or sweep that is best: the success rate is highest at its lower end,
+// and among the same the joint loses least. `rows` is not empty.
+const Json& best_row(const Json& rows);
+
+// "bore diameter", "um" of "ferrule.bore_diameter_um"; the unit may be empty.
+struct KeyInWords {
+  std::string name, unit;
+};
+KeyInWords in_words(const std::string& key);
+// "bore diameter 125.5..126.5 um".
+std::string in_words(const std::string& key, const Json& value);
+// What ended the trials that failed, the most frequent first: "force limit 143 of 200, ...".
+std::string failures_in_words(const Json& outcomes);
+
+}  // namespace ferrule

@@ -1,0 +1,254 @@
+// ferrule map: over two numbers of the scene, where a controller inserts as often as it is to.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <map>
+
+#include "app/damage.hpp"
+#include "app/varied_plots.hpp"
+#include "app/varied_scene.hpp"
+#include "controller/refined_grid.hpp"
+
+namespace ferrule {
+namespace {
+
+struct MapArguments : VariedArguments {
+  std::vector<std::string> keys;
+  std::string plot;
+  double target = 0.99, width = 1.0 / 32;
+};
+
+// KEY=low..high[:log].
+struct Axis {
+  std::string key;
+  double low, high;
+  bool log;
+
+  double at(double share) const {
+    return log ? low * std::pow(high / low, share) : low + share * (high - low);
+  }
+};
+
+Axis axis(const std::string& text) {
+  const auto refuse = [&](const char* why) { throw BadInput("map " + text + ": " + why); };
+  const auto equals = text.find('=');
+  if (equals == text.npos || equals == 0) refuse("must be KEY=low..high or KEY=low..high:log");
+  std::string range = text.substr(equals + 1);
+  const bool log = range.ends_with(":log");
+  if (log) range.resize(range.size() - 4);
+  const std::optional<Json> uniform = distribution_of(range);
+  if (!uniform || !uniform->contains("uniform"))
+    refuse("must be KEY=low..high or KEY=low..high:log");
+  const Json& ends = uniform->at("uniform");
+  Axis a{text.substr(0, equals), ends[0], ends[1], log};
+  if (!(a.low < a.high)) refuse("low must be below high");
+  if (log && !(a.low > 0)) refuse("a logarithmic range must be positive");
+  return a;
+}
+
+using Node = RefinedGrid::Node;
+using Points = std::map<Node, Point>;
+
+class Map {
+ public:
+  Map(const MapArguments& arguments, const VariedScene& varied)
+      : a_(arguments),
+        varied_(varied),
+        axes_{axis(a_.keys.at(0)), axis(a_.keys.at(1))},
+        grid_(static_cast<int>(std::bit_ceil(static_cast<unsigned>(
+            std::max<double>(RefinedGrid::kCoarsest, std::ceil(1 / a_.width)))))) {
+    if (axes_[0].key == axes_[1].key) throw BadInput("map: both keys are " + axes_[0].key);
+    refuse_beyond();
+  }
+
+  // As far as Ctrl-C lets it go: with all points that are whole.
+  void run() {
+    for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
+      std::vector<Point*> wanted;
+      for (const Node& node : nodes) wanted.push_back(&(points_[node] = point(node)));
+      ferrule::run(a_, varied_, {.width = {}, .target = a_.target}, wanted);
+      for (const Node& node : nodes) {
+        const Point& p = points_[node];
+        if (interrupted() && p.scene && p.results.size() < a_.trials &&
+            p.summary.target->kind == Verdict::undecided)
+          points_.erase(node);
+        else
+          grid_.set(node,
+                    p.summary.successes > 0 ? p.summary.success_rate - a_.target : -a_.target);
+      }
+      if (interrupted()) return;
+    }
+  }
+
+  const std::array<Axis, 2>& axes() const { return axes_; }
+  const Points& points() const { return points_; }
+  int cells() const { return grid_.cells(); }
+  // In units of the keys.
+  std::vector<RefinedGrid::Line> contour() const {
+    std::vector<RefinedGrid::Line> lines = grid_.contour();
+    for (RefinedGrid::Line& line : lines)
+      for (Eigen::Vector2d& p : line)
+        p = {axes_[0].at(p.x() / cells()), axes_[1].at(p.y() / cells())};
+    return lines;
+  }
+  std::size_t trials() const {
+    std::size_t sum = 0;
+    for (const auto& [node, point] : points_) sum += point.results.size();
+    return sum;
+  }
+  std::size_t uniform_points() const {
+    const auto side = static_cast<std::size_t>(cells()) + 1;
+    return side * side;
+  }
+  // Points beside the contour of which the target is neither shown nor refuted.
+  std::size_t undecided() const {
+    return static_cast<std::size_t>(
+        std::count_if(points_.begin(), points_.end(), [&](const auto& p) {
+          return p.second.scene && p.second.summary.target->kind == Verdict::undecided &&
+                 grid_.beside_contour(p.first);
+        }));
+  }
+
+ private:
+  std::string setting(std::size_t i, const std::string& value) const {
+    return axes_[i].key + "=" + value;
+  }
+
+  // What a key must not have is said before the first trial.
+  void refuse_beyond() const {
+    std::vector<std::string> ranges;
+    for (std::size_t i = 0; i < 2; ++i)
+      ranges.push_back(setting(i, Json{{"uniform", {axes_[i].low, axes_[i].high}}}.dump()));
+    varied_.with(ranges);
+  }
+
+  Point point(const Node& node) const {
+    Point p;
+    std::vector<std::string> settings;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double value = axes_[i].at(static_cast<double>(node[i]) / cells());
+      p.values[axes_[i].key] = as_written(value);
+      settings.push_back(setting(i, p.values[axes_[i].key].dump()));
+    }
+    try {
+      p.scene = varied_.with(settings).scene;
+    } catch (const BadInput&) {  // each of the numbers can be, but not these together
+    }
+    return p;
+  }
+
+  const MapArguments& a_;
+  const VariedScene& varied_;
+  std::array<Axis, 2> axes_;
+  RefinedGrid grid_;
+  Points points_;
+};
+
+Json to_json(const MapArguments& a, const std::string& who, const Map& map,
+             const ChosenScene& chosen) {
+  Json keys = Json::array(), rows = Json::array(), contour = Json::array(), begins = Json::array();
+  for (const Axis& axis : map.axes())
+    keys.push_back({{"key", axis.key}, {"low", axis.low}, {"high", axis.high}, {"log", axis.log}});
+  for (const auto& [node, point] : map.points()) {
+    Json& row = rows.emplace_back(to_json(point));
+    row["can_be"] = point.scene.has_value();
+  }
+  for (const RefinedGrid::Line& line : map.contour()) {
+    begins.push_back(contour.size());
+    for (const Eigen::Vector2d& p : line) contour.push_back({p.x(), p.y()});
+  }
+  return {{"controller", who},
+          {"seed", a.seed},
+          {"target", a.target},
+          {"width", 1.0 / map.cells()},
+          {"keys", keys},
+          {"damage", damage_json(chosen.scene)},
+          {"rows", rows},
+          {"contour", contour},
+          {"contour_begins", begins},
+          {"undecided", map.undecided()},
+          {"trials", map.trials()},
+          {"uniform_grid_points", map.uniform_points()},
+          {"uniform_grid_trials", map.uniform_points() * a.trials}};
+}
+
+void tell(const MapArguments& a, const Map& map) {
+  const auto& [x, y] = map.axes();
+  const auto lines = map.contour();
+  if (lines.empty()) {
+    const bool above = std::any_of(map.points().begin(), map.points().end(), [&](const auto& p) {
+      return p.second.summary.success_rate >= a.target;
+    });
+    fmt::print("{} than {:g} % inserted everywhere\n", above ? "more" : "less", 100 * a.target);
+  } else {
+    fmt::print("{:g} % inserted along\n{:>26} {:>26}\n", 100 * a.target, x.key, y.key);
+  }
+  for (const auto& line : lines) {
+    if (&line != &lines.front()) fmt::print("and\n");
+    for (const Eigen::Vector2d& p : line) fmt::print("{:>26.6g} {:>26.6g}\n", p.x(), p.y());
+  }
+  fmt::print("known to 1/{} of either range; ", map.cells());
+  const double share = static_cast<double>(map.trials()) /
+                       (static_cast<double>(map.uniform_points()) * static_cast<double>(a.trials));
+  fmt::print("{} trials at {} points: {:.1f} % of the {} at {} points of a uniform grid as fine\n",
+             map.trials(), map.points().size(), 100 * share, map.uniform_points() * a.trials,
+             map.uniform_points());
+  if (const std::size_t count = map.undecided(); count > 0)
+    fmt::print(
+        "beside the line {} points are too close to {:g} % for {} trials to tell: there it may "
+        "run a little elsewhere\n",
+        count, 100 * a.target, a.trials);
+}
+
+int map_verb(const MapArguments& a) {
+  const VariedScene varied(a);
+  expect_place_for(a.plot);
+  Map map(a, varied);
+  const ChosenScene chosen = varied.with({});
+  Provenance provenance = varied.provenance(chosen);
+  if (a.output.text()) fmt::print("{}", provenance.head());
+  std::fflush(stdout);  // the trials take long
+  map.run();
+  if (interrupted()) provenance.partial(fmt::format("{} points", map.points().size()));
+  const Json json = to_json(a, varied.controller_name(), map, chosen);
+  if (a.output.text()) {
+    tell(a, map);
+    fmt::print("{}", provenance.foot());
+  } else {
+    print_result(a.output, json, "rows", provenance);
+  }
+  std::fflush(stdout);  // before what may fail
+  if (!a.plot.empty() && !map.points().empty()) write_plot(a.plot, map_plot(json));
+  return interrupted() ? kInterrupted : kDone;
+}
+
+}  // namespace
+
+void add_map(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand(
+      "map", "Over two numbers of the scene, where a controller inserts as often as it is to");
+  auto a = std::make_shared<MapArguments>();
+  a->trials = 1000;
+  a->add_controller(*verb);
+  verb->add_option("keys", a->keys, "Two keys of the scene, each with its range; :log is allowed")
+      ->type_name("KEY=LOW..HIGH KEY=LOW..HIGH")
+      ->expected(2)
+      ->required();
+  verb->add_option("--target", a->target, "Success rate along the line that is looked for")
+      ->capture_default_str()
+      ->check(number_between(1e-6, 0.999999));
+  verb->add_option("--width", a->width, "How closely the line is to be known, as a part of a range")
+      ->capture_default_str()
+      ->check(number_between(1.0 / 1024, 1));
+  a->add_options(*verb, "At most at each point; fewer where the target is shown or refuted before");
+  add_plot(*verb, a->plot, "Draw it: success, and time, force and loss in quarters");
+  add_output(*verb, a->output);
+  add_examples(*verb, {"map controller.json ferrule.bore_diameter_um=125.5..127 "
+                       "start.lateral_sd_um=2..30 --target 0.99 --plot map.svg",
+                       "map constant-velocity limits.force_uN=5..500:log "
+                       "start.lateral_sd_um=1..20 --scene bench --target 0.9 --json"});
+  verb->callback([a, &run] { run = [a] { return map_verb(*a); }; });
+}
+
+}  // namespace ferrule

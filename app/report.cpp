@@ -1,0 +1,327 @@
+// ferrule report: a page for those who decide, of results that evaluate, compare, sweep, map and
+// sensitivity wrote as JSON.
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+
+#include "app/answers.hpp"
+#include "app/html.hpp"
+#include "app/scene_keys.hpp"
+#include "app/varied_plots.hpp"
+#include "app/verb.hpp"
+#include "sim/base/child_process.hpp"
+#include "sim/base/json_file.hpp"
+
+namespace ferrule {
+namespace {
+
+struct ReportArguments {
+  std::vector<std::string> results;
+  std::string out = "report.html", pdf;
+};
+
+struct Result {
+  std::string file, verb;
+  Json json;
+};
+
+constexpr std::array kReported = {"evaluate", "compare", "sweep", "map", "sensitivity"};
+
+// The verb that wrote it; empty: none of ours did.
+std::string verb_of(const Json& json) {
+  const Json::json_pointer command("/provenance/command"), rows("/rows"),
+      scene("/provenance/scene/document");
+  if (!json.is_object() || !json.contains(command) || !json[command].is_string() ||
+      !json.contains(rows) || !json[rows].is_array() || !json.contains(scene))
+    return "";
+  const auto words = CLI::detail::split(json[command].get<std::string>(), ' ');
+  return words.size() > 1 ? words[1] : "";
+}
+
+Result read_result(const std::string& file) {
+  Result result{file, "", parse_json(read_text(file), file)};
+  result.verb = verb_of(result.json);
+  if (std::find(kReported.begin(), kReported.end(), result.verb) == kReported.end())
+    throw BadInput(printable(file) +
+                   ": must be what evaluate, compare, sweep, map or sensitivity wrote with --json");
+  return result;
+}
+
+std::string paragraph(const std::string& text, const char* kind = "") {
+  return fmt::format("<p{}>{}</p>\n", kind, escaped(text));
+}
+
+std::string answers_section(const std::vector<Result>& results) {
+  std::string html;
+  for (const Result& r : results) {
+    const Answer a = answer(r.verb, r.json);
+    html += "<h1>" + escaped(a.question) + "</h1>\n";
+    for (const std::string& line : a.lines)
+      html += paragraph(line, &line == &a.lines.front() ? " class=big" : "");
+    if (r.json["provenance"].contains("partial"))
+      html += paragraph("This is a part, stopped before its end: " +
+                        r.json["provenance"]["partial"].get<std::string>() + ".");
+  }
+  return html + paragraph("All trials are simulated; none of it was measured on hardware.");
+}
+
+double number(const Json& value) {
+  return value.is_number() ? value.get<double>() : NAN;
+}
+std::string shown(const char* format, const Json& value) {
+  return number_or("&ndash;", format, number(value));
+}
+
+// A bar over the interval of a success rate, with a mark at the rate.
+std::string bar(const Json& rate, const Json& low, const Json& high) {
+  if (!rate.is_number()) return "";
+  return fmt::format(
+      "<span class=bar><i style=\"left:{:.2f}%;width:{:.2f}%\"></i><b "
+      "style=\"left:{:.2f}%\"></b></span>",
+      100 * low.get<double>(), 100 * (high.get<double>() - low.get<double>()),
+      100 * rate.get<double>());
+}
+
+// Of controllers (evaluate, compare) or of points (sweep).
+std::string rows_table(const Result& r) {
+  const bool points = r.verb == "sweep";
+  std::vector<HtmlTable::Column> columns;
+  if (points)
+    for (const Json& key : r.json.at("keys")) {
+      const KeyInWords words = in_words(key.get<std::string>());
+      columns.push_back(
+          {escaped(words.name + (words.unit.empty() ? "" : " [" + words.unit + "]")), false});
+    }
+  else
+    columns.push_back({"controller", false});
+  for (const char* heading : {"inserted", "success [%]", "95 %", "0 to 100 %", "time [s]",
+                              "peak force [uN]", "joint loss [dB]", "grade"})
+    columns.push_back({heading});
+  HtmlTable table(columns);
+  for (const Json& row : r.json.at("rows")) {
+    std::vector<std::string> cells;
+    if (points)
+      for (const Json& key : r.json.at("keys"))
+        cells.push_back(escaped(setting_text(row.at("values").at(key.get<std::string>()))));
+    else
+      cells.push_back(escaped(row.at("controller").get<std::string>()));
+    const Json &low = row.at(points ? "low" : "wilson_low"),
+               &high = row.at(points ? "high" : "wilson_high");
+    const auto median = [&](const char* key) {
+      return points ? row.at(key) : row.at(key)["median"];
+    };
+    const Json mated = row.value("mated", Json());
+    const Json grade = mated.is_object() ? mated.at("grade") : Json();
+    cells.insert(cells.end(),
+                 {fmt::format("{} of {}", row.at("successes").dump(), row.at("feasible").dump()),
+                  number_or("&ndash;", "{:.4g}", 100 * number(row.at("success_rate"))),
+                  fmt::format("{:.4g} to {:.4g}", 100 * number(low), 100 * number(high)),
+                  bar(row.at("success_rate"), low, high), shown("{:.3g}", median("time_s")),
+                  shown("{:.3g}", median("peak_force_uN")), shown("{:.3g}", median("loss_dB")),
+                  grade.is_string() ? grade.get<std::string>() : "&ndash;"});
+    table.row(cells);
+  }
+  return table.html();
+}
+
+std::string sensitivity_table(const Result& r) {
+  HtmlTable table(
+      {{"decided by chance", false}, {"of", false}, {"total index"}, {"95 %"}, {"0 to 1"}});
+  for (const Json& row : r.json.at("rows"))
+    if (row.at("total").is_number())
+      table.row({escaped(in_words(row.at("key").get<std::string>()).name),
+                 escaped(in_words(row.at("of").get<std::string>()).name),
+                 shown("{:.2f}", row.at("total")),
+                 shown("{:.2f}", row.at("low")) + " to " + shown("{:.2f}", row.at("high")),
+                 bar(std::min(1.0, number(row.at("total"))), std::min(1.0, number(row.at("low"))),
+                     std::min(1.0, number(row.at("high"))))});
+  return table.html() +
+         paragraph(
+             "The total index of Sobol: the share of the variance that would be left if all "
+             "the others were known.");
+}
+
+std::string picture(const Result& r) {
+  if (r.verb == "sensitivity") return sensitivity_table(r);
+  if (r.verb == "map")
+    return figure(map_plot(r.json),
+                  escaped(fmt::format("{} trials at {} points. A uniform grid as fine would have "
+                                      "taken {} trials.",
+                                      r.json.at("trials").dump(), r.json.at("rows").size(),
+                                      r.json.at("uniform_grid_trials").dump())));
+  const std::string table = rows_table(r);
+  return r.verb == "sweep" && !r.json.at("rows").empty()
+             ? figure(sweep_plot(r.json),
+                      "Medians of time and loss are of the trials that inserted.") +
+                   table
+             : table;
+}
+
+// What ended the trials that failed; of a map all of its points, of a sweep the best.
+std::string limits_section(const Result& r) {
+  std::string html;
+  const auto add = [&](const std::string& who, const Json& outcomes) {
+    const std::string failed = failures_in_words(outcomes);
+    html += paragraph(who + ": " + (failed.empty() ? "no trial failed" : failed) + ".");
+  };
+  const Json& rows = r.json.at("rows");
+  if (r.verb == "evaluate" || r.verb == "compare")
+    for (const Json& row : rows) add(row.at("controller").get<std::string>(), row.at("outcomes"));
+  if (r.verb == "sweep" && !rows.empty()) add("The best of them", best_row(rows).at("outcomes"));
+  if (r.verb == "map") {
+    Json sum = Json::object();
+    for (const Json& row : rows)
+      for (const auto& [outcome, count] : row.at("outcomes").items())
+        sum[outcome] = sum.value(outcome, std::size_t{0}) + count.get<std::size_t>();
+    add("At all points", sum);
+  }
+  const Json::json_pointer damage("/damage/text");
+  if (r.json.contains(damage)) {
+    const Json& scene = r.json["provenance"]["scene"]["document"];
+    html += paragraph("A force damages the fibre first by " + r.json[damage].get<std::string>() +
+                      "; the force limit of the scene is " +
+                      setting_text(scene.at("limits").at("force_uN")) + " uN.");
+  }
+  return html;
+}
+
+// The keys of a document, with the words of the schema.
+void add_assumptions(const Json& value, const std::string& key, const std::vector<SceneKey>& known,
+                     HtmlTable& table) {
+  if (value.is_object() && !Distribution::read(value)) {
+    for (const auto& [name, part] : value.items())
+      add_assumptions(part, key.empty() ? name : key + "." + name, known, table);
+    return;
+  }
+  if (key == "name" || key == "about" || key == "$schema" || key == "extends" || value.is_null())
+    return;
+  const auto about =
+      std::find_if(known.begin(), known.end(), [&](const SceneKey& k) { return k.key == key; });
+  table.row({"<code>" + escaped(key) + "</code>",
+             escaped(setting_text(value) + " " + in_words(key).unit),
+             about == known.end() ? "" : escaped(about->about)});
+}
+
+std::string assumed_section(const Json& scene) {
+  HtmlTable table({{"key", false}, {"value"}, {"what it is", false}});
+  const std::vector<SceneKey> known = scene_keys();
+  for (const char* section : {"fibre", "ferrule", "start", "limits", "success", "sensor", "joint",
+                              "holder", "laws", "roughness_nm", "scaling"})
+    if (scene.contains(section)) add_assumptions(scene[section], section, known, table);
+  std::string html = "<h2>What was assumed</h2>\n";
+  html += paragraph("Scene " + scene.value("name", "") + ". " + scene.value("about", ""));
+  html += paragraph(
+      "A value a..b is drawn anew in each trial, uniformly between the two; a+-b normally, cut at "
+      "b, which is three standard deviations.");
+  return html + table.html();
+}
+
+std::string made_section(const std::vector<Result>& results) {
+  std::string html = "<h2>How it was made</h2>\n<pre>";
+  for (const Result& r : results)
+    html += escaped(r.json["provenance"]["command"].get<std::string>()) + "\n";
+  html += "</pre>\n";
+  for (const Result& r : results) {
+    const Json& p = r.json["provenance"];
+    std::string text =
+        fmt::format("{}: ferrule {} ({})", r.file, p.value("version", ""), p.value("build", ""));
+    for (const auto& [of, seed] : p.at("seeds").items())
+      text += fmt::format(", seed of {} {}", of, seed.dump());
+    text += ", scene SHA-1 " + p.at("scene").value("sha1", "");
+    for (const Json& read : p.at("read"))
+      text += fmt::format(", read {} (SHA-1 {})", read.value("file", ""), read.value("sha1", ""));
+    html += paragraph(text);
+  }
+  return html;
+}
+
+std::string page(const std::vector<Result>& results) {
+  std::string html = html_head("ferrule: report") + answers_section(results);
+  for (const Result& r : results) {
+    const bool alone = results.size() == 1;
+    html += "<h2>" + escaped(alone ? "The picture" : answer(r.verb, r.json).question) + "</h2>\n";
+    html += picture(r);
+    if (const std::string limits = limits_section(r); !limits.empty())
+      html += (alone ? "<h2>What limits it</h2>\n" : "") + limits;
+  }
+  std::vector<std::string> scenes;
+  for (const Result& r : results) {
+    const Json& scene = r.json["provenance"]["scene"];
+    const std::string hash = scene.value("sha1", "");
+    if (std::find(scenes.begin(), scenes.end(), hash) != scenes.end()) continue;
+    scenes.push_back(hash);
+    html += assumed_section(scene.at("document"));
+  }
+  return html + made_section(results) + "</body></html>\n";
+}
+
+// By a browser of the Chromium family, headless.
+void print_pdf(const std::string& html, const std::string& pdf) {
+  const std::string part = pdf + ".part";
+  const auto url = "file://" + std::filesystem::absolute(html).string();
+  for (const char* browser : {"chromium", "chromium-browser", "google-chrome"}) {
+    std::vector<std::string> words = {browser,
+                                      "--headless",
+                                      "--disable-gpu",
+                                      "--no-pdf-header-footer",
+                                      "--print-to-pdf-no-header",
+                                      "--print-to-pdf=" + std::filesystem::absolute(part).string(),
+                                      url};
+    if (::geteuid() == 0) words.insert(words.begin() + 1, "--no-sandbox");
+    const int status = ChildProcess({}, [&] { execute(words, -1, -1, -1); }).wait();
+    std::error_code error;
+    if (status == 0 && std::filesystem::file_size(part, error) > 0 && !error) {
+      std::filesystem::rename(part, pdf);
+      fmt::print(stderr, "wrote {}\n", printable(pdf));
+      return;
+    }
+    std::filesystem::remove(part, error);
+  }
+  throw FileTrouble(printable(pdf) + ": cannot be printed: is a browser (chromium) installed?");
+}
+
+int report_verb(const ReportArguments& a) {
+  expect_place_for(a.out);
+  expect_place_for(a.pdf);
+  std::vector<Result> results;
+  for (const std::string& file : a.results) results.push_back(read_result(file));
+  std::string html;
+  try {
+    html = page(results);
+  } catch (const Json::exception& error) {
+    throw BadInput(fmt::format("{}: is not whole as it was written: {}",
+                               printable(a.results.front()), error.what()));
+  }
+  write_text(a.out, html);
+  fmt::print(stderr, "wrote {}\n", printable(a.out));
+  for (const Result& r : results) {
+    const Answer told = answer(r.verb, r.json);
+    fmt::print("{}\n", printable(told.question, 1000));
+    for (const std::string& line : told.lines) fmt::print("  {}\n", printable(line, 1000));
+  }
+  std::fflush(stdout);  // before what may fail
+  if (!a.pdf.empty()) print_pdf(a.out, a.pdf);
+  return kDone;
+}
+
+}  // namespace
+
+void add_report(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand(
+      "report", "A page for those who decide: question, answer, picture, what was assumed");
+  auto a = std::make_shared<ReportArguments>();
+  verb->add_option("results", a->results,
+                   "What evaluate, compare, sweep, map or sensitivity wrote with --json")
+      ->type_name("FILE.json")
+      ->required();
+  verb->add_option("--out", a->out, "The page")->type_name("FILE.html")->capture_default_str();
+  verb->add_option("--pdf", a->pdf, "The page printed, too; needs chromium")->type_name("FILE.pdf");
+  add_examples(*verb, {"report map.json --out map.html",
+                       "report sweep.json sensitivity.json --pdf report.pdf"});
+  verb->callback([a, &run] { run = [a] { return report_verb(*a); }; });
+}
+
+}  // namespace ferrule

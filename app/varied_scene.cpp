@@ -1,0 +1,98 @@
+#include "app/varied_scene.hpp"
+
+#include <fmt/format.h>
+
+#include "controller/campaign_table.hpp"
+#include "controller/controller.hpp"
+#include "insertion/scene_scaling.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr const char* kStraight = "constant-velocity";
+
+}  // namespace
+
+void VariedArguments::add_controller(CLI::App& verb) {
+  verb.add_option("controller", controller,
+                  std::string("Controller file, or TorchScript; or ") + kStraight)
+      ->type_name("FILE.json|FILE.pt")
+      ->required();
+}
+
+void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help) {
+  scene.add_to(verb, "that of the controller's training, or demo");
+  add_other_scaling(verb, other_scaling);
+  verb.add_option("--trials", trials, trials_help)
+      ->capture_default_str()
+      ->check(whole_number(1, 100000000));
+  add_seed(verb, seed, "Seed of the trials, the same for all scenes");
+  add_threads(verb, threads);
+}
+
+VariedScene::VariedScene(const VariedArguments& arguments) : arguments_(arguments) {
+  if (arguments.controller == kStraight) return;
+  given_ = given_file(arguments.controller, {}, arguments.seed);
+  if (given_->file) brought_ = brought_by(trained_on(*given_->file), arguments.controller);
+}
+
+ChosenScene VariedScene::with(const std::vector<std::string>& settings) const {
+  SceneArguments scene = arguments_.scene;
+  scene.settings.insert(scene.settings.end(), settings.begin(), settings.end());
+  ChosenScene chosen = scene.choose(brought_);
+  if (given_ && given_->file)
+    refuse_other_scaling(trained_on(*given_->file).scaling, arguments_.controller, chosen.scene,
+                         arguments_.other_scaling);
+  return chosen;
+}
+
+MakeController VariedScene::controller(const Scene& scene) const {
+  if (given_) return given_->make;
+  return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
+}
+
+Provenance VariedScene::provenance(const ChosenScene& chosen) const {
+  Provenance provenance;
+  provenance.in(chosen).seed("trials", arguments_.seed);
+  if (given_) provenance.read(arguments_.controller);
+  return provenance;
+}
+
+void run(const VariedArguments& a, const VariedScene& varied, const Enough& enough,
+         std::vector<Point*> points) {
+  std::erase_if(points, [](const Point* point) { return !point->scene; });
+  std::vector<Campaign> campaigns;
+  for (const Point* point : points)
+    campaigns.push_back({&*point->scene, varied.controller(*point->scene), when(enough)});
+  const std::string what = fmt::format("{} scenes", points.size());
+  std::vector<std::vector<TrialResult>> results =
+      run_campaigns(campaigns, a.seed, a.trials, a.threads,
+                    Progress(what, points.size() * a.trials), interrupted);
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    Point& point = *points[k];
+    point.results = std::move(results[k]);
+    point.summary = summarise(point.results);
+    if (enough.target) point.summary.target = decide(*enough.target, point.results);
+    point.summary.mated = mated(point.scene->joint, point.results, a.seed);
+  }
+}
+
+Json to_json(const Point& point) {
+  Json row = {{"values", point.values}};
+  const Json summary = to_json(point.summary);
+  for (const char* key : {"trials", "feasible", "successes", "success_rate"})
+    row[key] = summary[key];
+  row["low"] = summary["wilson_low"];
+  row["high"] = summary["wilson_high"];
+  for (const auto& [name, key, p95] : {std::tuple{"time_s", "time_s", "time_p95_s"},
+                                       {"peak_force_uN", "peak_force_uN", "peak_force_p95_uN"},
+                                       {"loss_dB", "loss_dB", "loss_p95_dB"}}) {
+    row[name] = summary[key]["median"];
+    row[p95] = summary[key]["p95"];
+  }
+  for (const char* key : {"outcomes", "target", "mated", "mated_tuned"})
+    if (summary.contains(key)) row[key] = summary[key];
+  return row;
+}
+
+}  // namespace ferrule

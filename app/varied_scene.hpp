@@ -1,0 +1,63 @@
+// One controller in scenes that differ in some of their values: what sweep, map and sensitivity
+// share.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "app/given_controller.hpp"
+#include "app/trained.hpp"
+#include "controller/campaign.hpp"
+
+namespace ferrule {
+
+struct VariedArguments {
+  SceneArguments scene;
+  std::string controller;
+  std::size_t trials;
+  std::uint64_t seed = 7;
+  int threads = 0;
+  bool other_scaling = false;
+  Output output;
+
+  // The controller comes first; `trials_help` says what of.
+  void add_controller(CLI::App& verb);
+  void add_options(CLI::App& verb, const std::string& trials_help);
+};
+
+class VariedScene {
+ public:
+  // Throws BadInput, FileTrouble.
+  explicit VariedScene(const VariedArguments& arguments);
+
+  // With these "KEY=VALUE" besides. Throws BadInput.
+  ChosenScene with(const std::vector<std::string>& settings) const;
+  // The controller there; the straight push is as fast as it may be in that scene.
+  MakeController controller(const Scene& scene) const;
+  // Of the results, in that scene.
+  Provenance provenance(const ChosenScene& chosen) const;
+  std::string controller_name() const { return printable(arguments_.controller); }
+
+ private:
+  const VariedArguments& arguments_;
+  std::optional<GivenController> given_;  // empty: the straight push
+  BroughtScene brought_;
+};
+
+// A scene with these values, and what the controller did there.
+struct Point {
+  Json values = Json::object();  // by key
+  std::optional<Scene> scene{};  // empty: its parts cannot be together
+  std::vector<TrialResult> results{};
+  CampaignSummary summary = summarise({});
+};
+
+// Runs the trials of all points, as far as Ctrl-C lets them go.
+void run(const VariedArguments& arguments, const VariedScene& varied, const Enough& enough,
+         std::vector<Point*> points);
+
+// The row of a point, the same for every verb.
+Json to_json(const Point& point);
+
+}  // namespace ferrule

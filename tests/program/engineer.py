@@ -1,0 +1,210 @@
+"""Answers for an engineer: sweep, map, sensitivity, and the page of their results."""
+
+import csv
+import glob
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import time
+
+from case import PROGRAM, Case, main
+
+# Short: 30 um instead of 270.
+SHORT = ["--scene", "bench", "--set", "start.distance_um=20", "--set", "success.depth_um=10",
+         "--set", "start.lateral_sd_um=8", "--seed", 3]
+STRAIGHT = "constant-velocity"
+
+
+class Engineer(Case):
+    def json_of(self, *arguments):
+        return json.loads(self.done(*arguments, "--json").stdout)
+
+    def evaluated(self, *settings, trials=12):
+        words = [word for setting in settings for word in ("--set", setting)]
+        return self.json_of("evaluate", "--baseline", STRAIGHT, *SHORT, *words, "--trials", trials)
+
+    # A row of sweep or map is what evaluate says of its scene.
+    def is_evaluation(self, row, alone):
+        for key in ("trials", "successes", "feasible", "outcomes", "mated", "mated_tuned", "success_rate"):
+            self.assertEqual(row[key], alone[key], key)
+        self.assertEqual([row["low"], row["high"]], [alone["wilson_low"], alone["wilson_high"]])
+        for key, p95 in (("time_s", "time_p95_s"), ("peak_force_uN", "peak_force_p95_uN"),
+                         ("loss_dB", "loss_p95_dB")):
+            self.assertEqual([row[key], row[p95]], [alone[key]["median"], alone[key]["p95"]])
+
+    def test_a_sweep_is_an_evaluation_at_each_point(self):
+        arguments = ["sweep", STRAIGHT, "ferrule.bore_diameter_um=126,125.5+1/-0",
+                     "limits.force_uN=20:80:3:log", *SHORT, "--trials", 12]
+        result = self.json_of(*arguments, "--plot", self.path("s.svg"))
+        self.assertEqual(result["keys"], ["ferrule.bore_diameter_um", "limits.force_uN"])
+        rows = result["rows"]
+        self.assertEqual([row["values"]["limits.force_uN"] for row in rows], [20, 40, 80] * 2)
+        self.assertEqual([row["values"]["ferrule.bore_diameter_um"] for row in rows],
+                         [126] * 3 + [{"uniform": [125.5, 126.5]}] * 3)
+        for row, bore in ((rows[1], "126"), (rows[5], "125.5..126.5")):
+            self.is_evaluation(row, self.evaluated(
+                f"ferrule.bore_diameter_um={bore}", f"limits.force_uN={row['values']['limits.force_uN']}"))
+        self.assertIn("</svg>", open(self.path("s.svg")).read())
+        for threads in (1, 2):
+            again = self.json_of(*arguments, "--threads", threads)
+            self.assertEqual(again["rows"], rows)
+        table = list(csv.DictReader(self.done(*arguments, "--csv").stdout.splitlines()))
+        self.assertEqual([float(row["values.limits.force_uN"]) for row in table], [20, 40, 80] * 2)
+        text = self.done(*arguments).stdout
+        self.assertEqual(len(re.findall(r"^ +125\.5\+1/-0 ", text, re.M)), 3)
+        # Whatever a point must not be is said before the first trial.
+        for wrong, says in (("bore=1,2", "unknown key"), ("limits.force_uN=5,-1", "limits.force_uN = -1"),
+                            ("limits.force_uN", "KEY=a,b,c"), ("limits.force_uN=", "KEY=a,b,c"),
+                            ("limits.force_uN=1:2", "limits.force_uN 1:2")):
+            self.refused(2, "sweep", STRAIGHT, wrong, says=[says])
+        self.refused(3, "sweep", "no.json", "limits.force_uN=5,6", says=["no.json"])
+
+    MAP = ["map", STRAIGHT, "start.lateral_sd_um=1..20", "limits.force_uN=5..500:log", *SHORT,
+           "--trials", 60, "--target", 0.7, "--width", 0.0625]
+
+    def test_a_map_finds_the_line_with_few_trials(self):
+        result = self.json_of(*self.MAP, "--plot", self.path("m.svg"))
+        self.assertIn("</svg>", open(self.path("m.svg")).read())
+        rows = {tuple(row["values"][key] for key in ("start.lateral_sd_um", "limits.force_uN")): row
+                for row in result["rows"]}
+        self.assertEqual(len(rows), len(result["rows"]))
+        self.assertEqual(result["trials"], sum(row["trials"] for row in rows.values()))
+        self.assertEqual(result["uniform_grid_trials"], 17 ** 2 * 60)
+        self.assertLess(result["trials"], 0.2 * result["uniform_grid_trials"])
+        self.assertEqual(result["contour_begins"][0], 0)
+        # Each point of the line is between two neighbours of the grid, one on either side of the target.
+        cell = [19 / 16, 100 ** (1 / 16)]
+        for x, y in result["contour"]:
+            near = [row["success_rate"] for (a, b), row in rows.items()
+                    if abs(a - x) < 1.001 * cell[0] and 1 / cell[1] ** 1.001 < b / y < cell[1] ** 1.001]
+            self.assertLess(min(near), 0.7)
+            self.assertGreaterEqual(max(near), 0.7)
+        # More force is needed from farther aside.
+        line = sorted(result["contour"])
+        self.assertLess(line[0][1], line[-1][1])
+        some = list(rows.items())[len(rows) // 2]
+        alone = self.evaluated(f"start.lateral_sd_um={some[0][0]}", f"limits.force_uN={some[0][1]}",
+                               trials=some[1]["trials"])
+        self.is_evaluation(some[1], alone)
+        self.assertEqual(self.json_of(*self.MAP, "--threads", 1)["rows"], result["rows"])
+        text = self.done(*self.MAP).stdout
+        self.assertIn("70 % inserted along", text)
+        self.assertIn(f"{result['trials']} trials at {len(rows)} points", text)
+        table = list(csv.DictReader(self.done(*self.MAP, "--csv").stdout.splitlines()))
+        self.assertEqual(len(table), len(rows))
+
+    # Pairs of parts that cannot be together do not insert.
+    def test_a_map_goes_where_parts_do_not_fit(self):
+        result = self.json_of("map", STRAIGHT, "ferrule.bore_diameter_um=124.5..127",
+                              "start.lateral_sd_um=1..8", *SHORT, "--trials", 20, "--target", 0.5,
+                              "--width", 0.25)
+        for row in result["rows"]:
+            fits = row["values"]["ferrule.bore_diameter_um"] > 125
+            self.assertEqual(row["can_be"], fits)
+            self.assertEqual(row["trials"] > 0, fits)
+            if not fits:
+                self.assertIsNone(row["success_rate"])
+                self.assertIsNone(row["time_s"])
+
+    def test_what_a_map_cannot_be_is_said_at_once(self):
+        one = "limits.force_uN=5..50"
+        for words, says in (([one], "2"), ([one, one], "both keys"), ([one, "bore=1..2"], "unknown key"),
+                            ([one, "fibre.cleave_deg=0..20"], "fibre.cleave_deg"),
+                            ([one, "start.lateral_sd_um=5"], "low..high"),
+                            ([one, "start.lateral_sd_um=5..1"], "low"),
+                            ([one, "start.lateral_sd_um=0..5:log"], "positive"),
+                            ([one, "start.lateral_sd_um=1..5", "--target", "2"], "--target")):
+            self.refused(2, "map", STRAIGHT, *words, says=[says])
+
+    def test_ctrl_c_keeps_the_points_that_are_whole(self):
+        process = subprocess.Popen([PROGRAM, *map(str, self.MAP[:-6]), "--trials", "3000", "--json"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        self.addCleanup(process.kill)
+        time.sleep(5)
+        process.send_signal(signal.SIGINT)
+        told = process.communicate(timeout=20)[0]
+        self.assertEqual(process.returncode, 130)
+        result = json.loads(told)
+        self.assertIn("points", result["provenance"]["partial"])
+        for row in result["rows"]:
+            self.assertTrue(row["trials"] == 3000 or row["target"]["verdict"] != "undecided", row)
+
+    def test_sensitivity_tells_what_matters(self):
+        arguments = ["sensitivity", STRAIGHT, *SHORT, "--trials", 150, "--set",
+                     "ferrule.bore_diameter_um=126+-0.3", "--set", "laws.friction.burgers_nm=0.19..0.21"]
+        result = self.json_of(*arguments)
+        found = {(row["of"], row["key"]): row for row in result["rows"]}
+        self.assertEqual({key for of, key in found},
+                         {"start.lateral_sd_um", "start.tilt_sd_mrad", "sensor",
+                          "ferrule.bore_diameter_um", "laws.friction.burgers_nm"})
+        self.assertEqual({of for of, key in found}, {"success", "time_s", "peak_force_uN", "loss_dB"})
+        for row in found.values():
+            if row["total"] is not None:
+                self.assertLessEqual(row["low"], row["total"])
+                self.assertGreaterEqual(row["high"], row["total"])
+        # The straight push does not look at the sensor; where it starts decides, the bore the loss.
+        self.assertEqual(found["success", "sensor"]["total"], 0)
+        self.assertGreater(found["success", "start.lateral_sd_um"]["low"], 0.6)
+        self.assertGreater(found["loss_dB", "ferrule.bore_diameter_um"]["total"], 0.3)
+        self.assertEqual(result["success_rate"], self.evaluated(
+            "ferrule.bore_diameter_um=126+-0.3", "laws.friction.burgers_nm=0.19..0.21",
+            trials=150)["success_rate"])
+        self.assertEqual(self.json_of(*arguments, "--threads", 1)["rows"], result["rows"])
+        self.assertIn("total Sobol indices", self.done(*arguments).stdout)
+        self.refused(2, "sensitivity", STRAIGHT, "--scene", "paper", "--set", "start.lateral_sd_um=0",
+                     "--set", "start.tilt_sd_mrad=0", says=["decided by chance"])
+
+    def test_the_page_answers_each_result(self):
+        files = {}
+        for verb, arguments in {
+                "evaluate": ["evaluate", "--baseline", STRAIGHT, *SHORT, "--trials", 30, "--target", 0.5],
+                "sweep": ["sweep", STRAIGHT, "limits.force_uN=20,80", *SHORT, "--trials", 30],
+                "map": ["map", STRAIGHT, "start.lateral_sd_um=1..20", "limits.force_uN=5..500:log", *SHORT,
+                        "--trials", 20, "--target", 0.7, "--width", 0.25],
+                "sensitivity": ["sensitivity", STRAIGHT, *SHORT, "--trials", 40]}.items():
+            files[verb] = self.path(verb + ".json")
+            with open(files[verb], "w") as out:
+                out.write(self.done(*arguments, "--json").stdout)
+        for verb, file in files.items():
+            page = self.path(verb + ".html")
+            run = self.done("report", file, "--out", page)
+            html = open(page).read()
+            question = run.stdout.splitlines()[0]
+            self.assertTrue(question.endswith("?"), question)
+            self.assertIn("<h1>" + question, html)
+            # The answer is in the first lines.
+            self.assertLess(html.index("<p class=big>"), html.index("<h2>"))
+            for part in ("What was assumed", "How it was made", "seed of trials 3", "limits.force_uN", "simulated"):
+                self.assertIn(part, html)
+            self.assertNotRegex(html, r"src=\"http|0\.2333333")
+        result = json.load(open(files["evaluate"]))
+        html = open(self.path("evaluate.html")).read()
+        self.assertIn(f"{result['successes']} of {result['feasible']} simulated trials", html)
+        self.assertIn("uN (1 um, polished)", html)
+        both = self.path("both.html")
+        words = ["report", files["sweep"], files["sensitivity"], "--out", both]
+        if shutil.which("chromium"):
+            self.done(*words, "--pdf", self.path("both.pdf"))
+            self.assertTrue(open(self.path("both.pdf"), "rb").read().startswith(b"%PDF"))
+        else:
+            self.done(*words)
+        self.assertEqual(open(both).read().count("<h1>"), 2)
+        self.assertEqual(glob.glob(self.path("*.part")), [])
+
+    def test_the_page_refuses_what_is_no_result(self):
+        with open(self.path("other.json"), "w") as out:
+            out.write('{"rows": [], "provenance": {"command": "ferrule sweep"}}')
+        self.refused(2, "report", self.path("other.json"), says=["other.json", "--json"])
+        with open(self.path("half.json"), "w") as out:
+            out.write('{"rows": [')
+        self.refused(2, "report", self.path("half.json"), says=["half.json"])
+        self.refused(3, "report", self.path("none.json"), says=["none.json"])
+        self.assertFalse(os.path.exists("report.html"))
+
+
+if __name__ == "__main__":
+    main()
