@@ -13,12 +13,11 @@
 namespace ferrule {
 namespace {
 
-double number(const Json& row, const char* key) {
-  const Json value = row.value(key, Json());
-  return value.is_number() ? value.get<double>() : NAN;
+double number_at(const Json& row, const char* key) {
+  return number_or_nan(row.value(key, Json()));
 }
 
-std::string percent(double share) {
+std::string as_percent(double share) {
   // As many digits as are left below 100 %.
   return fmt::format("{:.{}f} %", 100 * share, share > 0.99 && share < 1 ? 2 : 1);
 }
@@ -32,7 +31,7 @@ Json high_of(const Json& row) {
 }
 double median_of(const Json& row, const char* key) {
   const Json value = row.value(key, Json());
-  return value.is_object() ? number(value, "median") : number(row, key);
+  return value.is_object() ? number_at(value, "median") : number_at(row, key);
 }
 
 std::string success(const Json& row) {
@@ -40,14 +39,15 @@ std::string success(const Json& row) {
   if (feasible == 0) return "no trial, as no pair of parts fits together";
   return fmt::format("{} of {} simulated trials: {} (95 % confidence: {} to {})",
                      row.at("successes").get<std::size_t>(), feasible,
-                     percent(row.at("success_rate")), percent(low_of(row)), percent(high_of(row)));
+                     as_percent(row.at("success_rate")), as_percent(low_of(row)),
+                     as_percent(high_of(row)));
 }
 
 // "0.184 dB on average, 97 % of them up to 0.491 dB: grade C of IEC 61755-1".
 std::string mated_in_words(const Json& mated) {
   const Json& grade = mated.at("grade");
   return fmt::format("{:.3g} dB on average, 97 % of them up to {:.3g} dB: {} of IEC 61755-1",
-                     number(mated, "mean_dB"), number(mated, "p97_dB"),
+                     number_at(mated, "mean_dB"), number_at(mated, "p97_dB"),
                      grade.is_string() ? "grade " + grade.get<std::string>() : "no grade");
 }
 
@@ -185,7 +185,7 @@ bool reached_beyond(const Json& result, double x, double y, bool upwards) {
                             std::abs(place(y_axis, row_y) - place(y_axis, y));
     if (distance >= nearest) continue;
     nearest = distance;
-    reached = number(row, "success_rate") >= result.at("target").get<double>();
+    reached = number_at(row, "success_rate") >= result.at("target").get<double>();
   }
   return reached;
 }
@@ -235,11 +235,11 @@ Answer of_sensitivity(const Json& result) {
     if (row.at("of") != "success") continue;
     if (row.at("total").is_null()) {
       not_known = "All trials ended alike: nothing decides.";
-    } else if (number(row, "low") > 0.05) {
+    } else if (number_at(row, "low") > 0.05) {
       decides += fmt::format(
           "{}{} ({:.0f} % of the variance; 95 % confidence: {:.0f} to {:.0f} %)",
           decides.empty() ? "" : ", ", in_words(row.at("key").get<std::string>()).name,
-          100 * number(row, "total"), 100 * number(row, "low"), 100 * number(row, "high"));
+          100 * number_at(row, "total"), 100 * number_at(row, "low"), 100 * number_at(row, "high"));
     }
   }
   a.lines.push_back(!decides.empty() ? "Above all: " + decides + "."
@@ -247,7 +247,7 @@ Answer of_sensitivity(const Json& result) {
                         ? not_known
                         : "Nothing that is drawn, by more than 5 % of the variance.");
   a.lines.push_back(fmt::format("{} of {} simulated trials inserted the fibre.",
-                                percent(number(result, "success_rate")),
+                                as_percent(number_at(result, "success_rate")),
                                 result.at("trials").get<std::size_t>()));
   return a;
 }
@@ -303,7 +303,7 @@ std::string failures_in_words(const Json& outcomes) {
   return text.empty() ? "" : text + fmt::format(", of {} trials", all);
 }
 
-Answer answer(const std::string& verb, const Json& result) {
+Answer answer_of(const std::string& verb, const Json& result) {
   const std::map<std::string, Answer (*)(const Json&)> answers = {{"evaluate", of_evaluation},
                                                                   {"compare", of_comparison},
                                                                   {"sweep", of_sweep},

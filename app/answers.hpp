@@ -14,7 +14,7 @@ struct Answer {
 };
 
 // Of the result of that verb. Throws what reading JSON throws where it has no such keys.
-Answer answer(const std::string& verb, const Json& result);
+Answer answer_of(const std::string& verb, const Json& result);
 
 // The row of evaluate, compare or sweep that is best: the success rate is highest at its lower end,
 // and among the same the joint loses least. `rows` is not empty.

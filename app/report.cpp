@@ -57,7 +57,7 @@ std::string paragraph(const std::string& text, const char* kind = "") {
 std::string answers_section(const std::vector<Result>& results) {
   std::string html;
   for (const Result& r : results) {
-    const Answer a = answer(r.verb, r.json);
+    const Answer a = answer_of(r.verb, r.json);
     html += "<h1>" + escaped(a.question) + "</h1>\n";
     for (const std::string& line : a.lines)
       html += paragraph(line, &line == &a.lines.front() ? " class=big" : "");
@@ -68,11 +68,8 @@ std::string answers_section(const std::vector<Result>& results) {
   return html + paragraph("All trials are simulated; none of it was measured on hardware.");
 }
 
-double number(const Json& value) {
-  return value.is_number() ? value.get<double>() : NAN;
-}
 std::string shown(const char* format, const Json& value) {
-  return number_or("&ndash;", format, number(value));
+  return number_or("&ndash;", format, number_or_nan(value));
 }
 
 // A bar over the interval of a success rate, with a mark at the rate.
@@ -115,13 +112,14 @@ std::string rows_table(const Result& r) {
     };
     const Json mated = row.value("mated", Json());
     const Json grade = mated.is_object() ? mated.at("grade") : Json();
-    cells.insert(cells.end(),
-                 {fmt::format("{} of {}", row.at("successes").dump(), row.at("feasible").dump()),
-                  number_or("&ndash;", "{:.4g}", 100 * number(row.at("success_rate"))),
-                  fmt::format("{:.4g} to {:.4g}", 100 * number(low), 100 * number(high)),
-                  bar(row.at("success_rate"), low, high), shown("{:.3g}", median("time_s")),
-                  shown("{:.3g}", median("peak_force_uN")), shown("{:.3g}", median("loss_dB")),
-                  grade.is_string() ? grade.get<std::string>() : "&ndash;"});
+    cells.insert(
+        cells.end(),
+        {fmt::format("{} of {}", row.at("successes").dump(), row.at("feasible").dump()),
+         number_or("&ndash;", "{:.4g}", 100 * number_or_nan(row.at("success_rate"))),
+         fmt::format("{:.4g} to {:.4g}", 100 * number_or_nan(low), 100 * number_or_nan(high)),
+         bar(row.at("success_rate"), low, high), shown("{:.3g}", median("time_s")),
+         shown("{:.3g}", median("peak_force_uN")), shown("{:.3g}", median("loss_dB")),
+         grade.is_string() ? grade.get<std::string>() : "&ndash;"});
     table.row(cells);
   }
   return table.html();
@@ -136,8 +134,9 @@ std::string sensitivity_table(const Result& r) {
                  escaped(in_words(row.at("of").get<std::string>()).name),
                  shown("{:.2f}", row.at("total")),
                  shown("{:.2f}", row.at("low")) + " to " + shown("{:.2f}", row.at("high")),
-                 bar(std::min(1.0, number(row.at("total"))), std::min(1.0, number(row.at("low"))),
-                     std::min(1.0, number(row.at("high"))))});
+                 bar(std::min(1.0, number_or_nan(row.at("total"))),
+                     std::min(1.0, number_or_nan(row.at("low"))),
+                     std::min(1.0, number_or_nan(row.at("high"))))});
   return table.html() +
          paragraph(
              "The total index of Sobol: the share of the variance that would be left if all "
@@ -242,7 +241,8 @@ std::string page(const std::vector<Result>& results) {
   std::string html = html_head("ferrule: report") + answers_section(results);
   for (const Result& r : results) {
     const bool alone = results.size() == 1;
-    html += "<h2>" + escaped(alone ? "The picture" : answer(r.verb, r.json).question) + "</h2>\n";
+    html +=
+        "<h2>" + escaped(alone ? "The picture" : answer_of(r.verb, r.json).question) + "</h2>\n";
     html += picture(r);
     if (const std::string limits = limits_section(r); !limits.empty())
       html += (alone ? "<h2>What limits it</h2>\n" : "") + limits;
@@ -298,7 +298,7 @@ int report_verb(const ReportArguments& a) {
   write_text(a.out, html);
   fmt::print(stderr, "wrote {}\n", printable(a.out));
   for (const Result& r : results) {
-    const Answer told = answer(r.verb, r.json);
+    const Answer told = answer_of(r.verb, r.json);
     fmt::print("{}\n", printable(told.question, 1000));
     for (const std::string& line : told.lines) fmt::print("  {}\n", printable(line, 1000));
   }

@@ -10,10 +10,6 @@
 namespace ferrule {
 namespace {
 
-double number(const Json& value) {
-  return value.is_number() ? value.get<double>() : NAN;
-}
-
 // Adds a point to the series of that name.
 void add(Axes& axes, const std::string& name, double x, double y) {
   auto series = std::find_if(axes.series.begin(), axes.series.end(),
@@ -33,7 +29,8 @@ Axes by_quarters(const Json& rows, Axes axes, const std::array<std::string, 2>& 
   for (int q = 0; q < 4; ++q) {
     const double low = quantile(all, 0.25 * q), high = quantile(all, 0.25 * (q + 1));
     for (const Json& row : rows)
-      if (const double x = number(row.at(quantity)); x <= high && (x > low || (q == 0 && x == low)))
+      if (const double x = number_or_nan(row.at(quantity));
+          x <= high && (x > low || (q == 0 && x == low)))
         add(axes, fmt::format(fmt::runtime(format), low, high), row.at("values").at(keys[0]),
             row.at("values").at(keys[1]));
   }
@@ -41,6 +38,10 @@ Axes by_quarters(const Json& rows, Axes axes, const std::array<std::string, 2>& 
 }
 
 }  // namespace
+
+double number_or_nan(const Json& value) {
+  return value.is_number() ? value.get<double>() : NAN;
+}
 
 std::string setting_text(const Json& value) {
   if (value.is_object() && value.size() == 1 && value.begin()->is_array() &&
@@ -69,9 +70,9 @@ Plot sweep_plot(const Json& result) {
     const Json& value = row.at("values").at(x_key);
     const auto drawn = Distribution::read(value);
     const double x = drawn ? drawn->centre() : value.is_number() ? value.get<double>() : place;
-    add(success, name, x, 100 * number(row.at("success_rate")));
-    add(force, name, x, number(row.at("peak_force_uN")));
-    add(loss, name, x, number(row.at("loss_dB")));
+    add(success, name, x, 100 * number_or_nan(row.at("success_rate")));
+    add(force, name, x, number_or_nan(row.at("peak_force_uN")));
+    add(loss, name, x, number_or_nan(row.at("loss_dB")));
     ++place;
   }
   for (Axes* axes : {&success, &force, &loss}) {
@@ -89,9 +90,9 @@ Plot map_plot(const Json& result) {
   const double target = result.at("target");
   Axes success = like;
   for (const Json& row : result.at("rows")) {
-    const char* kind = !row.at("can_be").get<bool>()              ? "infeasible"
-                       : number(row.at("success_rate")) >= target ? "{:g} % or more"
-                                                                  : "less than {:g} %";
+    const char* kind = !row.at("can_be").get<bool>()                     ? "infeasible"
+                       : number_or_nan(row.at("success_rate")) >= target ? "{:g} % or more"
+                                                                         : "less than {:g} %";
     add(success, fmt::format(fmt::runtime(kind), 100 * target), row.at("values").at(keys[0]),
         row.at("values").at(keys[1]));
   }

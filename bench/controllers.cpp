@@ -104,10 +104,12 @@ std::vector<ControllerRow> bench_controllers(const GoOn& go_on) {
   const std::vector<Observation> states = drawn_states();
   Cases<ControllerRow> cases;
   add_case(cases, [&] { return insertion_law(states); });
-  for (const auto& [members, units] :
-       {std::pair(1u, 32), std::pair(1u, 64), std::pair(1u, 128), std::pair(5u, 64)})
-    add_case(cases,
-             [&, members = members, units = units] { return policy(members, units, states); });
+  struct Size {
+    std::size_t members;
+    int units;
+  };
+  for (const Size& size : {Size{1, 32}, Size{1, 64}, Size{1, 128}, Size{5, 64}})
+    add_case(cases, [&states, size] { return policy(size.members, size.units, states); });
   return rows_of(cases, go_on);
 }
 

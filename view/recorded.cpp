@@ -160,7 +160,7 @@ void finish(ReplayRun& run, const Scene& scene, const std::string& said) {
     run.events.push_back({run.frames.size() - 1, "end", words(name(run.outcome))});
 }
 
-Json to_json(const ReplayRun& run, const Json& scene) {
+Json run_json(const ReplayRun& run, const Json& scene) {
   Json json = {{"name", run.name},
                {"outcome", name(run.outcome)},
                {"why", run.why},
@@ -249,7 +249,7 @@ Json replay_json(const std::string& title, const std::vector<ReplayRun>& runs,
   const Json& scene = runs.at(0).scene;
   Json json = {{"mode", "replay"},           {"title", title},    {"scene", scene},
                {"columns", frame_columns()}, {"phases", kPhases}, {"runs", Json::array()}};
-  for (const ReplayRun& run : runs) json["runs"].push_back(to_json(run, scene));
+  for (const ReplayRun& run : runs) json["runs"].push_back(run_json(run, scene));
   if (maps.empty() && runs.size() == 2 && runs[0].frames.front() == runs[1].frames.front())
     json["over"] = 1;  // from one start
   if (!maps.empty()) json["maps"] = Json::array();
