@@ -11,7 +11,7 @@ namespace {
 Outcome push_straight(const Scene& scene, const Pose& tip) {
   StepResult r(at_rest(scene.world, tip));
   InsertionWatch watch(scene, r.state);
-  for (int n = 0;; ++n) {
+  while (true) {
     Pose hand = r.state.command;
     hand[0] -= scene.limits.speed * 1e-3;
     step_on(scene.world, hand, 1e-3, r);
