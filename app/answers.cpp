@@ -22,25 +22,13 @@ std::string as_percent(double share) {
   return fmt::format("{:.{}f} %", 100 * share, share > 0.99 && share < 1 ? 2 : 1);
 }
 
-// Of a row: a summary has wilson_low, the row of a point low.
-Json low_of(const Json& row) {
-  return row.contains("low") ? row["low"] : row["wilson_low"];
-}
-Json high_of(const Json& row) {
-  return row.contains("high") ? row["high"] : row["wilson_high"];
-}
-double median_of(const Json& row, const char* key) {
-  const Json value = row.value(key, Json());
-  return value.is_object() ? number_at(value, "median") : number_at(row, key);
-}
-
 std::string success(const Json& row) {
   const std::size_t feasible = row.at("feasible");
   if (feasible == 0) return "no trial, as no pair of parts fits together";
   return fmt::format("{} of {} simulated trials: {} (95 % confidence: {} to {})",
                      row.at("successes").get<std::size_t>(), feasible,
-                     as_percent(row.at("success_rate")), as_percent(low_of(row)),
-                     as_percent(high_of(row)));
+                     as_percent(row.at("success_rate")), as_percent(row.at("low")),
+                     as_percent(row.at("high")));
 }
 
 // "0.184 dB on average, 97 % of them up to 0.491 dB: grade C of IEC 61755-1".
@@ -55,13 +43,13 @@ std::string mated_in_words(const Json& mated) {
 std::vector<std::string> besides(const Json& row) {
   std::vector<std::string> lines = {
       fmt::format("It takes {} s and the force peaks at {} uN (medians).",
-                  number_or("-", "{:.3g}", median_of(row, "time_s")),
-                  number_or("-", "{:.3g}", median_of(row, "peak_force_uN")))};
+                  number_or("-", "{:.3g}", number_at(row, "time_s")),
+                  number_or("-", "{:.3g}", number_at(row, "peak_force_uN")))};
   const Json mated = row.value("mated", Json());
   if (mated.is_object() && mated.at("pairs") > 0)
     lines.push_back("Connectors that are mated at random lose " + mated_in_words(mated) +
                     "; tuned, " + mated_in_words(row.at("mated_tuned")) + ".");
-  else if (const double loss = median_of(row, "loss_dB"); std::isfinite(loss))
+  else if (const double loss = number_at(row, "loss_dB"); std::isfinite(loss))
     lines.push_back(fmt::format("The joint loses {:.3g} dB (median).", loss));
   return lines;
 }
@@ -103,7 +91,7 @@ Answer of_evaluation(const Json& result) {
 // Two intervals that do not meet tell rows apart.
 std::string not_told_apart(const Json& rows, const Json& best) {
   const auto count = std::count_if(rows.begin(), rows.end(), [&](const Json& row) {
-    return &row != &best && row.at("feasible") > 0 && high_of(row) >= low_of(best);
+    return &row != &best && row.at("feasible") > 0 && row.at("high") >= best.at("low");
   });
   if (count == 0) return "No other interval reaches up to this.";
   return count == 1 ? "The interval of one other reaches up to this."
@@ -219,8 +207,7 @@ Answer of_map(const Json& result) {
   const std::size_t open = result.at("undecided");
   a.lines.push_back(
       fmt::format("The line between is known to 1/{:.0f} of either range; each point beside it was "
-                  "decided with "
-                  "a chance of error of at most 5 %{}.",
+                  "decided with a chance of error of at most 5 %{}.",
                   1 / result.at("width").get<double>(),
                   open == 0 ? "" : fmt::format(", but for {} that are too close to tell", open)));
   return a;
@@ -256,8 +243,8 @@ Answer of_sensitivity(const Json& result) {
 
 const Json& best_row(const Json& rows) {
   const auto worse = [](const Json& a, const Json& b) {
-    if (low_of(a) != low_of(b)) return low_of(a) < low_of(b);
-    return median_of(a, "loss_dB") > median_of(b, "loss_dB");
+    if (a.at("low") != b.at("low")) return a.at("low") < b.at("low");
+    return number_at(a, "loss_dB") > number_at(b, "loss_dB");
   };
   return *std::max_element(rows.begin(), rows.end(), worse);
 }
@@ -303,13 +290,14 @@ std::string failures_in_words(const Json& outcomes) {
   return text.empty() ? "" : text + fmt::format(", of {} trials", all);
 }
 
-Answer answer_of(const std::string& verb, const Json& result) {
-  const std::map<std::string, Answer (*)(const Json&)> answers = {{"evaluate", of_evaluation},
-                                                                  {"compare", of_comparison},
-                                                                  {"sweep", of_sweep},
-                                                                  {"map", of_map},
-                                                                  {"sensitivity", of_sensitivity}};
-  return answers.at(verb)(result);
+const std::map<std::string, Answer (*)(const Json&)>& answers() {
+  static const std::map<std::string, Answer (*)(const Json&)> all = {
+      {"evaluate", of_evaluation},
+      {"compare", of_comparison},
+      {"sweep", of_sweep},
+      {"map", of_map},
+      {"sensitivity", of_sensitivity}};
+  return all;
 }
 
 }  // namespace ferrule

@@ -1,6 +1,7 @@
 // What a result of evaluate, compare, sweep, map or sensitivity answers, in words: from its JSON.
 #pragma once
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,10 +14,11 @@ struct Answer {
   std::vector<std::string> lines;  // the answer, how long and which grade, at which confidence
 };
 
-// Of the result of that verb. Throws what reading JSON throws where it has no such keys.
-Answer answer_of(const std::string& verb, const Json& result);
+// By verb, of its result; the rows of evaluate and compare as short_row of varied_scene.hpp makes
+// them. They throw what reading JSON throws where it has no such keys.
+const std::map<std::string, Answer (*)(const Json&)>& answers();
 
-// The row of evaluate, compare or sweep that is best: the success rate is highest at its lower end,
+// The row that is best: the success rate is highest at its lower end,
 // and among the same the joint loses least. `rows` is not empty.
 const Json& best_row(const Json& rows);
 

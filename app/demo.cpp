@@ -6,10 +6,10 @@
 
 #include "app/damage.hpp"
 #include "app/demo_report.hpp"
+#include "app/given_controller.hpp"
 #include "app/recording.hpp"
 #include "app/verb.hpp"
 #include "controller/controller_file.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
 #include "sim/scene/draw.hpp"
@@ -121,14 +121,12 @@ void evaluate(const DemoArguments& a, DemoReport& report) {
                    kTrials));
   const Stopwatch clock;
   const Scene& scene = *report.scene;
-  const Scaling scaling = scene_scaling(scene);
   const auto campaign = [&](const MakeController& make, const char* what) {
     return run_campaign(scene, make, report.trial_seed(), kTrials, a.threads,
                         Progress(what, kTrials), interrupted);
   };
   report.learned = campaign(controller_maker(report.fit.controller.law()), "learned");
-  report.baseline =
-      campaign(controller_maker(ConstantVelocity(scaling.motion * scene.limits.speed)), "baseline");
+  report.baseline = campaign(straight_push(scene), "baseline");
   report.evaluate_seconds = clock.seconds();
 }
 

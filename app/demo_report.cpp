@@ -8,10 +8,10 @@
 #include "app/failures.hpp"
 #include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
+#include "app/given_controller.hpp"
 #include "app/html.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -151,8 +151,7 @@ std::vector<TestedController> tested_controllers(const DemoReport& r) {
   const std::string command = fmt::format("./ferrule view --trial TRIAL {{}} {} --seed {}",
                                           r.scene_arguments, r.trial_seed());
   return {{"constant velocity", fmt::format(fmt::runtime(command), "--against constant-velocity"),
-           controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed)),
-           &r.baseline},
+           straight_push(scene), &r.baseline},
           {"learned controller", fmt::format(fmt::runtime(command), "controller.json"),
            controller_maker(r.fit.controller.law()), &r.learned}};
 }

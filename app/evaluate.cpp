@@ -84,10 +84,8 @@ std::vector<Tried> to_try(const EvaluateArguments& a, const std::optional<GivenC
                           const Scene& scene) {
   std::vector<Tried> all;
   if (given) all.push_back({printable(given->name), given->file ? given->name : "", given->make});
-  const double speed = scene_scaling(scene).motion * scene.limits.speed;
   if (!a.baseline.empty())
-    all.push_back(
-        {a.baseline, "--against " + a.baseline, controller_maker(ConstantVelocity(speed))});
+    all.push_back({a.baseline, "--against " + a.baseline, straight_push(scene)});
   return all;
 }
 

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/controller.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "learn/torch_policy.hpp"
 #include "sim/base/error.hpp"
 
@@ -54,6 +56,10 @@ GivenController given_file(const std::string& file, const PolicyArguments& how,
   ControllerFile read = read_controller(file);
   MakeController make = maker(read);
   return {file, std::move(make), std::move(read)};
+}
+
+MakeController straight_push(const Scene& scene) {
+  return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
 }
 
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <map>
+#include <set>
 
 #include "app/damage.hpp"
 #include "app/varied_plots.hpp"
@@ -55,6 +56,7 @@ class Map {
   Map(const MapArguments& arguments, const VariedScene& varied)
       : a_(arguments),
         varied_(varied),
+        stopping_{.enough = {.width = {}, .target = a_.target}},
         axes_{axis(a_.keys.at(0)), axis(a_.keys.at(1))},
         grid_(static_cast<int>(std::bit_ceil(static_cast<unsigned>(
             std::max<double>(RefinedGrid::kCoarsest, std::ceil(1 / a_.width)))))) {
@@ -67,11 +69,10 @@ class Map {
     for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
       std::vector<Point*> wanted;
       for (const Node& node : nodes) wanted.push_back(&(points_[node] = point(node)));
-      ferrule::run(a_, varied_, {.width = {}, .target = a_.target}, wanted);
+      ferrule::run(a_, varied_, stopping_, wanted);
       for (const Node& node : nodes) {
         const Point& p = points_[node];
-        if (interrupted() && p.scene && p.results.size() < a_.trials &&
-            p.summary.target->kind == Verdict::undecided)
+        if (interrupted() && p.scene && !stopping_.whole(p.results, a_.trials))
           points_.erase(node);
         else
           grid_.set(node,
@@ -103,10 +104,11 @@ class Map {
   }
   // Points beside the contour of which the target is neither shown nor refuted.
   std::size_t undecided() const {
+    const std::set<Node> beside = grid_.beside_contour();
     return static_cast<std::size_t>(
         std::count_if(points_.begin(), points_.end(), [&](const auto& p) {
           return p.second.scene && p.second.summary.target->kind == Verdict::undecided &&
-                 grid_.beside_contour(p.first);
+                 beside.contains(p.first);
         }));
   }
 
@@ -140,6 +142,7 @@ class Map {
 
   const MapArguments& a_;
   const VariedScene& varied_;
+  StoppingArguments stopping_;
   std::array<Axis, 2> axes_;
   RefinedGrid grid_;
   Points points_;

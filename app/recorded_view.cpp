@@ -4,11 +4,11 @@
 
 #include <filesystem>
 
+#include "app/given_controller.hpp"
 #include "app/trained.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/device_controller.hpp"
 #include "controller/supervisor.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -25,8 +25,7 @@ ReplayRun run_of(const std::string& file) {
 
 MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,
                        double skill) {
-  if (which == "constant-velocity")
-    return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
+  if (which == "constant-velocity") return straight_push(scene);
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
     constexpr double kPeriod = 1e-3;
     return std::make_unique<DeviceController>(operator_of_trial(scene, skill, kPeriod, seed, trial),

@@ -4,14 +4,13 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <filesystem>
 
 #include "app/answers.hpp"
 #include "app/html.hpp"
 #include "app/scene_keys.hpp"
 #include "app/varied_plots.hpp"
-#include "app/verb.hpp"
+#include "app/varied_scene.hpp"
 #include "sim/base/child_process.hpp"
 #include "sim/base/json_file.hpp"
 
@@ -26,9 +25,8 @@ struct ReportArguments {
 struct Result {
   std::string file, verb;
   Json json;
+  Answer answer{};
 };
-
-constexpr std::array kReported = {"evaluate", "compare", "sweep", "map", "sensitivity"};
 
 // The verb that wrote it; empty: none of ours did.
 std::string verb_of(const Json& json) {
@@ -41,12 +39,29 @@ std::string verb_of(const Json& json) {
   return words.size() > 1 ? words[1] : "";
 }
 
+// The rows of controllers as those of points.
+void shorten_rows(Json& rows) {
+  for (Json& row : rows) {
+    Json shorter = short_row(row);
+    shorter["controller"] = row.at("controller");
+    row = std::move(shorter);
+  }
+}
+
 Result read_result(const std::string& file) {
   Result result{file, "", parse_json(read_text(file), file)};
   result.verb = verb_of(result.json);
-  if (std::find(kReported.begin(), kReported.end(), result.verb) == kReported.end())
+  const auto found = answers().find(result.verb);
+  if (found == answers().end())
     throw BadInput(printable(file) +
                    ": must be what evaluate, compare, sweep, map or sensitivity wrote with --json");
+  try {
+    if (result.verb == "evaluate" || result.verb == "compare") shorten_rows(result.json.at("rows"));
+    result.answer = found->second(result.json);
+  } catch (const Json::exception& error) {
+    throw BadInput(
+        fmt::format("{}: is not whole as it was written: {}", printable(file), error.what()));
+  }
   return result;
 }
 
@@ -57,7 +72,7 @@ std::string paragraph(const std::string& text, const char* kind = "") {
 std::string answers_section(const std::vector<Result>& results) {
   std::string html;
   for (const Result& r : results) {
-    const Answer a = answer_of(r.verb, r.json);
+    const Answer& a = r.answer;
     html += "<h1>" + escaped(a.question) + "</h1>\n";
     for (const std::string& line : a.lines)
       html += paragraph(line, &line == &a.lines.front() ? " class=big" : "");
@@ -105,11 +120,7 @@ std::string rows_table(const Result& r) {
         cells.push_back(escaped(setting_text(row.at("values").at(key.get<std::string>()))));
     else
       cells.push_back(escaped(row.at("controller").get<std::string>()));
-    const Json &low = row.at(points ? "low" : "wilson_low"),
-               &high = row.at(points ? "high" : "wilson_high");
-    const auto median = [&](const char* key) {
-      return points ? row.at(key) : row.at(key)["median"];
-    };
+    const Json &low = row.at("low"), &high = row.at("high");
     const Json mated = row.value("mated", Json());
     const Json grade = mated.is_object() ? mated.at("grade") : Json();
     cells.insert(
@@ -117,8 +128,8 @@ std::string rows_table(const Result& r) {
         {fmt::format("{} of {}", row.at("successes").dump(), row.at("feasible").dump()),
          number_or("&ndash;", "{:.4g}", 100 * number_or_nan(row.at("success_rate"))),
          fmt::format("{:.4g} to {:.4g}", 100 * number_or_nan(low), 100 * number_or_nan(high)),
-         bar(row.at("success_rate"), low, high), shown("{:.3g}", median("time_s")),
-         shown("{:.3g}", median("peak_force_uN")), shown("{:.3g}", median("loss_dB")),
+         bar(row.at("success_rate"), low, high), shown("{:.3g}", row.at("time_s")),
+         shown("{:.3g}", row.at("peak_force_uN")), shown("{:.3g}", row.at("loss_dB")),
          grade.is_string() ? grade.get<std::string>() : "&ndash;"});
     table.row(cells);
   }
@@ -192,11 +203,10 @@ void add_assumptions(const Json& value, const std::string& key, const std::vecto
                      HtmlTable& table) {
   if (value.is_object() && !Distribution::read(value)) {
     for (const auto& [name, part] : value.items())
-      add_assumptions(part, key.empty() ? name : key + "." + name, known, table);
+      add_assumptions(part, key + "." + name, known, table);
     return;
   }
-  if (key == "name" || key == "about" || key == "$schema" || key == "extends" || value.is_null())
-    return;
+  if (value.is_null()) return;
   const auto about =
       std::find_if(known.begin(), known.end(), [&](const SceneKey& k) { return k.key == key; });
   table.row({"<code>" + escaped(key) + "</code>",
@@ -207,8 +217,8 @@ void add_assumptions(const Json& value, const std::string& key, const std::vecto
 std::string assumed_section(const Json& scene) {
   HtmlTable table({{"key", false}, {"value"}, {"what it is", false}});
   const std::vector<SceneKey> known = scene_keys();
-  for (const char* section : {"fibre", "ferrule", "start", "limits", "success", "sensor", "joint",
-                              "holder", "laws", "roughness_nm", "scaling"})
+  for (const char* section : {"fibre", "ferrule", "start", "limits", "success", "sensor", "hand",
+                              "joint", "holder", "laws", "roughness_nm", "scaling"})
     if (scene.contains(section)) add_assumptions(scene[section], section, known, table);
   std::string html = "<h2>What was assumed</h2>\n";
   html += paragraph("Scene " + scene.value("name", "") + ". " + scene.value("about", ""));
@@ -241,8 +251,7 @@ std::string page(const std::vector<Result>& results) {
   std::string html = html_head("ferrule: report") + answers_section(results);
   for (const Result& r : results) {
     const bool alone = results.size() == 1;
-    html +=
-        "<h2>" + escaped(alone ? "The picture" : answer_of(r.verb, r.json).question) + "</h2>\n";
+    html += "<h2>" + escaped(alone ? "The picture" : r.answer.question) + "</h2>\n";
     html += picture(r);
     if (const std::string limits = limits_section(r); !limits.empty())
       html += (alone ? "<h2>What limits it</h2>\n" : "") + limits;
@@ -298,9 +307,8 @@ int report_verb(const ReportArguments& a) {
   write_text(a.out, html);
   fmt::print(stderr, "wrote {}\n", printable(a.out));
   for (const Result& r : results) {
-    const Answer told = answer_of(r.verb, r.json);
-    fmt::print("{}\n", printable(told.question, 1000));
-    for (const std::string& line : told.lines) fmt::print("  {}\n", printable(line, 1000));
+    fmt::print("{}\n", printable(r.answer.question, 1000));
+    for (const std::string& line : r.answer.lines) fmt::print("  {}\n", printable(line, 1000));
   }
   std::fflush(stdout);  // before what may fail
   if (!a.pdf.empty()) print_pdf(a.out, a.pdf);

@@ -115,7 +115,7 @@ int sweep_verb(const SweepArguments& a) {
   std::fflush(stdout);  // the trials take long
   std::vector<Point*> to_run;
   for (SweptPoint& point : points) to_run.push_back(&point);
-  run(a, varied, a.stopping.enough, to_run);
+  run(a, varied, a.stopping, to_run);
   if (interrupted()) {
     const auto whole = [&](const Point& p) { return a.stopping.whole(p.results, a.trials); };
     const auto count = std::count_if(points.begin(), points.end(), whole);

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include "controller/campaign_table.hpp"
-#include "controller/controller.hpp"
-#include "insertion/scene_scaling.hpp"
 
 namespace ferrule {
 namespace {
@@ -48,7 +46,7 @@ ChosenScene VariedScene::with(const std::vector<std::string>& settings) const {
 
 MakeController VariedScene::controller(const Scene& scene) const {
   if (given_) return given_->make;
-  return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
+  return straight_push(scene);
 }
 
 Provenance VariedScene::provenance(const ChosenScene& chosen) const {
@@ -58,12 +56,12 @@ Provenance VariedScene::provenance(const ChosenScene& chosen) const {
   return provenance;
 }
 
-void run(const VariedArguments& a, const VariedScene& varied, const Enough& enough,
+void run(const VariedArguments& a, const VariedScene& varied, const StoppingArguments& stopping,
          std::vector<Point*> points) {
   std::erase_if(points, [](const Point* point) { return !point->scene; });
   std::vector<Campaign> campaigns;
   for (const Point* point : points)
-    campaigns.push_back({&*point->scene, varied.controller(*point->scene), when(enough)});
+    campaigns.push_back({&*point->scene, varied.controller(*point->scene), when(stopping.enough)});
   const std::string what = fmt::format("{} scenes", points.size());
   std::vector<std::vector<TrialResult>> results =
       run_campaigns(campaigns, a.seed, a.trials, a.threads,
@@ -71,15 +69,13 @@ void run(const VariedArguments& a, const VariedScene& varied, const Enough& enou
   for (std::size_t k = 0; k < points.size(); ++k) {
     Point& point = *points[k];
     point.results = std::move(results[k]);
-    point.summary = summarise(point.results);
-    if (enough.target) point.summary.target = decide(*enough.target, point.results);
+    point.summary = stopping.summary(point.results);
     point.summary.mated = mated(point.scene->joint, point.results, a.seed);
   }
 }
 
-Json to_json(const Point& point) {
-  Json row = {{"values", point.values}};
-  const Json summary = to_json(point.summary);
+Json short_row(const Json& summary) {
+  Json row;
   for (const char* key : {"trials", "feasible", "successes", "success_rate"})
     row[key] = summary[key];
   row["low"] = summary["wilson_low"];
@@ -92,6 +88,12 @@ Json to_json(const Point& point) {
   }
   for (const char* key : {"outcomes", "target", "mated", "mated_tuned"})
     if (summary.contains(key)) row[key] = summary[key];
+  return row;
+}
+
+Json to_json(const Point& point) {
+  Json row = short_row(to_json(point.summary));
+  row["values"] = point.values;
   return row;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/given_controller.hpp"
+#include "app/stopping.hpp"
 #include "app/trained.hpp"
 #include "controller/campaign.hpp"
 
@@ -54,10 +55,11 @@ struct Point {
 };
 
 // Runs the trials of all points, as far as Ctrl-C lets them go.
-void run(const VariedArguments& arguments, const VariedScene& varied, const Enough& enough,
-         std::vector<Point*> points);
+void run(const VariedArguments& arguments, const VariedScene& varied,
+         const StoppingArguments& stopping, std::vector<Point*> points);
 
-// The row of a point, the same for every verb.
+// A row of what matters of a summary's JSON, the same for every verb: medians are numbers.
+Json short_row(const Json& summary);
 Json to_json(const Point& point);
 
 }  // namespace ferrule

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <set>
 #include <stdexcept>
 
 namespace ferrule {
@@ -95,13 +94,13 @@ std::vector<std::array<Node, 4>> RefinedGrid::finest() const {
   return all;
 }
 
-bool RefinedGrid::beside_contour(const Node& node) const {
+std::set<Node> RefinedGrid::beside_contour() const {
+  std::set<Node> beside;
   for (const std::array<Node, 4>& at : finest())
     for (std::size_t i = 0; i < 4; ++i)
-      if (at[i] == node && (positive(at[(i + 1) % 4]) != positive(node) ||
-                            positive(at[(i + 3) % 4]) != positive(node)))
-        return true;
-  return false;
+      if (const Node& a = at[i], &b = at[(i + 1) % 4]; positive(a) != positive(b))
+        beside.insert({a, b});
+  return beside;
 }
 
 std::vector<RefinedGrid::Line> RefinedGrid::contour() const {

@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <map>
+#include <set>
 #include <vector>
 
 namespace ferrule {
@@ -30,8 +31,8 @@ class RefinedGrid {
 
   int cells() const noexcept { return cells_; }
   const std::map<Node, double>& values() const noexcept { return values_; }
-  // Does an edge of a finest square, on which the sign changes, end at that node?
-  bool beside_contour(const Node& node) const;
+  // The nodes at which edges of finest squares end, on which the sign changes.
+  std::set<Node> beside_contour() const;
   // Through the finest squares, linear between their nodes, zero counted as positive. Each line
   // ends at the rectangle's edge, or where squares are not refined yet, or is closed.
   std::vector<Line> contour() const;
