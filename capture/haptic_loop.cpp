@@ -42,6 +42,7 @@ class TimedDevice : public Device {
   }
   bool stood_still() const noexcept { return stood_still_; }
   void render(const HandWrench& wrench) override { device_.render(wrench); }
+  void holder_at(const HandPose& holder) override { device_.holder_at(holder); }
   const Mapping* mapping() const noexcept override { return device_.mapping(); }
 
  private:

@@ -12,10 +12,20 @@ namespace ferrule {
 
 struct Observation {
   HandWrench wrench;  // at the holder, relative to that at rest at the start [N, N m]
-  // Of the hand past where the bore's entrance is taken to be, as its encoder has it [m], >= 0.
+  // Of the holder past where the bore's entrance is taken to be [m], >= 0.
   double depth;
   double time;  // since the start [s], >= 0
+  // Of the holder since the start [m, rad]; as the depth it is what a stage's encoders have.
+  HandPose displacement = HandPose::Zero();
+  double height = 0;  // of the holder before that entrance [m]; < 0 past it
 };
+
+// Of a holder that began at `start`, with the entrance taken to be at x = `entrance` [m].
+inline Observation observe(const HandWrench& wrench, const HandPose& holder, const HandPose& start,
+                           double entrance, double time) noexcept {
+  const double height = holder[0] - entrance;
+  return {wrench, std::max(0.0, -height), time, holder - start, height};
+}
 
 // What a learned policy (controller/policy.hpp) takes in of a channel. With `past`: its value at
 // several times; it is 0 before the start, and in training that of one reaction time before.

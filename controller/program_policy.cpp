@@ -78,6 +78,10 @@ class Processes {
                            printable(answer.dump(-1, ' ', true), kShownAnswer));
 }
 
+std::vector<double> listed(const HandPose& five) {
+  return {five.begin(), five.end()};
+}
+
 HandTwist velocity_of(const Json& answer) {
   const bool there = answer.is_object() && answer.contains("velocity");
   const Json velocity = there ? answer["velocity"] : Json();
@@ -112,9 +116,12 @@ class ProgramPolicy : public Controller {
     HandTwist v = HandTwist::Constant(std::numeric_limits<double>::quiet_NaN());
     if (!process_) return v;
     guarded([&] {
-      const Json wrench = std::vector<double>(o.wrench.begin(), o.wrench.end());
-      v = velocity_of(process_->ask({{"wrench", wrench}, {"depth", o.depth}, {"time", o.time}},
-                                    processes_->settings().timeout));
+      const Json question = {{"wrench", listed(o.wrench)},
+                             {"depth", o.depth},
+                             {"time", o.time},
+                             {"displacement", listed(o.displacement)},
+                             {"height", o.height}};
+      v = velocity_of(process_->ask(question, processes_->settings().timeout));
     });
     return v;
   }
@@ -147,10 +154,13 @@ Json answer(const Json& question, const MakeController& make,
       return Json::object();
     }
     Observation o{};
-    for (std::size_t i = 0; i < kWrenchChannels; ++i)
-      o.wrench[static_cast<Eigen::Index>(i)] = question["wrench"][i];
+    for (Eigen::Index i = 0; i < o.wrench.size(); ++i) {
+      o.wrench[i] = question["wrench"][static_cast<std::size_t>(i)];
+      o.displacement[i] = question["displacement"][static_cast<std::size_t>(i)];
+    }
     o.depth = question["depth"];
     o.time = question["time"];
+    o.height = question["height"];
     const HandTwist v = controller->command(o);
     if (const std::string why = controller->failure(); !why.empty()) return {{"error", why}};
     return {{"velocity", std::vector<double>(v.begin(), v.end())}};

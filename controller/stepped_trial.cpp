@@ -7,19 +7,21 @@ namespace ferrule {
 // The hand that goes as it is told between the ticks.
 class SteppedTrial::Hand : public Device {
  public:
-  explicit Hand(const HandPose& start) : pose_(start) {}
+  explicit Hand(const HandPose& start) : start_(start), pose_(start), holder_(start) {}
   HandSample read(double t) override {
     pose_ += velocity * (t - time_);
     time_ = t;
     return {pose_};
   }
   void render(const HandWrench&) override {}
-  const HandPose& pose() const noexcept { return pose_; }
+  void holder_at(const HandPose& holder) override { holder_ = holder; }
+  const HandPose& start() const noexcept { return start_; }
+  const HandPose& holder() const noexcept { return holder_; }
 
   HandTwist velocity = HandTwist::Zero();
 
  private:
-  HandPose pose_;
+  HandPose start_, pose_, holder_;
   double time_ = 0;
 };
 
@@ -73,7 +75,8 @@ void SteppedTrial::expect_end() {
 Observation SteppedTrial::observation() const noexcept {
   if (!running_) return {HandWrench::Zero(), 0, 0};
   const Running& r = *running_;
-  return {r.insertion.sensed().relative(), hand_depth(r.hand.pose(), entrance_), time()};
+  return observe(r.insertion.sensed().relative(), r.hand.holder(), r.hand.start(), entrance_,
+                 time());
 }
 
 HandWrench SteppedTrial::wrench() const noexcept {

@@ -10,7 +10,9 @@ namespace ferrule {
 ControllerHand::ControllerHand(Controller& controller, const HandPose& start, double speed,
                                double end_depth, double entrance)
     : controller_(controller),
+      start_(start),
       pose_(start),
+      holder_(start),
       speed_(speed),
       end_depth_(end_depth),
       entrance_(entrance) {}
@@ -25,7 +27,7 @@ HandSample ControllerHand::read(double t) {
 
 void ControllerHand::render(const HandWrench& wrench) {
   velocity_ =
-      limit_speed(controller_.command({wrench, hand_depth(pose_, entrance_), time_}), speed_);
+      limit_speed(controller_.command(observe(wrench, holder_, start_, entrance_, time_)), speed_);
 }
 
 TrialResult trial_result(const Scene& scene, Outcome outcome,

@@ -37,10 +37,11 @@ class ControllerHand : public Device {
                  double entrance = 0);
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;
+  void holder_at(const HandPose& holder) override { holder_ = holder; }
 
  private:
   Controller& controller_;
-  HandPose pose_;
+  HandPose start_, pose_, holder_;
   HandTwist velocity_ = HandTwist::Zero();
   double speed_, end_depth_, entrance_, time_ = 0;
 };

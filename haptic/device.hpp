@@ -54,6 +54,9 @@ class Device {
   // Force and moment of the fibre on the hand at the time of the last read, relative to those at
   // rest at the start, so that its weight does not matter [N, N m].
   virtual void render(const HandWrench& wrench) = 0;
+  // Where the holder is at that time, before it renders: where the hand was read, but for errors of
+  // the hand (sim/scene/scene.hpp) and a coupling. A stage has it from its encoders.
+  virtual void holder_at(const HandPose&) {}
   // Null: it has no raw axes.
   virtual const Mapping* mapping() const noexcept { return nullptr; }
 };

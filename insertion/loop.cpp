@@ -43,6 +43,7 @@ class Insertion::Grip {
 
   // The device renders the wrench `holder` of the fibre, of which the sensor reads `relative`.
   void render(double t, double age, const Wrench& holder, const HandWrench& relative) {
+    device_.holder_at(holder_);
     if (!feedback_) return device_.render(relative);
     fibre_.read(holder, 0);
     device_.render(feedback_->feel(t, age, fibre_.relative(), relative));

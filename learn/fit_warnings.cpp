@@ -61,9 +61,10 @@ double time_without_force(const MakeController& make, const Scene& scene) {
   const std::unique_ptr<Controller> controller = make(0);
   HandPose hand = HandPose::Zero();
   hand[0] = scaling.motion * scene.start.distance;
+  const HandPose start = hand;
   for (double t = 0; t <= scene.limits.time; t += kPeriod) {
     if (-hand[0] >= scaling.motion * scene.success.depth) return t;
-    const HandTwist v = controller->command({HandWrench::Zero(), hand_depth(hand, entrance), t});
+    const HandTwist v = controller->command(observe(HandWrench::Zero(), hand, start, entrance, t));
     if (!v.allFinite()) break;
     hand += kPeriod * limit_speed(v, speed);
   }

@@ -42,6 +42,7 @@ class WatchedDevice : public Device {
     if (feedback_) energy_ = feedback_->energy();
     device_.render(wrench);
   }
+  void holder_at(const HandPose& holder) override { device_.holder_at(holder); }
   const Mapping* mapping() const noexcept override { return device_.mapping(); }
 
   LoopHealth health() const noexcept { return {period_, worst_, missed_, energy_}; }

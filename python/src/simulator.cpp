@@ -217,6 +217,12 @@ void add_observation(nb::module_& module) {
           "depth", [](const O& o) { return o.observed.depth; },
           "Of the hand past the bore's entrance [m], >= 0.")
       .def_prop_ro(
+          "displacement", [](const O& o) { return array(o.observed.displacement); }, kOwned,
+          "Of the hand since the start: x, y, z [m], tilts about y and z [rad]; shape (5,).")
+      .def_prop_ro(
+          "height", [](const O& o) { return o.observed.height; },
+          "Of the hand before the bore's entrance [m]; < 0 past it.")
+      .def_prop_ro(
           "time", [](const O& o) { return o.observed.time; }, "Since the start [s].")
       .def_prop_ro(
           "values",

@@ -47,6 +47,23 @@ class Foreign(Case):
         self.assertEqual(one["rows"], two["rows"])
         self.assertGreater(one["successes"], 0)
 
+    def test_it_is_told_how_far_the_hand_has_gone(self):
+        counting = '''
+import json, sys
+for line in sys.stdin:
+    q = json.loads(line)
+    if "reset" in q:
+        asked, begin, answer = 0, None, {}
+    else:
+        begin = q["height"] if begin is None else begin
+        gone = -0.002 / 20 * asked
+        if abs(q["displacement"][0] - gone) > 1e-12 or abs(q["height"] - begin - gone) > 1e-12: sys.exit(9)
+        asked, answer = asked + 1, {"velocity": [-0.002, 0, 0, 0, 0]}
+    print(json.dumps(answer), flush=True)
+'''
+        told, _ = self.evaluate(counting, "--trials", "2")
+        self.assertNotIn("failures", told["rows"][0])
+
     def test_one_that_dies_disturbs_no_other_trial(self):
         whole, _ = self.evaluate(STEP + LOOP, "--trials", "4")
         dying = STEP + LOOP.replace("q = json.loads(line)", """q = json.loads(line)
