@@ -371,7 +371,8 @@ void add_compare(CLI::App& app, Run& run) {
       ->required()
       ->type_name("DIR");
   verb->add_option("controllers", a->controllers,
-                   "Controller files and TorchScript to try beside the learners")
+                   "Controller files, shipped ones and TorchScript to try beside the learners")
+      ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the episodes");
   add_other_scaling(*verb, a->other_scaling);

@@ -199,7 +199,8 @@ int evaluate_verb(const EvaluateArguments& a) {
 void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
-  verb->add_option("controller", a->controller, "Controller file, or TorchScript")
+  verb->add_option("controller", a->controller, "Controller file or shipped one, or TorchScript")
+      ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);

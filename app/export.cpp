@@ -53,6 +53,7 @@ void add_export(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("export", "A controller as TorchScript or as a C header");
   auto a = std::make_shared<ExportArguments>();
   verb->add_option("controller", a->controller, "Controller file")
+      ->transform(shipped_controller())
       ->required()
       ->type_name("FILE.json");
   verb->add_option("--torchscript", a->torchscript, "For torch.jit.load; networks only")

@@ -314,7 +314,8 @@ void add_record(CLI::App& app, Run& run) {
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
   auto* person = verb->add_option("--operator", a->operator_,
-                                  "Who holds the fibre: \"simulated\", or a controller file")
+                                  "Who holds the fibre: \"simulated\", or a controller")
+                     ->transform(shipped_controller())
                      ->capture_default_str()
                      ->type_name("simulated|FILE");
   auto* device = add_device(*verb, a->device,

@@ -54,12 +54,13 @@ class Origin {
   Json stated_;
 };
 
-// Do the words begin with a scene: a file, or alone the name of one that ships?
+// Do the words begin with a scene: a file, one in a folder, or alone the name of one that ships?
 bool begin_with_scene(const std::vector<std::string>& words) {
   if (words.empty()) return false;
   const std::vector<std::string> shipped = shipped_scenes();
   std::error_code error;
   return std::filesystem::is_regular_file(words[0], error) ||
+         words[0].find('/') != std::string::npos ||
          (words.size() == 1 &&
           std::find(shipped.begin(), shipped.end(), words[0]) != shipped.end());
 }

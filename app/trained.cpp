@@ -13,10 +13,11 @@ BroughtScene brought_by(const TrainedOn& trained, const std::string& file) {
   if (!brought.document.is_null()) return brought;
   const std::vector<std::string> shipped = shipped_scenes();
   const bool one = trained.scenes.size() == 1;
-  if (one && !trained.scaling &&
+  const bool made = trained.episodes.empty();
+  if (one && (made || !trained.scaling) &&
       std::find(shipped.begin(), shipped.end(), trained.scenes[0]) != shipped.end())
     return {load_scene(trained.scenes[0]).document,
-            file + " was trained on (it stores the name only)", ""};
+            file + (made ? " was made for" : " was trained on (it stores the name only)"), ""};
   brought.open = fmt::format("{} was trained on {}{}, not on one scene that it holds", file,
                              fmt::join(trained.scenes, ", "), one ? " with changing values" : "");
   return brought;

@@ -13,7 +13,8 @@ constexpr const char* kStraight = "constant-velocity";
 
 void VariedArguments::add_controller(CLI::App& verb) {
   verb.add_option("controller", controller,
-                  std::string("Controller file, or TorchScript; or ") + kStraight)
+                  std::string("Controller file or shipped one, or TorchScript; or ") + kStraight)
+      ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt")
       ->required();
 }

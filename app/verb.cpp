@@ -20,6 +20,7 @@
 #include "app/csv.hpp"
 #include "app/keys.hpp"
 #include "app/scene_keys.hpp"
+#include "controller/controller_file.hpp"
 #include "sim/analysis/plan.hpp"
 #include "sim/base/elementary.hpp"
 #include "sim/base/unknown_name.hpp"
@@ -291,6 +292,15 @@ CLI::Validator one_of(const std::vector<std::string>& choices) {
         return known ? std::string() : text + " not in " + all + did_you_mean(text, choices);
       },
       all);
+}
+
+CLI::Validator shipped_controller() {
+  return CLI::Validator(
+      [](std::string& name) {
+        name = controller_file(name);
+        return std::string();
+      },
+      "");
 }
 
 CLI::Validator whole_number(std::uint64_t low, std::uint64_t high) {

@@ -1,5 +1,6 @@
 """How each table of docs/results.md lays out what its commands give."""
 
+import json
 import re
 from pathlib import Path
 from typing import Any, Callable
@@ -186,6 +187,20 @@ def scenes(_: Result, from_20: Result, __: Result, from_5: Result) -> str:
 
 METHODS = {"quasi_static": "quasi-static", "backward_euler": "backward Euler", "explicit_euler": "explicit Euler",
            "bdf2": "BDF2"}
+
+
+def ladder(*results: Result) -> str:
+    rows = []
+    for searched, tuned in zip(results[::2], results[1::2]):
+        name = searched["scene"]
+        about = json.loads((SCENES / f"{name}.json").read_text())["about"]
+        what = re.sub(r"^Rung \w+: (.*)\.$", r"\1", about)
+        peak = searched["peak_force_uN"]
+        rows.append([f"`{name}`", what, inserted(searched["baseline"]), inserted(tuned),
+                     f"{inserted(searched)} ({interval(searched)})", time(searched),
+                     f"{peak['median']:.1f}, {peak['p95']:.1f} uN"])
+    return markdown(columns("rung | what | constant velocity | tuned by hand | search | its time"
+                            " | its peak force, median and 95 %"), rows)
 
 
 def stepping(result: Result) -> str:

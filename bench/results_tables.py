@@ -32,6 +32,12 @@ def policies(what: str) -> list[str]:
             for policy in (f"{RNN} answer bc-rnn", f"{ACT} answer act")]
 
 
+def ladder(trials: int) -> list[str]:
+    return [f"./ferrule evaluate {how} --scene ladder/{rung} --trials {trials}"
+            for rung in ("a", "b1", "b2", "b3", "c", "d", "d2_cleave", "d2_edge", "e")
+            for how in ("search --baseline constant-velocity", "tuned_by_hand")]
+
+
 COST = "compare bench-episodes --learners insertion,torch --trials 1"
 TABLES = [
     Table("demo", "counts", ["./ferrule demo"], layouts.demo, ["./ferrule demo"]),
@@ -57,6 +63,7 @@ TABLES = [
     Table("scenes", "counts",
           [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
           layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
+    Table("ladder", "counts", ladder(1000), layouts.ladder, ladder(4)),
     Table("stepping", "timing", [STEPPING], layouts.stepping, None),
     Table("laws", "timing", [STEPPING], layouts.laws, None),
     Table("campaigns", "timing", [STEPPING], layouts.campaigns, None),

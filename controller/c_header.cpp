@@ -313,6 +313,10 @@ std::string c_header(const PolicyFile& file, const std::string& origin) {
               policy.speed_limit));
 }
 
+std::string c_header(const SearchFile&, const std::string& origin) {
+  throw BadInput(origin + ": a search by touch has no C header: laws and policies have");
+}
+
 std::string c_header(const ControllerFile& controller, const std::string& origin) {
   return std::visit([&](const auto& c) { return c_header(c, origin); }, controller);
 }

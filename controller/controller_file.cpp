@@ -1,8 +1,10 @@
 #include "controller/controller_file.hpp"
 
+#include <algorithm>
 #include <iterator>
 
 #include "sim/base/json_file.hpp"
+#include "sim/base/shipped_files.hpp"
 
 namespace ferrule {
 namespace {
@@ -16,16 +18,26 @@ template <auto parse>
 ControllerFile parsed(const Json& json, const std::string& file) {
   return parse(json, file);
 }
-constexpr Kind kKinds[] = {{"ceres", parsed<parse_law>}, {"torch", parsed<parse_policy>}};
+constexpr ShippedFiles kControllers = {"controllers", "controller file", "controller"};
+constexpr Kind kKinds[] = {{"ceres", parsed<parse_law>},
+                           {"torch", parsed<parse_policy>},
+                           {"search", parsed<parse_search>}};
 static_assert(std::size(kKinds) == std::variant_size_v<ControllerFile>);
 
 }  // namespace
+
+std::string controller_file(const std::string& name_or_file) {
+  const std::vector<std::string> shipped = kControllers.names();
+  const bool one = std::find(shipped.begin(), shipped.end(), name_or_file) != shipped.end();
+  return one ? kControllers.find(name_or_file) : name_or_file;
+}
 
 void write_controller(const std::string& file, const ControllerFile& controller) {
   std::visit([&](const auto& c) { write_controller(file, c); }, controller);
 }
 
-ControllerFile read_controller(const std::string& file) {
+ControllerFile read_controller(const std::string& name_or_file) {
+  const std::string file = kControllers.find(name_or_file);
   std::vector<std::string> methods;
   for (const Kind& kind : kKinds) methods.push_back(kind.method);
   return read_json(file, [&](const Json& json) {
@@ -41,8 +53,8 @@ const TrainedOn& trained_on(const ControllerFile& controller) {
   return std::visit([](const auto& c) -> const TrainedOn& { return c.trained_on; }, controller);
 }
 
-MakeController load_controller(const std::string& file) {
-  return maker(read_controller(file));
+MakeController load_controller(const std::string& name_or_file) {
+  return maker(read_controller(name_or_file));
 }
 
 }  // namespace ferrule

@@ -18,12 +18,6 @@ std::vector<std::string> law_names() {
   return names;
 }
 
-Rule range_of(const Gain& gain) {
-  return gain.range == Gain::positive       ? rule::positive()
-         : gain.range == Gain::not_negative ? rule::not_negative()
-                                            : rule::any();
-}
-
 FittedGain read_gain(JsonFields fields, const Gain& gain) {
   FittedGain g;
   g.value = fields.number("value", range_of(gain));

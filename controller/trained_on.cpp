@@ -54,6 +54,12 @@ std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string&
 
 }  // namespace
 
+Rule range_of(const Gain& gain) {
+  return gain.range == Gain::positive       ? rule::positive()
+         : gain.range == Gain::not_negative ? rule::not_negative()
+                                            : rule::any();
+}
+
 std::string scaling_trouble(const std::optional<Scaling>& trained, const std::string& who,
                             const Scene& scene) {
   if (!trained) return {};

@@ -1,5 +1,5 @@
-// What all controller files share: the format, and what the controller was trained on, the object
-// "trained_on".
+// What all controller files share: the format, the ranges of gains, and what the controller was
+// trained on, the object "trained_on".
 #pragma once
 
 #include <cstdint>
@@ -7,12 +7,16 @@
 #include <string>
 #include <vector>
 
+#include "controller/gain.hpp"
 #include "haptic/scaling.hpp"
 #include "sim/scene/scene.hpp"
 
 namespace ferrule {
 
 inline constexpr const char* kControllerFormat = "ferrule controller";
+
+// What a gain's value may be.
+Rule range_of(const Gain& gain);
 
 struct TrainedEpisode {
   std::string file, sha1;  // and the hash of its bytes

@@ -96,6 +96,13 @@ nb::object number_or_none(double x) {
 nb::typed<nb::dict, nb::str, nb::typed<nb::dict, nb::str, nb::any>> gains(
     const LoadedController& c) {
   nb::dict all;
+  if (const auto* search = std::get_if<SearchFile>(&c.read))
+    for (std::size_t i = 0; i < kSearchGains.size(); ++i) {
+      nb::dict gain;
+      gain["value"] = search->gains[i];
+      gain["unit"] = kSearchGains[i].unit;
+      all[kSearchGains[i].name] = gain;
+    }
   const auto* law = std::get_if<LawFile>(&c.read);
   for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
     const Gain& gain = gain_table(law->kind)[i];
@@ -171,11 +178,13 @@ void add_controller(nb::module_& module) {
           "FileTrouble.");
   module.def(
       "load",
-      [](const std::filesystem::path& file) {
-        return std::make_unique<LoadedController>(read_controller(file.string()), file.string());
+      [](const std::filesystem::path& name_or_file) {
+        const std::string file = controller_file(name_or_file.string());
+        return std::make_unique<LoadedController>(read_controller(file), file);
       },
       nb::arg("file"),
-      "The controller of a file that `ferrule fit` wrote. Raises BadInput, FileTrouble.");
+      "The controller of a file that `ferrule fit` wrote, or a shipped one by its name. Raises "
+      "BadInput, FileTrouble.");
   module.def("_evaluate", &evaluate, nb::arg("policy"), nb::arg("scene"), nb::arg("trials"),
              nb::arg("seed"), nb::arg("supervise"), nb::arg("threads"));
 }

@@ -114,6 +114,25 @@ def test_so_it_is_where_parts_and_the_entrance_are_drawn(law):
         assert simulator.summary["peak_force_N"] == evaluation.peak_force_N[trial]
 
 
+def test_an_observation_knows_how_far_the_hand_has_gone():
+    simulator = ferrule.Simulator("bench")
+    start = simulator.reset(seed=1, trial=0)
+    assert (start.displacement == 0).all() and start.height > 0
+    seen = simulator.step([-0.004, 0.001, 0, 0, 2e-3], periods=50)
+    np.testing.assert_allclose(seen.displacement, [-2e-4, 5e-5, 0, 0, 1e-4], rtol=1e-9)
+    np.testing.assert_allclose(seen.height, start.height - 2e-4, rtol=1e-9)
+
+
+def test_a_shipped_search_inserts_where_no_lead_in_guides_the_fibre():
+    evaluation = ferrule.evaluate(ferrule.load("search"), "ladder/d", trials=4, seed=5)
+    assert evaluation.statistics["successes"] == 4
+    controller, simulator = ferrule.load("search"), ferrule.Simulator("ladder/d")
+    observation = simulator.reset(seed=5, trial=0)
+    while not simulator.ended:
+        observation = simulator.step(controller(observation))
+    assert simulator.summary["time_s"] == evaluation.time_s[0]
+
+
 def test_the_forces_add_up_to_the_wrench_at_the_holder():
     simulator = ferrule.Simulator("bench")
     simulator.reset(seed=1, trial=0)

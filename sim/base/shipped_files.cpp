@@ -16,8 +16,8 @@ std::string ShippedFiles::place() const {
 }
 
 std::string ShippedFiles::find(const std::string& name_or_file) const {
-  const bool bare = name_or_file.find('/') == std::string::npos &&
-                    name_or_file.find(".json") == std::string::npos;
+  const bool bare = name_or_file.find(".json") == std::string::npos && name_or_file[0] != '/' &&
+                    name_or_file[0] != '.';
   std::error_code error;
   if (!bare || fs::is_regular_file(name_or_file, error)) return name_or_file;
   std::string shipped = place() + "/" + name_or_file + ".json";

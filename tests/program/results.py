@@ -8,7 +8,7 @@ from case import PROGRAM, SOURCE, Case, main
 
 SCRIPT = os.path.join(SOURCE, "bench/results.py")
 DOCUMENT = os.path.join(SOURCE, "docs/results.md")
-SCENES = len([name for name in os.listdir(os.path.join(SOURCE, "data/scenes")) if name != "scene.schema.json"])
+SCENES = len([name for name in os.listdir(os.path.join(SOURCE, "data/scenes")) if name.endswith(".json") and name != "scene.schema.json"])
 
 # Takes the place of the program: one benchmark gives a row, one takes long, the others fail.
 STAND_IN = """#!/bin/sh
@@ -64,6 +64,7 @@ class Results(Case):
         run = self.results("--list")
         self.assertEqual(run.returncode, 0, run.stderr)
         names = [line.split()[0] for line in run.stdout.splitlines()[:-1]]
+        self.assertRegex(run.stdout.splitlines()[-1], r"^made by ferrule [^;]+: (\d+) of \1$")  # all by one version
         self.assertEqual(sorted(names), sorted(re.findall("<!-- ([a-z]+) -->", read(DOCUMENT))))
         for old, new, says in (("<!-- /turns -->", "", "<!-- /turns -->"),
                                ("<!-- turns -->", "<!-- tuns -->", "<!-- tuns --> is no table"),

@@ -1,0 +1,93 @@
+#include "controller/locate_opening.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include "tests/controller/face_oracle.hpp"
+
+namespace ferrule {
+namespace {
+
+using Eigen::Vector2d;
+
+constexpr Discs kDiscs = {62.5e-6, 63e-6};
+
+TEST(RestHeight, IsThatOfEveryPointOfTheCrescentTried) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  for (int k = 0; k < 300; ++k) {
+    const double far = 110e-6 * std::abs(uniform(random)) + 0.6e-6;
+    const double angle = std::numbers::pi * uniform(random);
+    const Vector2d e = far * Vector2d(std::cos(angle), std::sin(angle));
+    const Vector2d slope = 5e-3 * Vector2d(uniform(random), uniform(random));
+    const double tried = testing::rest_height_by_trial(kDiscs, slope, e);
+    // The transition of a real contact, within 1e-5 of tilt, and the spacing of the points.
+    EXPECT_NEAR(rest_height(kDiscs, slope, e), tried, 1e-5 * kDiscs.fibre + 1e-4 * std::abs(tried))
+        << e.transpose() << " " << slope.transpose();
+  }
+}
+
+TEST(RestHeight, OfADiscAtTheOpeningsEdgeIsThatOfThePointThatTouches) {
+  const Vector2d slope(2e-3, -1e-3), side(0.6, 0.8);
+  for (const double off : {0.0, 0.2e-6, 0.5e-6})
+    EXPECT_NEAR(rest_height(kDiscs, slope, off > 0 ? Vector2d(off * side) : Vector2d(1e-12 * side)),
+                kDiscs.fibre * slope.dot(side), 2e-3 * kDiscs.fibre * slope.norm())
+        << off;
+}
+
+std::vector<Touch> ring(const Vector2d& axis, const Vector2d& slope, double face, double error,
+                        std::mt19937& random) {
+  std::normal_distribution<double> normal(0, error);
+  std::vector<Touch> touches;
+  for (int k = -1; k < 8; ++k) {
+    const double angle = std::numbers::pi / 4 * k;
+    const Vector2d tilt =
+        k < 0 ? Vector2d(0, 0) : Vector2d(6e-3 * Vector2d(std::cos(angle), std::sin(angle)));
+    const double h = testing::rest_height_by_trial(kDiscs, slope + tilt, -axis);
+    touches.push_back({face + h + normal(random), Vector2d::Zero(), tilt});
+  }
+  return touches;
+}
+
+TEST(LocateOpening, FindsItFromNineTouchesWithinAMicrometre) {
+  std::mt19937 random(2);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 40; ++k) {
+    const Vector2d axis = 15e-6 * Vector2d(normal(random), normal(random)),
+                   slope = 1e-3 * Vector2d(normal(random), normal(random));
+    const Opening found = locate_opening(ring(axis, slope, 3e-6, 1e-9, random), kDiscs,
+                                         {.height = 6e-9, .far = 62.5e-6});
+    EXPECT_LT((found.axis - axis).norm(), 0.2e-6 + 0.05 * axis.norm())
+        << axis.transpose() << " " << slope.transpose();
+    EXPECT_NEAR(found.face, 3e-6, 10e-9);
+    EXPECT_LT(found.misfit, 3e-9);
+  }
+}
+
+TEST(LocateOpening, IsTheSameInTheHandsWorldAndTheTips) {
+  constexpr double kMagnified = 250;
+  std::mt19937 random(3);
+  std::vector<Touch> touches = ring({8e-6, -11e-6}, {1e-3, 0.5e-3}, 0, 1e-9, random);
+  const Opening tip = locate_opening(touches, kDiscs, {.height = 6e-9, .far = 62.5e-6});
+  for (Touch& touch : touches) touch.x *= kMagnified, touch.across *= kMagnified;
+  const Opening hand =
+      locate_opening(touches, {kMagnified * kDiscs.fibre, kMagnified * kDiscs.opening},
+                     {.height = kMagnified * 6e-9, .far = kMagnified * 62.5e-6});
+  EXPECT_LT((hand.axis / kMagnified - tip.axis).norm(), 1e-4 * tip.axis.norm());
+  EXPECT_LT((hand.slope - tip.slope).norm(), 1e-4 * tip.slope.norm());
+}
+
+TEST(LocateOpening, SaysHowFarTheTouchesAreFromWhatAnyOpeningWouldGive) {
+  std::mt19937 random(4);
+  std::vector<Touch> touches = ring({8e-6, -11e-6}, {1e-3, 0.5e-3}, 0, 0, random);
+  touches[3].x += 300e-9;  // it slid
+  EXPECT_GT(locate_opening(touches, kDiscs, {.height = 6e-9, .far = 62.5e-6}).misfit, 30e-9);
+}
+
+}  // namespace
+}  // namespace ferrule

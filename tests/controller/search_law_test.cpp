@@ -1,0 +1,126 @@
+#include "controller/search_law.hpp"
+
+#include <gtest/gtest.h>
+
+#include "controller/c_header.hpp"
+#include "controller/controller_file.hpp"
+#include "controller/stepped_trial.hpp"
+#include "controller/trial.hpp"
+#include "sim/base/data_folder.hpp"
+#include "tests/refusal.hpp"
+#include "tests/temporary_folder.hpp"
+
+namespace ferrule {
+namespace {
+
+std::string shipped() {
+  return data_folder() + "/controllers/search.json";
+}
+
+struct Condition {
+  const char* name;
+  std::vector<std::string> settings;
+};
+void PrintTo(const Condition& condition, std::ostream* out) {
+  *out << condition.name;
+}
+
+const std::vector<std::string> kSharp = {"ferrule.lead_in=null", "fibre.cleave_deg=0"};
+
+std::vector<std::string> sharp_with(std::initializer_list<std::string> more) {
+  std::vector<std::string> settings = kSharp;
+  settings.insert(settings.end(), more);
+  return settings;
+}
+
+class InsertsByTouch : public ::testing::TestWithParam<Condition> {};
+
+// Below the force limit, with the one shipped file, in conditions that it is not told.
+TEST_P(InsertsByTouch, InEveryTrial) {
+  const Scene scene = load_scene("bench", GetParam().settings);
+  const MakeController make = load_controller(shipped());
+  for (std::uint64_t trial = 0; trial < 8; ++trial) {
+    const auto law = make(trial);
+    const TrialResult result = run_trial(scene, *law, 11, trial);
+    EXPECT_EQ(result.outcome, Outcome::inserted) << trial;
+    EXPECT_LT(result.summary.peak_force, 0.75 * scene.limits.force) << trial;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Conditions, InsertsByTouch,
+    ::testing::Values(Condition{"AsItIs", {}}, Condition{"SharpBore", kSharp},
+                      Condition{"SharpBoreNearby", sharp_with({"start.lateral_sd_um=2"})},
+                      Condition{"CleavedEnd", sharp_with({"fibre.cleave_deg=0.5"})},
+                      Condition{"RoundedEdge", {"ferrule.lead_in=null", "fibre.edge_um=2"}},
+                      Condition{"OnTheFace",
+                                {"fibre.cleave_deg=0", "start.lateral_mean_um=[110,0]"}},
+                      Condition{"HandThatMovesFurther", sharp_with({"hand.gain=1.3"})},
+                      Condition{"SoftGripper", sharp_with({"holder.gripper_stiffness_N_m=20"})}),
+    [](const auto& info) { return info.param.name; });
+
+// Nothing else in the program inserts there: not without a search.
+TEST(SearchLaw, IsNeededAtASharpBore) {
+  const Scene scene = load_scene("bench", kSharp);
+  ConstantVelocity straight(scene.limits.speed * 250);
+  int inserted = 0;
+  for (std::uint64_t trial = 0; trial < 20; ++trial)
+    inserted += run_trial(scene, straight, 11, trial).outcome == Outcome::inserted;
+  EXPECT_LE(inserted, 2);
+}
+
+TEST(SearchLaw, InABoreThatHoldsATiltedFibreItStraightens) {
+  const std::vector<std::string> settings = {"ferrule.bore_diameter_um=125.3",
+                                             "start.tilt_sd_mrad=6", "start.lateral_sd_um=3"};
+  const Scene scene = load_scene("bench", settings);
+  const MakeController search = load_controller(shipped());
+  const MakeController tuned = load_controller(data_folder() + "/controllers/tuned_by_hand.json");
+  int by_search = 0, by_tuned = 0;
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    by_search += run_trial(scene, *search(trial), 12, trial).outcome == Outcome::inserted;
+    by_tuned += run_trial(scene, *tuned(trial), 12, trial).outcome == Outcome::inserted;
+  }
+  EXPECT_GT(by_search, by_tuned + 5);
+}
+
+TEST(SearchLaw, SteppedFromOutsideTheTrialIsTheSame) {
+  const auto scene = std::make_shared<Scene>(load_scene("bench", kSharp));
+  const MakeController make = load_controller(shipped());
+  for (std::uint64_t trial = 0; trial < 3; ++trial) {
+    const auto inside = make(trial), outside = make(trial);
+    const TrialResult run = run_trial(*scene, *inside, 5, trial);
+    SteppedTrial stepped(scene, 5, trial);
+    while (!stepped.ended()) stepped.step(outside->command(stepped.observation()));
+    EXPECT_EQ(stepped.ended()->summary.time, run.summary.time);
+    EXPECT_EQ(stepped.ended()->summary.peak_force, run.summary.peak_force);
+  }
+}
+
+TEST(SearchFile, IsReadBackExactlyAndBrokenOnesAreRefusedWithTheirKey) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "search.json";
+  const auto read = std::get<SearchFile>(read_controller(shipped()));
+  write_controller(file, ControllerFile(read));
+  const auto back = std::get<SearchFile>(read_controller(file));
+  EXPECT_EQ(back.gains, read.gains);
+  EXPECT_EQ(back.sources, read.sources);
+  EXPECT_EQ(back.trained_on.scaling, read.trained_on.scaling);
+  const Json good = parse_json(read_text(file), file);
+  const auto says = [&](const char* pointer, const Json& value, const char* reason) {
+    const std::string said = testing::refusal(file, good, pointer, value, read_controller);
+    EXPECT_NE(said.find(reason), std::string::npos) << pointer << ": " << said;
+  };
+  says("/gains/tilt/value", 0, "gains.tilt.value = 0: must be positive");
+  says("/gains/tilt/unit", "deg", "gains.tilt.unit");
+  says("/gains/bore_radius/value", 0.0156, "must be larger than fibre_radius");
+  says("/gains/mouth_radius/value", 0.01, "at most mouth_radius");
+  says("/gains/surprise", 1, "unknown key");
+  says("/metrics", 1, "unknown key");
+}
+
+TEST(SearchFile, HasNoCHeaderAndSaysSo) {
+  EXPECT_THROW(c_header(read_controller(shipped()), "search.json"), BadInput);
+}
+
+}  // namespace
+}  // namespace ferrule
