@@ -40,7 +40,7 @@ class Scenes(Case):
         return run.returncode == 0
 
     def test_all_shipped_scenes_are_valid(self):
-        for file in glob.glob(SOURCE + "/data/scenes/*.json"):
+        for file in glob.glob(SOURCE + "/data/scenes/**/*.json", recursive=True):
             if not file.endswith(".schema.json"):
                 self.validator.validate(json.load(open(file)))
                 self.assertTrue(self.program_takes(json.load(open(file))), file)
