@@ -1,11 +1,12 @@
 // Where a flat end rests on a face with a round opening, by trying points: the reference for
-// controller/locate_opening.
+// controller/locate_opening and controller/touch_search.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <random>
 
 #include "controller/locate_opening.hpp"
 
@@ -26,6 +27,14 @@ inline double rest_height_by_trial(const Discs& discs, const Eigen::Vector2d& sl
     if (edge.norm() <= discs.fibre) highest = std::max(highest, edge.dot(slope));
   }
   return highest;
+}
+
+// Two standard normal numbers, in an order that no compiler changes.
+inline Eigen::Vector2d drawn(std::mt19937& random) {
+  std::normal_distribution<double> normal;
+  Eigen::Vector2d v;
+  for (double& each : v) each = normal(random);
+  return v;
 }
 
 }  // namespace ferrule::testing

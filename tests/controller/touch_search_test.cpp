@@ -44,12 +44,10 @@ int touches_until_in(const Face& face, std::mt19937& random, double error = 1e-9
 
 TEST(TouchSearch, FindsASharpBoreFromMicrometresAndFromFarOff) {
   std::mt19937 random(1);
-  std::normal_distribution<double> normal;
   int most = 0;
   for (int k = 0; k < 30; ++k) {
     const double scatter = (k % 3 == 0 ? 2 : k % 3 == 1 ? 15 : 30) * um;
-    const Face face = {scatter * Vector2d(normal(random), normal(random)),
-                       1e-3 * Vector2d(normal(random), normal(random)), 63 * um, 0};
+    const Face face = {scatter * testing::drawn(random), 1e-3 * testing::drawn(random), 63 * um, 0};
     if (face.goes_in({})) continue;
     const int touches = touches_until_in(face, random);
     EXPECT_GT(touches, 0) << face.e.transpose() / um;
@@ -60,10 +58,9 @@ TEST(TouchSearch, FindsASharpBoreFromMicrometresAndFromFarOff) {
 
 TEST(TouchSearch, FindsItWithACleavedEndWhoseSlopeNobodyTold) {
   std::mt19937 random(2);
-  std::normal_distribution<double> normal;
   for (int k = 0; k < 12; ++k) {
     const double direction = k;
-    const Face face = {15 * um * Vector2d(normal(random), normal(random)),
+    const Face face = {15 * um * testing::drawn(random),
                        17e-3 * Vector2d(std::cos(direction), std::sin(direction)), 63 * um, 0};
     EXPECT_GT(touches_until_in(face, random), 0) << face.e.transpose() / um;
   }
@@ -71,10 +68,9 @@ TEST(TouchSearch, FindsItWithACleavedEndWhoseSlopeNobodyTold) {
 
 TEST(TouchSearch, FindsTheMouthOfALeadInFromTheFace) {
   std::mt19937 random(3);
-  std::normal_distribution<double> normal;
   for (int k = 0; k < 10; ++k) {
-    const Face face = {Vector2d(110 * um + 15 * um * normal(random), 15 * um * normal(random)),
-                       1e-3 * Vector2d(normal(random), normal(random)), 150 * um, 150.7 * um};
+    const Face face = {Vector2d(110 * um, 0) + 15 * um * testing::drawn(random),
+                       1e-3 * testing::drawn(random), 150 * um, 150.7 * um};
     EXPECT_GT(touches_until_in(face, random), 0) << face.e.transpose() / um;
   }
 }
