@@ -1,6 +1,5 @@
-// controller.json: a controller of any kind, with all that is needed to run it and to know
-// where it came from. controller/README.md describes the keys, data/controller.schema.json states
-// them.
+// controller.json: a controller of any kind, with all that is needed to run it and to know where it
+// came from. controller/README.md describes the keys, data/controller.schema.json states them.
 #pragma once
 
 #include <string>
@@ -20,13 +19,14 @@ std::string controller_file(const std::string& name_or_file);
 
 // Throws FileTrouble, BadInput.
 void write_controller(const std::string& file, const ControllerFile& controller);
-// Throws FileTrouble, BadInput.
+// Of a file, or of a shipped controller by its name. Throws FileTrouble, BadInput.
 ControllerFile read_controller(const std::string& name_or_file);
 
 MakeController maker(const ControllerFile& controller);
 const TrainedOn& trained_on(const ControllerFile& controller);
 
-// What makes the controller of a file, or a shipped one by its name, for each trial. Throws FileTrouble, BadInput.
+// What makes the controller of a file, or a shipped one by its name, for each trial. Throws
+// FileTrouble, BadInput.
 MakeController load_controller(const std::string& name_or_file);
 
 }  // namespace ferrule

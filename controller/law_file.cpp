@@ -91,10 +91,7 @@ LawFile read_law(const std::string& file) {
 LawFile parse_law(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   LawFile c;
-  fields.choice("format", {kControllerFormat});
-  fields.integer("format_version", kControllerFormatVersion, kControllerFormatVersion);
-  fields.choice("method", {"ceres"});
-  fields.choice("world", {"hand"});
+  expect_heading(fields, "ceres", kControllerFormatVersion);
   c.kind = kLaws[fields.choice("law", law_names())];
   JsonFields gains = fields.object("gains");
   c.gains.clear();

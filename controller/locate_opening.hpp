@@ -1,5 +1,5 @@
-// Where the bore opens, by touch: from the heights at which a fibre's end, tilted this way and that,
-// comes to rest on the ferrule's front face.
+// Where the bore opens, by touch: from the heights at which a fibre's end, tilted this way and
+// that, comes to rest on the ferrule's front face.
 //
 // The end's disc, of radius r, rests on the crescent outside the opening, of radius R
 // (sim/geometry/face_support.hpp). With the hand displaced by x along the axis, by u sideways, and
@@ -8,8 +8,9 @@
 // with x_f the height of the face, s the slope of the untilted end against it, and a the opening's
 // axis. These five numbers minimise
 //   sum over the touches of ((x - x_f - h)/sigma)^2 + |a|^2/a_0^2 + |s|^2/s_0^2
-// (Levenberg and Marquardt, from several first guesses of a). A disc that touches the opening's edge
-// from inside, at e = R - r, is the limit in which the crescent is a point: h = (s + t).r e/|e|.
+// (Levenberg and Marquardt, from several first guesses of a). A disc that touches the opening's
+// edge from inside, at e = R - r, is the limit in which the crescent is a point:
+// h = (s + t).r e/|e|.
 //
 // All in one world, the hand's or the tip's.
 #pragma once

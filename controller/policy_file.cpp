@@ -280,10 +280,7 @@ PolicyFile read_policy(const std::string& file) {
 PolicyFile parse_policy(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   PolicyFile p;
-  fields.choice("format", {kControllerFormat});
-  fields.integer("format_version", 1, 1);
-  fields.choice("method", {"torch"});
-  fields.choice("world", {"hand"});
+  expect_heading(fields, "torch", 1);
   fields.choice("activation", {"tanh"});
   read_signature(fields, p.policy);
   p.reaction_time = fields.number("reaction_time_s", rule::not_negative());

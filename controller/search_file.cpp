@@ -33,10 +33,7 @@ void write_controller(const std::string& file, const SearchFile& c) {
 SearchFile parse_search(const Json& json, const std::string& file) {
   JsonFields fields(json, file);
   SearchFile c;
-  fields.choice("format", {kControllerFormat});
-  fields.integer("format_version", kSearchFormatVersion, kSearchFormatVersion);
-  fields.choice("method", {"search"});
-  fields.choice("world", {"hand"});
+  expect_heading(fields, "search", kSearchFormatVersion);
   JsonFields gains = fields.object("gains");
   for (std::size_t i = 0; i < kSearchGains.size(); ++i) {
     JsonFields gain = gains.object(kSearchGains[i].name);

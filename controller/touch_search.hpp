@@ -45,8 +45,8 @@ class TouchSearch {
  public:
   explicit TouchSearch(const TouchNumbers& numbers) noexcept : n_(numbers) {}
 
-  // The end has come to rest; `height` of the hand before where the entrance is taken to be [m], < 0
-  // past it.
+  // The end has come to rest; `height` of the hand before where the entrance is taken to be [m],
+  // < 0 past it.
   void rested(const Touch& touch, double height);
   // It is upright again, without having come to rest.
   void straightened() noexcept { sides_ = 0; }

@@ -54,6 +54,13 @@ std::vector<TrainedEpisode> read_episodes(JsonFields& fields, const std::string&
 
 }  // namespace
 
+void expect_heading(JsonFields& fields, const std::string& method, std::int64_t version) {
+  fields.choice("format", {kControllerFormat});
+  fields.integer("format_version", version, version);
+  fields.choice("method", {method});
+  fields.choice("world", {"hand"});
+}
+
 Rule range_of(const Gain& gain) {
   return gain.range == Gain::positive       ? rule::positive()
          : gain.range == Gain::not_negative ? rule::not_negative()

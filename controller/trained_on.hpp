@@ -1,4 +1,4 @@
-// What all controller files share: the format, the ranges of gains, and what the controller was
+// What all controller files share: the heading, the ranges of gains, and what the controller was
 // trained on, the object "trained_on".
 #pragma once
 
@@ -14,6 +14,9 @@
 namespace ferrule {
 
 inline constexpr const char* kControllerFormat = "ferrule controller";
+
+// Reads "format", "format_version", "method" and "world". Throws BadInput where they are others.
+void expect_heading(JsonFields& fields, const std::string& method, std::int64_t version);
 
 // What a gain's value may be.
 Rule range_of(const Gain& gain);
