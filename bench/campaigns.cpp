@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "controller/insertion_law.hpp"
+#include "controller/law.hpp"
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
@@ -28,7 +28,7 @@ Recorded record(const Scene& toleranced, std::uint64_t trial, double period) {
   const Scene& scene = *recorded.scene;
   const Scaling scaling = scene_scaling(scene);
   recorded.start = draw_start(scene, kSeed, trial);
-  InsertionLaw law = tuned_by_hand(scaling.motion * scene.limits.speed);
+  Law law = tuned_by_hand(scaling.motion * scene.limits.speed);
   ControllerHand hand(law, scaling.motion_to_hand(recorded.start.command),
                       scaling.motion * scene.limits.speed, INFINITY, registered_entrance(scene));
   run_insertion(scene, recorded.start, hand, ForceSensor(scene.sensor, kSeed, trial),

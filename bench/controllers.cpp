@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "controller/insertion_law.hpp"
+#include "controller/law.hpp"
 #include "controller/policy.hpp"
 #include "sim/base/measure.hpp"
 #include "sim/base/random.hpp"
@@ -70,7 +70,7 @@ std::vector<Observation> drawn_states() {
 }
 
 ControllerRow insertion_law(const std::vector<Observation>& states) {
-  InsertionLaw law({2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
+  Law law(LawKind::insertion, {2.5e-3, 0.5, 0.012, 0.004, 0.2, 0, 0.9e-3, 0.9e-3, 0, 0, 0, 0});
   return measured("insertion law", "12 gains, double", law, states);
 }
 

@@ -15,7 +15,8 @@ namespace {
 
 constexpr double kLongUs = 5;  // steps that take longer are measured again
 constexpr int kAgain = 4;
-constexpr double kMostSteps = 4000;  // of a motion in a random scene
+constexpr double kLargestTilt = 0.5;  // a motion that turns the end farther ends there [rad]
+constexpr double kMostSteps = 4000;   // of a motion in a random scene
 
 struct Sample {
   TailRow row;
@@ -49,6 +50,7 @@ void drive(const Scene& scene, const State& start, const std::vector<Pose>& hand
       us = std::min(us, again);
     }
     now = result;
+    if (now.state.tip.tail<2>().norm() > kLargestTilt) return;
     ++sample.row.steps;
     sample.row.not_converged += result.status == StepStatus::not_converged;
     sample.row.capped += result.status == StepStatus::iteration_limit;

@@ -53,18 +53,4 @@ Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Observation& obse
           gain[7] * force.z() + gain[9] + gain[11] * depth};
 }
 
-class InsertionLaw : public Controller {
- public:
-  explicit InsertionLaw(const std::array<double, kGains>& gains) : gains_(gains) {}
-  HandTwist command(const Observation& observation) noexcept override {
-    HandTwist v = HandTwist::Zero();
-    v.head<3>() = insertion_velocity(gains_.data(), observation);
-    return v;
-  }
-  const std::array<double, kGains>& gains() const noexcept { return gains_; }
-
- private:
-  std::array<double, kGains> gains_;
-};
-
 }  // namespace ferrule

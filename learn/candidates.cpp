@@ -42,15 +42,15 @@ std::shared_ptr<const Demonstration> fastest(const DemonstrationSet& set) {
 
 }  // namespace
 
-InsertionLaw tuned_by_hand(double speed) {
-  std::array<double, kGains> gains{};
+Law tuned_by_hand(double speed) {
+  std::vector<double> gains(kGains);
   gains[0] = speed;
   gains[1] = 0.1;  // ramp [s]
   gains[2] = 1e3;  // no end depth
   gains[3] = 1;
   gains[4] = 0.25;  // slowing [1/N^2]
   gains[6] = gains[7] = 1e-3;
-  return InsertionLaw(gains);
+  return {LawKind::insertion, gains};
 }
 
 const std::vector<Learner>& learners() {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "controller/campaign.hpp"
-#include "controller/insertion_law.hpp"
+#include "controller/law.hpp"
 #include "learn/learner.hpp"
 
 namespace ferrule {
@@ -21,7 +21,7 @@ struct Candidate {
 
 // What an engineer sets without demonstrations: straight in at `speed` [m/s, hand's world], at half
 // of it where 2 N are felt, and sideways as compliant as a hand, 1 mm/s per newton.
-InsertionLaw tuned_by_hand(double speed);
+Law tuned_by_hand(double speed);
 
 // Those that learn nothing: constant velocity, an admittance tuned by hand, the fastest
 // demonstration played again, and the simulated operator of `skill`, each for trials of `scene`

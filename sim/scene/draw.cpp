@@ -33,15 +33,6 @@ void draw_particle(Scene& drawn, RandomStream random) {
   add_drawn(drawn.document, "laws.particle.direction_deg", degrees);
 }
 
-// An end that would begin in a wall leans on it at rest, or its inertia would fling it out. Without
-// inertia the first step finds that pose.
-State leaned_on(World world, const State& start) noexcept {
-  world.dynamics = Dynamics::quasi_static;
-  State leaned = step(world, start, start.command, 0).state;
-  if (!leaned.contact[kEnd].closed && !leaned.contact[kSide].closed) return start;
-  return leaned;
-}
-
 }  // namespace
 
 std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
@@ -78,6 +69,16 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
   return found;
 }
 
+State start_at(const World& world, const Pose& tip) noexcept {
+  const State start = at_rest(world, tip);
+  if (world.dynamics == Dynamics::quasi_static) return start;
+  World still = world;
+  still.dynamics = Dynamics::quasi_static;
+  State leaned = step(still, start, start.command, 0).state;
+  if (!leaned.contact[kEnd].closed && !leaned.contact[kSide].closed) return start;
+  return leaned;
+}
+
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
   if (!scene.drawn.empty())
     if (const auto drawn = draw_scene(scene, seed, trial)) return draw_start(*drawn, seed, trial);
@@ -101,8 +102,7 @@ State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
     tip += curl(*radius, free_length(scene.parameters),
                 {elementary::cos(roll), elementary::sin(roll)});
   }
-  const State start = at_rest(scene.world, tip);
-  return scene.world.dynamics == Dynamics::inertial ? leaned_on(scene.world, start) : start;
+  return start_at(scene.world, tip);
 }
 
 }  // namespace ferrule

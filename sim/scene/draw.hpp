@@ -23,9 +23,13 @@ struct FeasibleTrial {
 // Throws BadInput where hardly any can.
 FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64_t trial);
 
-// Start of trial `trial` under `seed`: the fibre at rest, misaligned as the scene says, and with it
-// the same whether `scene` was drawn or not. With inertia an end that would begin in the lead-in's
-// wall leans on it.
+// The end at rest, held where it would be at `tip` in free air [m, rad]. With inertia an end that
+// would begin in a wall leans on it, or its inertia would fling it out; without, the first step
+// finds that pose.
+State start_at(const World& world, const Pose& tip) noexcept;
+
+// Start of trial `trial` under `seed`: the fibre as start_at leaves it, misaligned as the scene says,
+// and with it the same whether `scene` was drawn or not.
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial);
 
 }  // namespace ferrule

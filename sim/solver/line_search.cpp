@@ -88,7 +88,9 @@ double MeritModel::largest_adhesion(double most) const noexcept {
 }
 
 // The part at which the energy first rises: what lies behind a barrier of adhesion may be lower.
+// Not looked for among printed laws, whose longest steps it would double.
 double MeritModel::first_barrier() const noexcept {
+  if (has_printed_wells(world_.laws)) return 1;
   for (int n = 1; n <= kBarrierSteps; ++n) {
     const double part = n * kBarrierStep / deepening_;
     if (!(part < 1)) break;

@@ -224,7 +224,7 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
   const testing::TemporaryFolder folder;
   const Scene scene = quick();
   for (std::uint64_t trial = 1; trial <= 4; ++trial) {
-    InsertionLaw law = kLaw;
+    Law law = kLaw;
     const TrialResult result = run_trial(scene, law, 1, trial);
     const Episode episode = read_episode(testing::record(scene, folder.path(), trial, &law));
     EXPECT_EQ(episode.info.outcome == Outcome::inserted, result.outcome == Outcome::inserted);

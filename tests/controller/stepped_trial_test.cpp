@@ -20,7 +20,7 @@ std::shared_ptr<const Scene> noisy(const std::vector<std::string>& more = {}) {
 
 void expect_same_trials(const std::shared_ptr<const Scene>& scene) {
   for (std::uint64_t trial = 0; trial < 6; ++trial) {
-    InsertionLaw inside = kLaw, outside = kLaw;
+    Law inside = kLaw, outside = kLaw;
     const TrialResult run = run_trial(*scene, inside, 5, trial);
     SteppedTrial stepped(scene, 5, trial);
     while (!stepped.ended()) stepped.step(outside.command(stepped.observation()));

@@ -1,6 +1,6 @@
 #include "haptic/scaling.hpp"
 
-#include "controller/insertion_law.hpp"
+#include "controller/law.hpp"
 #include "tests/compare.hpp"
 
 namespace ferrule {
@@ -36,7 +36,7 @@ TEST(Scaling, ALawLearnedInTheHandsWorldIsTheSameLawAtTheTip) {
   std::array<double, kGains> gains{};
   gains[1] = gains[3] = 1;
   gains[6] = 0.8e-3;
-  InsertionLaw law(gains);
+  Law law(LawKind::insertion, {gains.begin(), gains.end()});
   Eigen::Matrix<double, 5, 1> tip_wrench = Eigen::Matrix<double, 5, 1>::Zero();
   tip_wrench[1] = 2e-6;
   const Observation observation = {kPaper.wrench_to_hand(tip_wrench), 0, 1};

@@ -12,7 +12,7 @@ namespace {
 TEST(Candidates, TheControllerTunedByHandShipsAsAFile) {
   const Scene bench = load_scene("bench");
   const double speed = scene_scaling(bench).motion * bench.limits.speed;
-  InsertionLaw tuned = tuned_by_hand(speed);
+  Law tuned = tuned_by_hand(speed);
   const auto file = load_controller(data_folder() + "/controllers/tuned_by_hand.json")(0);
   for (const double force : {0.0, 0.5, 8.0})
     for (const double time : {0.0, 0.05, 2.0}) {

@@ -75,7 +75,7 @@ TEST(FitLawAtLength, ReturnsTheGainsOfARecordedController) {
       testing::paper({"start.lateral_sd_um=3", "start.distance_um=40", "success.depth_um=30"});
   const std::array<double, kGains> gains = {1.7e-3, 0.8,  0.012, 0.004, 0.2,   1e-4,
                                             0.9e-3, 1e-3, 1e-5,  -1e-5, -2e-3, 1e-3};
-  InsertionLaw law(gains);
+  Law law(LawKind::insertion, {gains.begin(), gains.end()});
   for (std::uint64_t trial = 1; trial <= 6; ++trial)
     testing::record(scene, folder.path(), trial, &law);
   const DemonstrationSet set = load_demonstrations(folder.path());
