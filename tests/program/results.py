@@ -116,7 +116,8 @@ class Results(Case):
 
     def test_what_is_made_when_it_is_interrupted_is_kept(self):
         run = subprocess.Popen([sys.executable, "-B", SCRIPT, "--only", "recording,sensors", *self.stand_in("0.8.0")],
-                               stderr=subprocess.PIPE, text=True)
+                               stderr=subprocess.PIPE, text=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
         while "bench sensors" not in run.stderr.readline():
             self.assertIsNone(run.poll())
         run.send_signal(signal.SIGINT)
