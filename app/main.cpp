@@ -24,6 +24,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_view(app, run);
   add_record(app, run);
   add_fit(app, run);
+  add_improve(app, run);
   add_evaluate(app, run);
   add_compare(app, run);
   add_export(app, run);

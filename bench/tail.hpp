@@ -23,7 +23,7 @@ struct TailRow {
 
 // Every shipped scene with `scenes` starts in insertions and against the wall, in steps of 1 ms;
 // and `scenes` random ones (bench/random_scene.hpp) in all motions, in steps of 0.1 to 10 ms. A
-// motion ends where the end tilts by more than 0.5 rad, as laws and holder are those of small tilts.
+// motion ends where the end tilts by more than 0.5 rad: laws and holder are those of small tilts.
 // Drawn under `seed`.
 std::vector<TailRow> bench_tail(std::uint64_t seed, std::size_t scenes, const GoOn& go_on = {});
 

@@ -44,6 +44,8 @@ inline constexpr std::array kSearchGains = std::to_array<Gain>({
     {"mouth_radius", "R_m", "m", Gain::positive},
     {"lead_in_length", "l_m", "m", Gain::not_negative},
 });
+// The last ones are sizes of the parts, not choices.
+inline constexpr std::size_t kSearchSizes = 4;
 
 class SearchLaw : public Controller {
  public:

@@ -14,7 +14,8 @@ import unittest
 from case import PROGRAM, SOURCE, Case, main
 
 # How many trials and the like are enough here. What is printed stays what a reader runs.
-CUTS = [(r"\s+#.*", ""), (r"--trials \d+", "--trials 4"), (r"--scenes \d+", "--scenes 1"),
+CUTS = [(r"\s+#.*", ""), (r"(?m)^((?!./ferrule improve).*)--trials \d+", r"\1--trials 4"),
+        (r"^(./ferrule improve .*)--trials \d+", r"\1--trials 1000"), (r"--scenes \d+", "--scenes 1"),
         (r"^(./ferrule (?:compare|evaluate|sweep|map|sensitivity)\b(?!.*--trials).*)", r"\1 --trials 4"),
         (r"--seeds 1\.\.5", "--seeds 1..2"), (r"--demonstrations \S+", "--demonstrations 5"),
         (r"--episodes (20|100)\b", "--episodes 6"), (r"insertion,(torch,)?dagger", "insertion")]

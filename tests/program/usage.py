@@ -94,7 +94,7 @@ class Usage(Case):
     def test_help_and_version(self):
         text = self.done("--help").stdout
         for verb in ("demo", "scene", "forces", "contact", "release", "limits", "plan", "record", "recover", "replay",
-                     "score", "fit", "identify", "evaluate", "compare", "sweep", "map", "sensitivity", "report",
+                     "score", "fit", "improve", "identify", "evaluate", "compare", "sweep", "map", "sensitivity", "report",
                      "export", "bench", "devices", "doctor"):
             self.assertIn(verb, text)
             help = self.done(verb, "--help").stdout

@@ -1,0 +1,177 @@
+// ferrule improve: a controller better than its teacher, by trials in the simulator.
+#include "learn/improve.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "app/columns.hpp"
+#include "app/stopping.hpp"
+#include "app/varied_scene.hpp"
+#include "controller/campaign_table.hpp"
+
+namespace ferrule {
+namespace {
+
+struct ImproveArguments {
+  SceneArguments scene;
+  std::string controller, out;
+  std::vector<std::string> objective = {"success", "time", "force"};
+  ImproveSettings settings;
+  std::size_t unseen = 1000;
+  std::uint64_t seed = 7;
+  bool other_scaling = false, json = false;
+};
+
+// Changed gains have no intervals, and no error against demonstrations.
+ControllerFile as_improved(const ControllerFile& controller, const ChosenScene& chosen,
+                           const Improved& improved) {
+  ControllerFile file = improved.controller;
+  std::visit(
+      [&](auto& c) {
+        c.trained_on.scenes = {chosen.scene.name};
+        c.trained_on.scene = chosen.scene.document;
+        c.trained_on.rollouts += improved.trials;
+        c.trained_on.partial = interrupted();
+      },
+      file);
+  if (auto* law = std::get_if<LawFile>(&file)) law->held_out_residual = NAN;
+  if (auto* search = std::get_if<SearchFile>(&file))
+    for (const std::size_t i : free_gains(controller))
+      search->sources[i] = fmt::format("improved from {} in {} by {} trials", gain(controller, i),
+                                       chosen.scene.name, improved.trials);
+  return file;
+}
+
+struct Told {
+  const char* when;
+  CampaignSummary summary;
+};
+
+Columns<Told> columns() {
+  Columns<Told> table = {{"", "controller", "<10", [](const Told& t) { return Json(t.when); }}};
+  const auto add = [&](const char* heading, const char* format, auto cell) {
+    table.push_back({"", heading, format, [cell](const Told& t) { return cell(t.summary); }});
+  };
+  using S = const CampaignSummary&;
+  add("trials", ">7", [](S s) { return Json(s.trials); });
+  add("inserted [%]", ">12.1f", [](S s) { return Json(100 * s.success_rate); });
+  add("from", ">6.1f", [](S s) { return Json(100 * s.wilson.low); });
+  add("to, 95 %", ">8.1f", [](S s) { return Json(100 * s.wilson.high); });
+  add("time [s]", ">9.2f", [](S s) { return Json(s.time.median); });
+  add("95 %", ">7.2f", [](S s) { return Json(s.time.p95); });
+  add("peak [uN]", ">9.2f", [](S s) { return Json(1e6 * s.peak_force.median); });
+  add("95 %", ">7.2f", [](S s) { return Json(1e6 * s.peak_force.p95); });
+  return table;
+}
+
+void tell(const ControllerFile& before, const ControllerFile& after) {
+  fmt::print("{:>16} {:>14} {:>14}\n", "gain", "before", "after");
+  for (const std::size_t i : free_gains(before))
+    fmt::print("{:>16} {:>14.4g} {:>14.4g}\n", gain_name(before, i), gain(before, i),
+               gain(after, i));
+}
+
+int improve_verb(const ImproveArguments& a) {
+  expect_place_for(a.out);
+  const ControllerFile before = read_controller(a.controller);
+  free_gains(before);  // refuses networks
+  const BroughtScene brought = brought_by(trained_on(before), a.controller);
+  const ChosenScene chosen = a.scene.choose(brought);
+  refuse_other_scaling(trained_on(before).scaling, a.controller, chosen.scene, a.other_scaling);
+  Provenance provenance;
+  provenance.in(chosen).seed("search", a.settings.seed).seed("unseen trials", a.seed);
+  provenance.read(a.controller);
+  if (!a.json) fmt::print("{}", provenance.head());
+  std::fflush(stdout);  // the trials take long
+
+  const auto measured = [&](const ControllerFile& controller) {
+    return summarise(run_campaign(chosen.scene, maker(controller), a.seed, a.unseen,
+                                  a.settings.threads, {}, interrupted));
+  };
+  const CampaignSummary first = measured(before);
+  end_if_interrupted();
+  const auto counts = [&](const char* what) {
+    return std::find(a.objective.begin(), a.objective.end(), what) != a.objective.end();
+  };
+  Objective objective;
+  if (counts("time")) objective.time = first.time.median;
+  if (counts("force")) objective.force = first.peak_force.median;
+
+  Improved improved;
+  {
+    Progress bar("trials", a.settings.trials);
+    improved = improve(
+        before, chosen.scene, objective, a.settings,
+        [&](const ImproveRow& row) { bar(row.trials, fmt::format("{:.3g}", row.objective)); },
+        interrupted);
+  }
+  if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
+  const ControllerFile after = as_improved(before, chosen, improved);
+  write_controller(a.out, after);
+  std::vector<Told> told = {{"before", first}};
+  if (!interrupted()) told.push_back({"after", measured(after)});
+  if (a.json) {
+    Json json = {{"controller", printable(a.controller)},
+                 {"out", a.out},
+                 {"objective", a.objective},
+                 {"trials", improved.trials},
+                 {"rows", json_list(improved.rows, [](const ImproveRow& row) {
+                    return Json{{"trials", row.trials},
+                                {"objective", number_or_null(row.objective)},
+                                {"spread", row.spread}};
+                  })}};
+    for (const Told& each : told) json[each.when] = short_row(to_json(each.summary));
+    print_json(std::move(json), provenance);
+  } else {
+    tell(before, after);
+    print_table(columns(), told);
+    fmt::print(
+        "after {} trials; these are others: seed {}; time: of the inserted; peak force: of all\n"
+        "wrote {}\n{}",
+        improved.trials, a.seed, a.out, provenance.foot());
+  }
+  return interrupted() ? kInterrupted : kDone;
+}
+
+}  // namespace
+
+void add_improve(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand(
+      "improve", "Change the gains of a controller until it inserts better and sooner");
+  auto a = std::make_shared<ImproveArguments>();
+  verb->add_option("controller", a->controller, "Law or search: a file, or a shipped one")
+      ->transform(shipped_controller())
+      ->type_name("FILE.json")
+      ->required();
+  verb->add_option("--out", a->out, "The better one")->type_name("FILE.json")->required();
+  a->scene.add_to(*verb, "that of the controller's training, or demo");
+  add_other_scaling(*verb, a->other_scaling);
+  verb->add_option("--objective", a->objective,
+                   "What counts: a failure as ten insertions; time and peak force in units of "
+                   "what they were")
+      ->delimiter(',')
+      ->check(one_of({"success", "time", "force"}))
+      ->type_name("success,time,force");
+  verb->add_option("--trials", a->settings.trials, "Trials in all, at most")
+      ->capture_default_str()
+      ->check(whole_number(1000, 100000000));
+  verb->add_option("--trials-each", a->settings.trials_each,
+                   "Trials of a candidate, the same for all of a generation")
+      ->capture_default_str()
+      ->check(whole_number(1, 100000));
+  add_seed(*verb, a->settings.seed, "Seed of the search", "--search-seed");
+  verb->add_option("--unseen", a->unseen,
+                   "Trials of before and after, which the search has not seen")
+      ->capture_default_str()
+      ->check(whole_number(1, 100000000));
+  add_seed(*verb, a->seed, "Seed of those");
+  add_threads(*verb, a->settings.threads);
+  add_json(*verb, a->json);
+  add_examples(*verb, {"improve tuned_by_hand --scene bench --out improved.json",
+                       "improve search --scene ladder/d --objective success,time --trials 30000 "
+                       "--out improved.json --json"});
+  verb->callback([a, &run] { run = [a] { return improve_verb(*a); }; });
+}
+
+}  // namespace ferrule

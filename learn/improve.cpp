@@ -1,0 +1,136 @@
+#include "learn/improve.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "learn/cma_es.hpp"
+#include "sim/base/error.hpp"
+#include "sim/base/random.hpp"
+
+namespace ferrule {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+constexpr double kFirstSpread = 0.3;
+constexpr double kNarrow = 0.02;      // what trials of so many cannot tell apart
+constexpr std::size_t kChoice = 200;  // trials of each centre in the end
+
+// Of the trials of generation `n`; those of a campaign with `seed` itself are never among them.
+std::uint64_t seed_of_generation(std::uint64_t seed, std::uint64_t n) {
+  return RandomStream(seed, n, "improve").bits() >> 1;
+}
+
+}  // namespace
+
+double Objective::of(const std::vector<TrialResult>& results) const {
+  double sum = 0;
+  std::size_t feasible = 0;
+  for (const TrialResult& trial : results) {
+    if (trial.outcome == Outcome::infeasible) continue;
+    ++feasible;
+    if (trial.outcome != Outcome::inserted) {
+      sum += kFailure;
+      continue;
+    }
+    if (time > 0) sum += trial.summary.time / time;
+    if (force > 0) sum += trial.summary.peak_force / force;
+  }
+  return feasible > 0 ? sum / static_cast<double>(feasible) : NAN;
+}
+
+double gain(const ControllerFile& controller, std::size_t i) {
+  if (const auto* law = std::get_if<LawFile>(&controller)) return law->gains[i].value;
+  return std::get<SearchFile>(controller).gains[i];
+}
+
+const char* gain_name(const ControllerFile& controller, std::size_t i) {
+  if (const auto* law = std::get_if<LawFile>(&controller)) return gain_table(law->kind)[i].name;
+  return kSearchGains[i].name;
+}
+
+std::vector<std::size_t> free_gains(const ControllerFile& controller) {
+  std::size_t count = kSearchGains.size() - kSearchSizes;
+  if (const auto* law = std::get_if<LawFile>(&controller))
+    count = law->gains.size();
+  else if (!std::holds_alternative<SearchFile>(controller))
+    throw BadInput("improve takes laws and searches, not networks");
+  std::vector<std::size_t> free;
+  for (std::size_t i = 0; i < count; ++i)
+    if (gain(controller, i) != 0) free.push_back(i);
+  return free;
+}
+
+ControllerFile with_gains(const ControllerFile& controller, const std::vector<std::size_t>& free,
+                          const VectorXd& x) {
+  ControllerFile changed = controller;
+  for (std::size_t k = 0; k < free.size(); ++k) {
+    const double value = gain(controller, free[k]) * std::exp(x[static_cast<Index>(k)]);
+    if (auto* law = std::get_if<LawFile>(&changed))
+      law->gains[free[k]] = {.value = value};
+    else
+      std::get<SearchFile>(changed).gains[free[k]] = value;
+  }
+  return changed;
+}
+
+Improved improve(const ControllerFile& controller, const Scene& scene, const Objective& objective,
+                 const ImproveSettings& settings,
+                 const std::function<void(const ImproveRow&)>& progress,
+                 const std::function<bool()>& stop) {
+  const std::vector<std::size_t> free = free_gains(controller);
+  const auto n = static_cast<Index>(free.size());
+  std::uint64_t generation = 0;
+  Improved done{controller, {}};
+  // The objective of each candidate, in the same trials; empty where it was stopped.
+  const auto judge = [&](const std::vector<VectorXd>& candidates, std::size_t trials) {
+    std::vector<Campaign> campaigns;
+    for (const VectorXd& x : candidates)
+      campaigns.push_back({&scene, maker(with_gains(controller, free, x))});
+    const auto results = run_campaigns(campaigns, seed_of_generation(settings.seed, generation++),
+                                       trials, settings.threads, {}, stop);
+    std::vector<double> values;
+    for (const auto& of_one : results) {
+      done.trials += of_one.size();
+      if (of_one.size() < trials) return std::vector<double>{};
+      values.push_back(objective.of(of_one));
+    }
+    return values;
+  };
+
+  std::vector<VectorXd> centres = {VectorXd::Zero(n)};
+  int population = CmaEs::default_population(n);
+  const auto left_for = [&](std::size_t candidates) {
+    const std::size_t choice = (centres.size() + 1) * kChoice;
+    return done.trials + candidates * settings.trials_each + choice <= settings.trials;
+  };
+  bool stopped = false;
+  for (; !stopped && left_for(static_cast<std::size_t>(population)); population *= 2) {
+    CmaEs search(VectorXd::Zero(n), kFirstSpread, population, settings.seed + done.restarts);
+    while (!stopped && search.spread() > kNarrow &&
+           left_for(static_cast<std::size_t>(population))) {
+      const Eigen::MatrixXd& candidates = search.ask();
+      std::vector<VectorXd> all;
+      for (Index k = 0; k < candidates.cols(); ++k) all.emplace_back(candidates.col(k));
+      const std::vector<double> values = judge(all, settings.trials_each);
+      stopped = values.empty();
+      if (stopped) break;
+      search.tell(Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size())));
+      done.rows.push_back(
+          {done.trials, *std::min_element(values.begin(), values.end()), search.spread()});
+      if (progress) progress(done.rows.back());
+    }
+    centres.push_back(search.mean());
+    ++done.restarts;
+  }
+  // Without them, where it was stopped: the centre of the last.
+  const std::vector<double> values = stopped ? std::vector<double>{} : judge(centres, kChoice);
+  const auto best = values.empty()
+                        ? static_cast<std::ptrdiff_t>(centres.size()) - 1
+                        : std::min_element(values.begin(), values.end()) - values.begin();
+  done.controller = with_gains(controller, free, centres[static_cast<std::size_t>(best)]);
+  return done;
+}
+
+}  // namespace ferrule
