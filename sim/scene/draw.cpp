@@ -70,7 +70,7 @@ FeasibleTrial feasible_trial(const Scene& scene, std::uint64_t seed, std::uint64
 }
 
 State start_at(const World& world, const Pose& tip) noexcept {
-  const State start = at_rest(world, tip);
+  State start = at_rest(world, tip);
   if (world.dynamics == Dynamics::quasi_static) return start;
   World still = world;
   still.dynamics = Dynamics::quasi_static;
