@@ -6,7 +6,6 @@
 #include <algorithm>
 
 #include "app/columns.hpp"
-#include "app/stopping.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/campaign_table.hpp"
 
@@ -54,10 +53,7 @@ Columns<Told> columns() {
     table.push_back({"", heading, format, [cell](const Told& t) { return cell(t.summary); }});
   };
   using S = const CampaignSummary&;
-  add("trials", ">7", [](S s) { return Json(s.trials); });
-  add("inserted [%]", ">12.1f", [](S s) { return Json(100 * s.success_rate); });
-  add("from", ">6.1f", [](S s) { return Json(100 * s.wilson.low); });
-  add("to, 95 %", ">8.1f", [](S s) { return Json(100 * s.wilson.high); });
+  add_success_columns(add);
   add("time [s]", ">9.2f", [](S s) { return Json(s.time.median); });
   add("95 %", ">7.2f", [](S s) { return Json(s.time.p95); });
   add("peak [uN]", ">9.2f", [](S s) { return Json(1e6 * s.peak_force.median); });

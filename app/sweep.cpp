@@ -81,10 +81,7 @@ Columns<SweptPoint> columns(const std::vector<Swept>& all) {
     table.push_back({"", heading, format, [cell](const SweptPoint& p) { return cell(p.summary); }});
   };
   using S = const CampaignSummary&;
-  add("trials", ">7", [](S s) { return Json(s.trials); });
-  add("inserted [%]", ">12.1f", [](S s) { return Json(100 * s.success_rate); });
-  add("from", ">6.1f", [](S s) { return Json(100 * s.wilson.low); });
-  add("to, 95 %", ">8.1f", [](S s) { return Json(100 * s.wilson.high); });
+  add_success_columns(add);
   add("infeasible", ">10", [](S s) { return Json(s.trials - s.feasible); });
   add("time [s]", ">9.2f", [](S s) { return Json(s.time.median); });
   add("peak [uN]", ">9.2f", [](S s) { return Json(1e6 * s.peak_force.median); });

@@ -58,6 +58,16 @@ struct Point {
 void run(const VariedArguments& arguments, const VariedScene& varied,
          const StoppingArguments& stopping, std::vector<Point*> points);
 
+// Of a table of summaries, how often they inserted: add(heading, format, cell of a summary).
+template <class Add>
+void add_success_columns(const Add& add) {
+  using S = const CampaignSummary&;
+  add("trials", ">7", [](S s) { return Json(s.trials); });
+  add("inserted [%]", ">12.1f", [](S s) { return Json(100 * s.success_rate); });
+  add("from", ">6.1f", [](S s) { return Json(100 * s.wilson.low); });
+  add("to, 95 %", ">8.1f", [](S s) { return Json(100 * s.wilson.high); });
+}
+
 // A row of what matters of a summary's JSON, the same for every verb: medians are numbers.
 Json short_row(const Json& summary);
 Json to_json(const Point& point);

@@ -108,8 +108,7 @@ Improved improve(const ControllerFile& controller, const Scene& scene, const Obj
   bool stopped = false;
   for (; !stopped && left_for(static_cast<std::size_t>(population)); population *= 2) {
     CmaEs search(VectorXd::Zero(n), kFirstSpread, population, settings.seed + done.restarts);
-    while (!stopped && search.spread() > kNarrow &&
-           left_for(static_cast<std::size_t>(population))) {
+    while (search.spread() > kNarrow && left_for(static_cast<std::size_t>(population))) {
       const Eigen::MatrixXd& candidates = search.ask();
       std::vector<VectorXd> all;
       for (Index k = 0; k < candidates.cols(); ++k) all.emplace_back(candidates.col(k));
