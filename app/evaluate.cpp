@@ -85,7 +85,7 @@ std::vector<Tried> to_try(const EvaluateArguments& a, const std::optional<GivenC
   std::vector<Tried> all;
   if (given) all.push_back({printable(given->name), given->file ? given->name : "", given->make});
   if (!a.baseline.empty())
-    all.push_back({a.baseline, "--against " + a.baseline, straight_push(scene)});
+    all.push_back({a.baseline, "--against " + a.baseline, baseline(a.baseline, scene)});
   return all;
 }
 
@@ -127,8 +127,8 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
 std::optional<GivenController> given(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty() && a.policy.command.empty())
     throw BadInput(
-        "evaluate: give a controller file, --policy, or --baseline constant-velocity, or one of "
-        "the first and the last");
+        "evaluate: give a controller file, --policy, or --baseline constant-velocity or spiral, or "
+        "one of the first two and the last");
   if (!a.controller.empty() && !a.policy.command.empty())
     throw BadInput("evaluate: give a controller file or --policy, not both");
   a.policy.periods();
@@ -210,8 +210,8 @@ void add_evaluate(CLI::App& app, Run& run) {
   a->stopping.add_to(*verb);
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
-  verb->add_option("--baseline", a->baseline, "The naive controller: alone, or on the same trials")
-      ->check(one_of({"constant-velocity"}));
+  verb->add_option("--baseline", a->baseline, "A naive controller: alone, or on the same trials")
+      ->check(one_of({kStraight, kSpiral}));
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");

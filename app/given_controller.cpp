@@ -4,8 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "controller/controller.hpp"
+#include "controller/blind_spiral.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -58,8 +59,17 @@ GivenController given_file(const std::string& file, const PolicyArguments& how,
   return {file, std::move(make), std::move(read)};
 }
 
-MakeController straight_push(const Scene& scene) {
-  return controller_maker(ConstantVelocity(scene_scaling(scene).motion * scene.limits.speed));
+bool is_baseline(const std::string& name) {
+  return name == kStraight || name == kSpiral;
+}
+
+MakeController baseline(const std::string& name, const Scene& scene) {
+  const Scaling scaling = scene_scaling(scene);
+  const double speed = scaling.motion * scene.limits.speed;
+  if (name == kStraight) return controller_maker(ConstantVelocity(speed));
+  return controller_maker(
+      BlindSpiral(speed, scaling.force * scene.limits.force / 12,
+                  std::numbers::sqrt2 * scaling.motion * scene.world.annulus.clearance()));
 }
 
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {

@@ -5,15 +5,10 @@
 #include "controller/campaign_table.hpp"
 
 namespace ferrule {
-namespace {
-
-constexpr const char* kStraight = "constant-velocity";
-
-}  // namespace
 
 void VariedArguments::add_controller(CLI::App& verb) {
   verb.add_option("controller", controller,
-                  std::string("Controller file or shipped one, or TorchScript; or ") + kStraight)
+                  "Controller file or shipped one, or TorchScript; or constant-velocity, or spiral")
       ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt")
       ->required();
@@ -30,7 +25,7 @@ void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help
 }
 
 VariedScene::VariedScene(const VariedArguments& arguments) : arguments_(arguments) {
-  if (arguments.controller == kStraight) return;
+  if (is_baseline(arguments.controller)) return;
   given_ = given_file(arguments.controller, {}, arguments.seed);
   if (given_->file) brought_ = brought_by(trained_on(*given_->file), arguments.controller);
 }
@@ -47,7 +42,7 @@ ChosenScene VariedScene::with(const std::vector<std::string>& settings) const {
 
 MakeController VariedScene::controller(const Scene& scene) const {
   if (given_) return given_->make;
-  return straight_push(scene);
+  return baseline(arguments_.controller, scene);
 }
 
 Provenance VariedScene::provenance(const ChosenScene& chosen) const {

@@ -196,11 +196,12 @@ def ladder(*results: Result) -> str:
         about = json.loads((SCENES / f"{name}.json").read_text())["about"]
         what = re.sub(r"^Rung \w+: (.*)\.$", r"\1", about)
         peak = searched["peak_force_uN"]
-        rows.append([f"`{name}`", what, inserted(searched["baseline"]), inserted(tuned),
+        rows.append([f"`{name}`", what, inserted(searched["baseline"]), inserted(tuned["baseline"]),
+                     inserted(tuned),
                      f"{inserted(searched)} ({interval(searched)})", time(searched),
                      f"{peak['median']:.1f}, {peak['p95']:.1f} uN"])
-    return markdown(columns("rung | what | constant velocity | tuned by hand | search | its time"
-                            " | its peak force, median and 95 %"), rows)
+    return markdown(columns("rung | what | constant velocity | blind spiral | tuned by hand | search"
+                            " | its time | its peak force, median and 95 %"), rows)
 
 
 def stepping(result: Result) -> str:

@@ -34,8 +34,8 @@ def policies(what: str) -> list[str]:
 
 def ladder(trials: int) -> list[str]:
     return [f"./ferrule evaluate {how} --scene ladder/{rung} --trials {trials}"
-            for rung in ("a", "b1", "b2", "b3", "c", "d", "d2_cleave", "d2_edge", "e")
-            for how in ("search --baseline constant-velocity", "tuned_by_hand")]
+            for rung in ("a", "b1", "b2", "b3", "b", "c", "d", "d2_cleave", "d2_edge", "e", "f")
+            for how in ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")]
 
 
 COST = "compare bench-episodes --learners insertion,torch --trials 1"

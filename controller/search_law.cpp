@@ -8,22 +8,42 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kNoises = 6;        // standard deviations of the sensor that it does not reach
-constexpr double kSmoothNoises = 2;  // the same of the smoothed wrench
-constexpr double kSmoothing = 0.05;  // share of a new reading in that
-constexpr double kSettling = 0.4;    // of the time it rests, before the force counts
-constexpr double kLeft = 0.4;        // of the force, where it has given way
-constexpr double kReleasing = 0.25;  // of the touching speed
-constexpr double kClear = 0.25;      // of the lift: above what can be in the way
-constexpr double kGoalTime = 0.01;   // with which it settles at a place [s]
-constexpr double kTiltTime = 0.1;    // and at a tilt, inserting [s]
-constexpr double kThere = 1e-3;      // of r: that near a place it is there
-constexpr double kTilted = 0.01;     // of the tilt, likewise
-constexpr double kLookEvery = 0.1;   // whether insertion is held up [s]
-constexpr double kHeldUp = 0.1;      // of the inserting speed: slower than that it is
-constexpr double kShallow = 3;       // lifts below the face: there the face may hold it up
-constexpr double kProbing = 0.5;     // of the tilt rate
-constexpr double kMostTilt = 0.02;   // that it tries, from straight [rad]
+// Of what it feels.
+constexpr double kNoises = 6;         // standard deviations of the sensor that it does not reach
+constexpr double kSmoothNoises = 2;   // the same of the smoothed wrench
+constexpr double kSmoothing = 0.05;   // share of a new reading in that
+constexpr double kSettling = 0.4;     // of the time it rests, before the force counts
+constexpr double kForceError = 0.02;  // of what is felt, where it tells the stiffness
+constexpr double kLeft = 0.4;         // of the force, where it has given way
+constexpr double kReleased = 0.7;     // less than that is enough
+constexpr double kSlides = 0.5;       // of the axial force: with more sideways it lies on a slope
+constexpr double kReleasing = 0.25;   // of the touching speed
+
+// Of where it goes.
+constexpr double kClear = 0.25;     // of the lift: above what can be in the way
+constexpr double kThere = 1e-3;     // of r: that near a place it is there
+constexpr double kTilted = 0.01;    // of the tilt, likewise
+constexpr double kGoalTime = 0.01;  // with which it settles at a place [s]
+constexpr double kTiltTime = 0.1;   // and at a tilt, inserting [s]
+
+// Of a hand that is late.
+constexpr double kGoalLags = 2.7;  // it settles with at least: from e of them on without overshoot
+constexpr double kStopForce = 0.75;  // of the pushing force: so much may a touch with it add
+constexpr double kStopTime = 5e-3;   // of touching speed: what moves the end that far, unknown [s]
+constexpr double kSteadyForce = 0.25;  // of the pushing force: so much may go on in the bore
+constexpr double kStopLift = 0.3;      // of the lift, likewise
+constexpr double kLate = 2e-3;         // with more it does not touch the cone of a lead-in [s]
+constexpr double kFurther = 1.25;      // of what a cone may be higher
+
+// Of how it inserts.
+constexpr double kLookEvery = 0.1;  // whether it is held up [s]
+constexpr double kHeldUp = 0.1;     // of the inserting speed: slower than that it is
+constexpr double kShallow = 3;      // lifts below the face: there the face may hold it up
+constexpr double kFreed = 0.5;      // of the pushing force: less is left before it turns
+constexpr double kHarder = 1.15;    // it presses once it has straightened
+constexpr double kProbing = 0.5;    // of the tilt rate
+constexpr double kMostTilt = 0.02;  // that it tries, from straight [rad]
+constexpr std::size_t kProbes = 6;
 
 HandTwist along(double velocity) noexcept {
   HandTwist v = HandTwist::Zero();
@@ -48,6 +68,8 @@ HandTwist SearchLaw::command(const Observation& observation) noexcept {
   switch (phase_) {
     case Phase::approach:
       return approach(o);
+    case Phase::centre:
+      return centre(o);
     case Phase::touch:
       return touch(o);
     case Phase::release:
@@ -60,6 +82,8 @@ HandTwist SearchLaw::command(const Observation& observation) noexcept {
       return lower(o);
     case Phase::insert:
       return insert(o);
+    case Phase::back_off:
+      return back_off(o);
     case Phase::straighten:
       break;
   }
@@ -70,7 +94,7 @@ HandTwist SearchLaw::command(const Observation& observation) noexcept {
 HandTwist SearchLaw::begin(Phase phase, const Observation& o) noexcept {
   phase_ = phase;
   since_ = o.time;
-  from_ = o.displacement[0];
+  from_ = o.displacement;
   sum_ = 0;
   read_ = 0;
   probe_ = 0;
@@ -78,33 +102,84 @@ HandTwist SearchLaw::begin(Phase phase, const Observation& o) noexcept {
   return HandTwist::Zero();
 }
 
+double SearchLaw::felt_moment() const noexcept {
+  return std::max(n_.turn_moment, kSmoothNoises * std::sqrt(noise_.tail<2>().maxCoeff()));
+}
+
+// By how much the holder is late, on its way straight in at one speed since the start.
+void SearchLaw::measure_lag(const Observation& o) noexcept {
+  const double moved = last_x_ - o.displacement[0], period = o.time - last_time_;
+  if (moved > 0) lag_ = std::max(0.0, o.time - since_ + (o.displacement[0] / moved - 1) * period);
+  last_x_ = o.displacement[0];
+  last_time_ = o.time;
+}
+
+// A speed from which the holder, late as it is, does not go on by more than `further`.
+double SearchLaw::stoppable(double speed, double further) const noexcept {
+  return speed * lag_ > further ? further / lag_ : speed;
+}
+
+// By a touch with it the force grows by part of the pushing force.
+double SearchLaw::touching() const noexcept {
+  const double further =
+      kStopForce * (stiffness_ > 0 ? n_.push_force / stiffness_ : kStopTime * n_.touch_speed);
+  return stoppable(n_.touch_speed, further);
+}
+
+// A tilted end gives way in the bore, and comes to rest in parts of the lift.
+double SearchLaw::inserting() const noexcept {
+  const double soft = stiffness_ > 0 ? kSteadyForce * n_.push_force / stiffness_ : 0;
+  return stoppable(n_.insert_speed, std::max(soft, kStopLift * n_.lift));
+}
+
+double SearchLaw::goal_time() const noexcept {
+  return std::max(kGoalTime, kGoalLags * lag_);
+}
+
 double SearchLaw::felt_force() const noexcept {
-  return std::max(n_.touch_force, kNoises * std::sqrt(noise_));
+  return std::max(n_.touch_force, kNoises * std::sqrt(noise_[0]));
 }
 
 HandTwist SearchLaw::approach(const Observation& o) noexcept {
-  if (o.wrench[0] > felt_force()) return begin(Phase::touch, o);
+  const bool still = o.time < n_.hold_time;  // at first, for the noise
+  if (!still && o.wrench[0] > felt_force()) return begin(Phase::touch, o);
   if (o.height < -n_.near_entrance) return begin(Phase::insert, o);
   ++free_;
-  if (free_ > 1) noise_ += (o.wrench[0] * o.wrench[0] - noise_) / free_;
+  if (free_ > 1) noise_ += (o.wrench.cwiseAbs2() - noise_) / free_;
   tare_ += o.wrench / free_;
-  return along(o.height < n_.near_entrance ? -n_.touch_speed : -n_.approach_speed);
+  if (still) {
+    since_ = last_time_ = o.time;
+    return along(0);
+  }
+  if (o.height < n_.near_entrance) return along(-touching());
+  if (!centred_ && rest_force_ == 0) measure_lag(o);
+  if (!centred_ && lag_ > kLate && o.height < 0.5 * n_.lead_in_length) {
+    centred_ = true;
+    return begin(Phase::centre, o);
+  }
+  return along(-n_.approach_speed);
 }
 
 HandTwist SearchLaw::touch(const Observation& o) {
   const double rested = o.time - since_;
-  if (rested < kSettling * n_.hold_time) return along(0);
+  if (rested < lag_ + kSettling * n_.hold_time) return along(0);
   sum_ += o.wrench[0];
   ++read_;
-  if (rested < n_.hold_time) return along(0);
-  const double f = sum_ / read_, x = o.displacement[0];
   const bool first = stiffness_ == 0;
+  const double f = sum_ / read_, x = o.displacement[0];
+  // What the mean may be wrong by.
+  const double error =
+      first ? kForceError * felt_force() : kHeightError * n_.fibre_radius * stiffness_;
+  if (rested < lag_ + n_.hold_time || noise_[0] > read_ * error * error) return along(0);
+  if (smooth_.segment<2>(1).norm() > kSlides * f && f > 0.5 * felt_force())
+    return begin(Phase::insert, o);
   if (first && rest_force_ == 0) {
     if (f < 0.5 * felt_force()) return begin(Phase::approach, o);  // it was noise
     rest_at_ = x;
     rest_force_ = f;
     return begin(Phase::release, o);
   }
+  if (first && !(f < kReleased * rest_force_)) return begin(Phase::release, o);
   if (first) stiffness_ = (rest_force_ - f) / (x - rest_at_);
   if (!first && f < 0.5 * felt_force()) return begin(Phase::lower, o);
   search_.rested({x + f / stiffness_, o.displacement.segment<2>(1), o.displacement.tail<2>()},
@@ -114,20 +189,23 @@ HandTwist SearchLaw::touch(const Observation& o) {
 
 // Unlike under a growing force, nothing slides on a slope while it gives way.
 HandTwist SearchLaw::release(const Observation& o) noexcept {
-  if (o.wrench[0] > kLeft * rest_force_) return along(kReleasing * n_.touch_speed);
+  if (o.wrench[0] > kLeft * rest_force_) return along(kReleasing * touching());
   return begin(Phase::touch, o);
 }
 
 HandTwist SearchLaw::lift(const Observation& o) noexcept {
+  if (smooth_[0] < -n_.push_force) return begin(Phase::insert, o);  // so fast it is in the bore
   const double held = smooth_.head<3>().norm();
-  const double free = std::max(n_.touch_force, kSmoothNoises * std::sqrt(noise_));
-  const bool high = o.displacement[0] >= std::max(from_, search_.highest_rest()) + n_.lift;
-  return high && held < free ? begin(Phase::move, o) : along(n_.insert_speed);
+  const double free = std::max(n_.touch_force, kSmoothNoises * std::sqrt(noise_[0]));
+  const bool high = o.displacement[0] >= std::max(from_[0], search_.highest_rest()) + n_.lift;
+  if (high && held < free) return begin(Phase::move, o);
+  return along(n_.insert_speed);
 }
 
-HandTwist SearchLaw::tilted_to(const Vector2d& tilt, const Observation& o) const noexcept {
+HandTwist SearchLaw::tilted_to(const Vector2d& tilt, double time,
+                               const Observation& o) const noexcept {
   HandTwist v = HandTwist::Zero();
-  v.tail<2>() = (tilt - o.displacement.tail<2>()) / kGoalTime;
+  v.tail<2>() = (tilt - o.displacement.tail<2>()) / time;
   const double rate = v.tail<2>().norm();
   if (rate > n_.tilt_rate) v.tail<2>() *= n_.tilt_rate / rate;
   return v;
@@ -138,54 +216,83 @@ HandTwist SearchLaw::move(const Observation& o) noexcept {
   const Vector2d left = next.across - o.displacement.segment<2>(1);
   const bool tilted = (next.tilt - o.displacement.tail<2>()).norm() < kTilted * n_.tilt;
   if (left.norm() < kThere * n_.fibre_radius && tilted) return begin(Phase::lower, o);
-  HandTwist v = tilted_to(next.tilt, o);
-  v.segment<2>(1) = left / kGoalTime;
+  HandTwist v = tilted_to(next.tilt, goal_time(), o);
+  v.segment<2>(1) = left / goal_time();
   return limit_speed(v, n_.insert_speed);
 }
 
 HandTwist SearchLaw::lower(const Observation& o) noexcept {
   if (o.wrench[0] > felt_force()) return begin(Phase::touch, o);
   const double x = o.displacement[0];
-  if (x < search_.lowest_rest() - n_.lift)
+  if (x + smooth_[0] / stiffness_ < search_.lowest_rest() - n_.lift)
     return begin(o.height < -n_.lift ? Phase::insert : Phase::approach, o);
-  const bool near = x < search_.highest_rest() + kClear * n_.lift;
-  return along(near ? -n_.touch_speed : -n_.insert_speed);
+  double clear = search_.highest_rest() + kClear * n_.lift;
+  if (lag_ > kLate) clear += kFurther * search_.climb() + lag_ * n_.insert_speed;
+  return along(x < clear ? -touching() : -n_.insert_speed);
 }
 
 HandTwist SearchLaw::insert(const Observation& o) noexcept {
   if (o.time - since_ >= kLookEvery) {
-    const bool held_up = from_ - o.displacement[0] < kHeldUp * n_.insert_speed * kLookEvery;
+    const bool held_up = from_[0] - o.displacement[0] < kHeldUp * inserting() * kLookEvery;
     const bool shallow =
         search_.begun() && o.displacement[0] > search_.lowest_rest() - kShallow * n_.lift;
-    begin(!held_up ? Phase::insert : shallow ? Phase::touch : Phase::straighten, o);
+    begin(!held_up ? Phase::insert : shallow ? Phase::touch : Phase::back_off, o);
   }
   const Eigen::Vector3d f = o.wrench.head<3>();
-  const double pressed = f.squaredNorm() / (n_.push_force * n_.push_force);
-  HandTwist v = tilted_to(straight_, o) * (kGoalTime / kTiltTime);
-  v[0] = -n_.insert_speed * std::max(0.0, 1 - pressed);
+  const Eigen::Vector3d push(std::max(0.0, f[0]), f[1], f[2]);  // what pulls is no reason to stop
+  const double pressed = push.squaredNorm() / (push_ * push_);
+  HandTwist v = tilted_to(straight_, std::max(goal_time(), kTiltTime), o);
+  v[0] = -inserting() * std::max(0.0, 1 - pressed);
   v.segment<2>(1) = n_.yield * f.tail<2>();
   return v;
 }
 
+// Until nothing presses any more; no further where it is held back.
+HandTwist SearchLaw::back_off(const Observation& o) noexcept {
+  const double freed = kFreed * n_.push_force;
+  const bool off = o.displacement[0] >= from_[0] + n_.lift && smooth_[0] < freed;
+  return off || smooth_[0] < -freed ? begin(Phase::straighten, o) : along(touching());
+}
+
 HandTwist SearchLaw::straighten(const Observation& o) noexcept {
-  if (probe_ == 0 && o.displacement[0] < from_ + n_.lift) return along(n_.touch_speed);
-  const auto axis = static_cast<Eigen::Index>(probe_ / 3);
+  const double rate = kProbing * n_.tilt_rate * kGoalTime / std::max(kGoalTime, lag_);
+  HandTwist v = probe(o, 3, rate, kMostTilt, felt_moment());
+  if (probe_ < kProbes) return v;
+  straight_ = from_.tail<2>();
+  push_ = kHarder * n_.push_force;
+  return begin(Phase::insert, o);
+}
+
+HandTwist SearchLaw::centre(const Observation& o) noexcept {
+  const double most = n_.mouth_radius - n_.bore_radius;
+  const HandTwist v = probe(o, 1, n_.insert_speed, most, felt_force());
+  const bool nothing = probe_ == 3 && resisted_[0] - resisted_[1] > 2 * most;
+  return probe_ < kProbes && !nothing ? v : begin(Phase::approach, o);
+}
+
+// Along the coordinate `first` and the next one, at `speed` one way and the other until something
+// resists by `felt`, or `most` further, and to the middle, which `from_` has then.
+HandTwist SearchLaw::probe(const Observation& o, Eigen::Index first, double speed, double most,
+                           double felt) noexcept {
+  const Eigen::Index axis = first + static_cast<Eigen::Index>(probe_ / 3);
   const std::size_t step = probe_ % 3;
-  const double tilt = o.displacement[3 + axis], middle = 0.5 * (resisted_[0] + resisted_[1]);
+  const double at = o.displacement[axis], middle = 0.5 * (resisted_[0] + resisted_[1]);
   const double way = step == 1 ? -1 : 1;
-  const bool there = step == 2 ? tilt >= middle
-                               : way * (tilt - straight_[axis]) > kMostTilt ||
-                                     way * smooth_[3 + axis] < -n_.turn_moment;
+  const double past = way * (at - from_[axis]);  // before, it is held where it comes from
+  const bool resists =
+      past >= 0 && (way * smooth_[axis] < -felt || smooth_[0] > kStopForce * n_.push_force);
+  const bool there = step == 2 ? at + lag_ * speed >= middle : resists || past > most;
   HandTwist v = along(0);
   if (!there) {
-    v[3 + axis] = way * (step == 2 ? 1 : kProbing) * n_.tilt_rate;
+    v[axis] = way * speed;
     return v;
   }
   if (step == 2)
-    straight_[axis] = middle;
+    from_[axis] = middle;
   else
-    resisted_[step] = tilt;
-  return ++probe_ == 6 ? begin(Phase::insert, o) : v;
+    resisted_[step] = at;
+  ++probe_;
+  return v;
 }
 
 }  // namespace ferrule

@@ -1,18 +1,31 @@
 // An insertion that finds the bore by touch, without learning. It needs the axial force, tilt as an
 // action, and its own motion remembered; no moments before it is in the bore.
 //
-//   approach     straight in, slower near where the entrance is taken to be, until it is felt: an
-//                axial force above F_t, or above what the sensor's noise in free air ever reaches
-//   touch        rests for t_h and takes the mean axial force f; the end is at x = x_hand + f/k.
-//                The first time it gives way (release) until less than half of f is left, and rests
-//                again: that gives the stiffness k.
-//   lift         off by l, further where something still holds it; move to the next place (touch
-//                search); lower: fast where nothing can be in the way, then at the touching speed.
-//                An end that comes lower than the face lets it is in the opening.
-//   insert       v_x = -v_i (1 - |f|^2/F_p^2), not backwards, v_y = A f_y, v_z = A f_z, upright.
-//                Held up at the face it touches there; held up in the bore:
-//   straighten   backs off by l and tilts to one side and to the other until the bore resists with
-//                a moment M_t, about each axis, and inserts on in the middle.
+//   approach     rests for t_h, then goes straight in, slower near where the entrance is taken to
+//                be, until it is felt: an axial force above F_t, or above what the sensor's noise
+//                in free air ever reaches
+//   touch        rests for t_h, longer where the sensor is noisy, and takes the mean axial force f;
+//                the end is at x = x_hand + f/k. The first time it gives way (release) until less
+//                than half of f is left, and rests again: that gives the stiffness k. An end that
+//                is pushed aside lies on a slope and goes on to insert.
+//   lift         off by l, further where something still holds it, or on into the bore where that
+//                holds it too well; move to the next place (touch search); lower: fast where
+//                nothing can be in the way, then at the touching speed. An end that comes lower
+//                than the face lets it is in the opening.
+//   insert       v_x = -v_i (1 - |f|^2/F_p^2), not backwards and of f_x only what presses,
+//                v_y = A f_y, v_z = A f_z, upright. Held up at the face it touches there; held up
+//                in the bore:
+//   back off     by l at least, until nothing presses; straighten: tilts to one side and to the
+//                other until the bore resists with a moment M_t, about each axis, and inserts on in
+//                the middle, with F_p larger by 15 %.
+//
+// A holder that moves later than it is told to shows that in free air: after T at a speed v, told
+// and reached, it has moved by v (T - d). With a delay or a lag d > 0 speeds are such that what it
+// goes on by after a touch, v d, adds to the force 3/4 F_p at most (k is taken as 1 N/um, as the
+// touching speed assumes, until it is known); and it keeps away from a cone until it is near the
+// axis:
+//   centre       half way down the lead-in it moves to one side and to the other until the cone
+//                resists, in y and in z, and goes on in the middle.
 //
 // Forces are relative to their mean in free air. Lengths and speeds are of the hand.
 #pragma once
@@ -49,7 +62,18 @@ inline constexpr std::size_t kSearchSizes = 4;
 
 class SearchLaw : public Controller {
  public:
-  enum class Phase { approach, touch, release, lift, move, lower, insert, straighten };
+  enum class Phase {
+    approach,
+    centre,
+    touch,
+    release,
+    lift,
+    move,
+    lower,
+    insert,
+    back_off,
+    straighten
+  };
 
   // One number per gain of the table.
   explicit SearchLaw(std::span<const double> gains) noexcept;
@@ -66,26 +90,40 @@ class SearchLaw : public Controller {
 
   // What it does in each phase.
   HandTwist approach(const Observation& o) noexcept;
+  HandTwist centre(const Observation& o) noexcept;
   HandTwist touch(const Observation& o);
   HandTwist release(const Observation& o) noexcept;
   HandTwist lift(const Observation& o) noexcept;
   HandTwist move(const Observation& o) noexcept;
   HandTwist lower(const Observation& o) noexcept;
   HandTwist insert(const Observation& o) noexcept;
+  HandTwist back_off(const Observation& o) noexcept;
   HandTwist straighten(const Observation& o) noexcept;
 
+  HandTwist probe(const Observation& o, Eigen::Index first, double speed, double most,
+                  double felt) noexcept;
   HandTwist begin(Phase phase, const Observation& o) noexcept;
-  HandTwist tilted_to(const Eigen::Vector2d& tilt, const Observation& o) const noexcept;
+  HandTwist tilted_to(const Eigen::Vector2d& tilt, double time,
+                      const Observation& o) const noexcept;
   double felt_force() const noexcept;
+  double felt_moment() const noexcept;
+  void measure_lag(const Observation& o) noexcept;
+  double stoppable(double speed, double further) const noexcept;
+  double touching() const noexcept;
+  double inserting() const noexcept;
+  double goal_time() const noexcept;
 
   Numbers n_;
   TouchSearch search_;
   Phase phase_ = Phase::approach;
-  double since_ = 0, from_ = 0;  // its begin: time [s] and x of the hand [m]
+  double since_ = 0;                  // its begin [s]
+  HandPose from_ = HandPose::Zero();  // and the displacement then
 
   HandWrench tare_ = HandWrench::Zero();    // mean of what was read in free air
-  double noise_ = 0;                        // mean square of the axial force there [N^2]
+  HandWrench noise_ = HandWrench::Zero();   // mean squares of what was read there
   int free_ = 0;                            // readings there
+  double lag_ = 0;                          // by which the holder is late [s]
+  double last_x_ = 0, last_time_ = 0;       // of the last reading there [m, s]
   HandWrench smooth_ = HandWrench::Zero();  // of the last readings, less the tare
 
   double sum_ = 0;                       // of the axial force at rest [N]
@@ -93,8 +131,10 @@ class SearchLaw : public Controller {
   double stiffness_ = 0;                 // k [N/m]; 0: not known yet
   double rest_at_ = 0, rest_force_ = 0;  // of the first touch: x of the hand [m], f [N]
 
-  std::size_t probe_ = 0;             // of six: about each axis one way, the other way, the middle
-  std::array<double, 2> resisted_{};  // at which tilts [rad]
+  double push_ = n_.push_force;       // with which it inserts [N]
+  bool centred_ = false;              // in the cone, or there is none
+  std::size_t probe_ = 0;             // of six: along each axis one way, the other way, the middle
+  std::array<double, 2> resisted_{};  // where
   Eigen::Vector2d straight_ = Eigen::Vector2d::Zero();  // the tilt to insert with [rad]
 };
 

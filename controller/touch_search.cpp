@@ -1,7 +1,6 @@
 #include "controller/touch_search.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -12,13 +11,11 @@ using Eigen::Vector2d;
 
 constexpr std::size_t kFirstSides = 8, kFurtherSides = 4, kEdgeSides = 3;
 constexpr int kEdgesInARow = 2;
-constexpr double kFurthestApart = 4;   // of the tilt
-constexpr double kHeightError = 1e-4;  // of a touch, of r: 6 nm
-constexpr double kUnexplained = 10;    // of that
-constexpr double kSteepest = 0.03;     // slope of an end, twice that of a bad cleave [rad]
-constexpr double kBelow = 0.1;         // of the lift: by which it rests lower than on the face
-constexpr std::array kRounded = {0.0, 0.004, 0.008, 0.016, 0.024, 0.032, 0.048};  // of r
-constexpr double kBetter = 0.7;  // of the misfit, to believe another rounding
+constexpr double kFurthestApart = 4;                         // of the tilt
+constexpr double kClearanceError = 0.7, kMouthError = 0.01;  // of its logarithm
+constexpr double kUnexplained = 10;                          // of that
+constexpr double kSteepest = 0.03;  // slope of an end, twice that of a bad cleave [rad]
+constexpr double kBelow = 0.1;      // of the lift: by which it rests lower than on the face
 
 }  // namespace
 
@@ -26,7 +23,7 @@ constexpr double kBetter = 0.7;  // of the misfit, to believe another rounding
 double TouchSearch::off_axis() const noexcept {
   const double widened =
       n_.lead_in_length > 0 ? std::clamp(height_ / n_.lead_in_length, 0.0, 1.0) : 0;
-  return n_.bore_radius + widened * (n_.mouth_radius - n_.bore_radius) - n_.fibre_radius;
+  return clearance() + widened * (n_.mouth_radius - n_.bore_radius);
 }
 
 void TouchSearch::rested(const Touch& touch, double height) {
@@ -42,6 +39,7 @@ void TouchSearch::rested(const Touch& touch, double height) {
     further_sides();
   next_ = {here_, Vector2d::Zero()};
   if (upright()) return;
+  climb_ = 0;
   const double angle =
       2 * std::numbers::pi * static_cast<double>(side_++) / static_cast<double>(sides_);
   next_.tilt = centre_ + apart_ * Vector2d(std::cos(angle), std::sin(angle));
@@ -96,22 +94,18 @@ void TouchSearch::further_sides() {
 }
 
 void TouchSearch::locate() {
-  const double r = n_.fibre_radius, error = kHeightError * r, off = off_axis();
-  const auto with = [&](double rounded) {
-    return locate_opening(touches_, {r * (1 - rounded), r + off}, {error, r});
-  };
-  opening_ = with(rounded_);
-  if (opening_.misfit > error)
-    for (const double rounded : kRounded) {
-      const Opening other = with(rounded);
-      if (!(other.misfit < kBetter * opening_.misfit)) continue;
-      opening_ = other;
-      rounded_ = rounded;
-    }
+  const double r = n_.fibre_radius;
+  // Near the entrance it is the face of a bore without a cone.
+  const bool mouth = has_cone_ || height_ > n_.near;
+  const double off = mouth ? off_axis() : clearance();
+  const double known = mouth ? kMouthError : kClearanceError;
+  opening_ = locate_opening(touches_, {r, r + off},
+                            {.height = kHeightError * r, .far = r, .clearance = known});
   located_ = true;
   // What rests is not within the opening.
   const Vector2d e = touches_.back().across - opening_.axis;
-  if (e.norm() < off && e.norm() > 0) opening_.axis = touches_.back().across - off * e.normalized();
+  if (e.norm() < opening_.clearance && e.norm() > 0)
+    opening_.axis = touches_.back().across - opening_.clearance * e.normalized();
 }
 
 void TouchSearch::leave_edge() {
@@ -125,6 +119,7 @@ void TouchSearch::leave_edge() {
   if (edges_ > 1 && caught.dot(caught_) < 0) step_ *= 0.5;
   caught_ = caught;
   here_ -= step_ * caught;
+  if (has_cone_) climb_ = step_ * n_.lead_in_length / (n_.mouth_radius - n_.bore_radius);
 }
 
 }  // namespace ferrule

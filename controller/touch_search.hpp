@@ -2,9 +2,9 @@
 //
 // It comes down upright. If it comes to rest, it touches there again, tilted to several sides:
 //   on the front face   8 sides the first time and 4 afterwards. All touches together locate the
-//                       opening (controller/locate_opening.hpp). Where the end's own slope turned
-//                       out to be a good part of the tilt, so that it rests on one side however it
-//                       is tilted, 4 more sides about that slope, further apart.
+//                       opening and its clearance (controller/locate_opening.hpp). Where the end's
+//                       own slope turned out to be a good part of the tilt, so that it rests on one
+//                       side however it is tilted, 4 more sides about that slope, further apart.
 //   on an edge          the cone of a lead-in, or the bore's edge where the end is in it already.
 //                       There 3 sides tell which one is caught: the one that a tilt lifts. It goes
 //                       the other way, by what an end that touches the opening's edge at this
@@ -14,8 +14,7 @@
 // a cone, or where the end rests lower than the face lets it; or where no opening explains the
 // touches, but only twice in a row.
 //
-// A rounded rim rests on the face with a smaller disc. How much smaller is tried out, where the
-// sharp one does not explain the touches.
+// A rounded rim rests on the face with a smaller disc, as if the clearance were larger.
 //
 // All in one world, the hand's or the tip's. x, across and tilts are of the hand since the start.
 #pragma once
@@ -41,6 +40,8 @@ struct TouchPlace {
   Eigen::Vector2d tilt = Eigen::Vector2d::Zero();    // [rad]
 };
 
+inline constexpr double kHeightError = 1e-4;  // of a touch, of r: 6 nm
+
 class TouchSearch {
  public:
   explicit TouchSearch(const TouchNumbers& numbers) noexcept : n_(numbers) {}
@@ -57,11 +58,14 @@ class TouchSearch {
   // Between which x it would rest there, on the face or on the edge that it is on [m].
   double highest_rest() const noexcept { return level() + reach(); }
   double lowest_rest() const noexcept { return level() - reach(); }
+  // How much higher still, should it be further away from the axis of a cone there [m].
+  double climb() const noexcept { return climb_; }
 
  private:
   bool upright() const noexcept { return sides_ == 0; }
   double level() const noexcept { return on_edge_ ? edge_ : opening_.face; }
   double reach() const noexcept { return n_.fibre_radius * (opening_.slope + next_.tilt).norm(); }
+  double clearance() const noexcept { return n_.bore_radius - n_.fibre_radius; }
   double off_axis() const noexcept;
   void recognise(double x, double height);
   void first_sides();
@@ -74,9 +78,8 @@ class TouchSearch {
   Opening opening_;
   TouchPlace next_;
   bool begun_ = false, located_ = false;
-  double height_ = 0;   // of the last upright touch [m]
-  double rested_ = 0;   // x of the last touch [m]
-  double rounded_ = 0;  // by what share of r the resting disc is smaller
+  double height_ = 0;  // of the last upright touch [m]
+  double rested_ = 0;  // x of the last touch [m]
 
   std::size_t first_ = 0;             // the upright one of the touches here
   std::size_t side_ = 0, sides_ = 0;  // the next one; 0 of 0: upright
@@ -87,6 +90,7 @@ class TouchSearch {
   int edges_ = 0;                                     // in a row
   double edge_ = 0;                                   // x of the last upright touch on one [m]
   double step_ = 0;                                   // the last away from one [m]
+  double climb_ = 0;                                  // of a cone, by that step [m]
   Eigen::Vector2d caught_ = Eigen::Vector2d::Zero();  // and where it had been
 };
 

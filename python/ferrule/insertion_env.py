@@ -21,13 +21,16 @@ class InsertionEnv(gymnasium.Env):
     Arguments: ``scene`` and ``overrides`` as of ferrule.load_scene; ``control_hz``, how often it is
     acted, of which 1000 is a whole multiple; ``action_scale``, the velocity at the tip for actions
     of 1: x, y, z [m/s], tilts [rad/s], unless given the scene's speed limit and 1 mrad/s;
-    ``relative``, whether the observed wrench is relative to that at rest, as a controller's is.
+    ``relative``, whether the observed wrench is relative to that at rest, as a controller's is;
+    ``motion``, whether the holder's own motion is observed too, as a stage's encoders tell it.
 
     Observation (7,), float32, what a controller gets to know, in the hand's world: wrench at the
     holder as the force sensor reads it, Fx Fy Fz [N], My Mz [N m]; depth of the hand past the
     entrance [mm]; time [s]. Its space has the scene's limits (Scene.observation_limits): the force
     limit, the depth at success, the longest trial. What exceeds them is cut to them: the last
-    observation of an episode that a limit ended, or a rare error of the sensor.
+    observation of an episode that a limit ended, or a rare error of the sensor. With ``motion``
+    six more, (13,): the holder's displacement since the start, x, y, z [mm], tilts [mrad], and its
+    height before the entrance [mm], < 0 past it; within the whole way and 20 mrad.
     Action (5,) within [-1, 1], times ``action_scale``; more is cut, and a translation faster than
     the scene's speed limit is slowed to it. One that is not a number ends the episode.
     Reward: the tip's way into the bore, as part of all of it (which adds up to 1); 1 more where it
@@ -141,7 +144,9 @@ class InsertionEnv(gymnasium.Env):
 
     def _observation(self) -> np.ndarray:
         simulator = self._open("observe")
-        return self.task.observation(simulator.observation.values, simulator.wrench)
+        seen = simulator.observation
+        motion = np.append(seen.displacement, seen.height)
+        return self.task.observation(seen.values, simulator.wrench, motion)
 
     def _info(self) -> dict[str, Any]:
         simulator = self._open("info")

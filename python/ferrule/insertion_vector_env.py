@@ -95,7 +95,8 @@ class InsertionVectorEnv(VectorEnv):
         self._outcome[begun] = -1  # one that ends as it begins says so in its first step
         self._ended = self._outcome >= 0
         self._trial = rows[:, _COLUMN["trial"]]
-        return self.task.observation(rows[:, :7], rows[:, 7:12])
+        motion = rows[:, _COLUMN["displacement_x"] : _COLUMN["height"] + 1]
+        return self.task.observation(rows[:, :7], rows[:, 7:12], motion)
 
     def _info(self, rows: np.ndarray) -> dict[str, Any]:
         info: dict[str, Any] = {

@@ -21,7 +21,7 @@ def answer(
     """Answers the observations on stdin with velocities, a line each, until stdin ends.
 
     ``environment``: arguments of ferrule/Insertion-v0 that it was learned with. ``act``: its action
-    (5,) for the environment's observation (7,), float32. ``reset``: called before every trial.
+    (5,) for the environment's observation, float32. ``reset``: called before every trial.
     ``out``: where the program listens, unless stdout (which must carry nothing else). Raises
     BadInput where it was learned from wrenches that are not relative to rest: the program tells
     relative ones.
@@ -37,6 +37,7 @@ def answer(
             answered: dict[str, Any] = {}
         else:
             values = np.array([*asked["wrench"], asked["depth"], asked["time"]])
-            action = act(task.observation(values, values[:5]))
+            motion = np.array([*asked["displacement"], asked["height"]])
+            action = act(task.observation(values, values[:5], motion))
             answered = {"velocity": task.velocity(action).tolist()}
         print(json.dumps(answered), file=out or sys.stdout, flush=True)

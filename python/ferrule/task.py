@@ -13,6 +13,10 @@ from . import Scene, SceneLike, Overrides, load_scene, outcomes
 OBSERVATION = ("Fx [N]", "Fy [N]", "Fz [N]", "My [N m]", "Mz [N m]", "depth [mm]", "time [s]")
 #: In SI units to those.
 OBSERVATION_UNITS = np.array([1, 1, 1, 1, 1, 1e3, 1.0])
+#: And where it knows its own motion: of the holder since the start, and before the entrance.
+MOTION = ("x [mm]", "y [mm]", "z [mm]", "tilt about y [mrad]", "tilt about z [mrad]", "height [mm]")
+MOTION_UNIT = 1e3
+_MOST_TILT = 20.0  # of the space [mrad]
 INSERTED = outcomes.index("inserted")
 TIMEOUT = outcomes.index("timeout")
 PERIOD = 1e-3  # of the simulation [s]
@@ -30,6 +34,7 @@ class Task:
         control_hz: float = 50,
         action_scale: Sequence[float] | None = None,
         relative: bool = True,
+        motion: bool = False,
     ) -> None:
         self.scene: Scene = load_scene(scene, overrides)
         periods = 1 / (control_hz * PERIOD) if control_hz > 0 else 0
@@ -37,6 +42,7 @@ class Task:
             raise ValueError(f"control_hz = {control_hz}: 1000 must be a whole multiple of it")
         self.periods = round(periods)
         self.relative = relative
+        self.motion = motion
         if action_scale is None:
             action_scale = [self.scene.speed_limit] * 3 + [1e-3] * 2
         scale = np.asarray(action_scale, dtype=float)
@@ -48,6 +54,10 @@ class Task:
         self.way = self.scene.start_distance + self.scene.success_depth
         self._most = self.scene.observation_limits * OBSERVATION_UNITS
         self._least = np.where(np.arange(7) < 5, -self._most, 0.0)
+        if motion:
+            way = MOTION_UNIT * self.scene.motion_scale * self.way
+            most = np.array([way, way, way, _MOST_TILT, _MOST_TILT, way])
+            self._most, self._least = np.append(self._most, most), np.append(self._least, -most)
         self.observation_space = spaces.Box(
             self._least.astype(np.float32), self._most.astype(np.float32), dtype=np.float32
         )
@@ -69,14 +79,20 @@ class Task:
         """Of the hand [m/s, rad/s]; what is not a number stays none."""
         return np.minimum(np.maximum(np.asarray(action, dtype=float), -1), 1) * self.hand_scale
 
-    def observation(self, values: np.ndarray, wrench: np.ndarray) -> np.ndarray:
-        """Of (..., 7) in SI units and the wrench that is not relative to rest (..., 5).
+    def observation(
+        self, values: np.ndarray, wrench: np.ndarray, motion: np.ndarray | None = None
+    ) -> np.ndarray:
+        """Of (..., 7) in SI units, the wrench that is not relative to rest (..., 5), and the
+        displacement and the height of the holder (..., 6).
 
         Cut to the space: what ends an episode may exceed the limits.
         """
         observed = values * OBSERVATION_UNITS
         if not self.relative:
             observed[..., :5] = wrench
+        if self.motion:
+            assert motion is not None
+            observed = np.concatenate([observed, motion * MOTION_UNIT], axis=-1)
         np.minimum(observed, self._most, out=observed)
         return np.maximum(observed, self._least, out=observed).astype(np.float32)
 

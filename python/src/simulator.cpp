@@ -89,7 +89,7 @@ std::optional<std::string> ended(const SteppedTrial& trial) {
 // i + N, i + 2 N ... A row of what each is observed and came to, kWidth numbers.
 class Trials {
  public:
-  static constexpr int kWidth = 16;
+  static constexpr int kWidth = 22;
   static constexpr const char* kColumns[] = {"force_x",
                                              "force_y",
                                              "force_z",
@@ -105,7 +105,13 @@ class Trials {
                                              "tip_x",
                                              "outcome",
                                              "peak_force",
-                                             "trial"};
+                                             "trial",
+                                             "displacement_x",
+                                             "displacement_y",
+                                             "displacement_z",
+                                             "displacement_tilt_y",
+                                             "displacement_tilt_z",
+                                             "height"};
 
   Trials(SharedScene scene, std::size_t count, std::size_t periods, int threads)
       : scene_(std::move(scene)),
@@ -181,7 +187,7 @@ class Trials {
     Eigen::Map<Eigen::Matrix<double, kWidth, 1>> row(&rows_[i * kWidth]);
     row << o.wrench, o.depth, o.time, t.wrench(), t.result().state.tip[0],
         t.ended() ? static_cast<double>(t.ended()->outcome) : -1.0, t.summary().peak_force,
-        static_cast<double>(numbers_[i]);
+        static_cast<double>(numbers_[i]), o.displacement, o.height;
   }
   Array rows() const {
     return array(rows_.data(), {trials_.size(), static_cast<std::size_t>(kWidth)});

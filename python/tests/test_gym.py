@@ -172,9 +172,24 @@ def test_actions_are_cut_and_checked():
         InsertionEnv("bench", render_mode="ansi")
 
 
+def test_its_own_motion_is_that_of_the_holder():
+    env = make(overrides={"hand.gain": 1.25}, action_scale=[1e-5] * 3 + [2e-3] * 2, motion=True)
+    check_env(make(motion=True), skip_render_check=True)
+    observation, _ = env.reset(seed=3)
+    start = 1e3 * 250 * env.task.scene.start_distance
+    np.testing.assert_allclose(observation[7:], [0, 0, 0, 0, 0, start], atol=1e-12)
+    for _ in range(10):
+        observation = env.step(np.array([-1, 0.5, 0, 1, -0.25]))[0]
+    moved = 1.25 * 0.2 * np.array([-2.5, 1.25, 0, 2, -0.5])  # [mm, mrad]
+    np.testing.assert_allclose(observation[7:12], moved, rtol=1e-6, atol=1e-12)
+    np.testing.assert_allclose(observation[12], start + moved[0], rtol=1e-6)
+    assert env.observation_space.contains(observation) and observation.shape == (13,)
+
+
 def test_many_at_once_are_one_after_another():
-    many = gymnasium.make_vec("ferrule/Insertion-v0", num_envs=3, scene="bench", control_hz=20)
-    one = make(control_hz=20)
+    task = {"control_hz": 20, "motion": True}
+    many = gymnasium.make_vec("ferrule/Insertion-v0", num_envs=3, scene="bench", **task)
+    one = make(**task)
     generator = np.random.default_rng(1)
     observations, info = many.reset(seed=5)
     rows = [[o] for o in observations]
@@ -304,21 +319,22 @@ def test_a_policy_of_the_environment_is_a_program_for_evaluate(tmp_path):
     script.write_text(
         "import sys, numpy as np\n"
         "from ferrule.policy_program import answer\n"
-        "def act(observation):  # yields to what it feels\n"
-        "    return np.array([-0.7, *(0.3 * observation[1:3]), 0, 0])\n"
-        "answer({'scene': 'bench', 'control_hz': 20, 'relative': len(sys.argv) == 1}, act)\n"
+        "def act(observation):  # yields to what it feels, not far\n"
+        "    return np.array([-0.7, *(0.3 * observation[1:3] - 0.1 * observation[8:10]), 0, 0])\n"
+        "answer({'scene': 'bench', 'control_hz': 20, 'relative': len(sys.argv) == 1,\n"
+        "        'motion': True}, act)\n"
     )
     command = f"{sys.executable} {script}"
     run("evaluate", "--scene", "bench", "--policy", command, "--policy-hz", 20, "--trials", 4,
         "--trials-out", table)
     with open(table) as rows:
         found = list(csv.DictReader(line for line in rows if not line.startswith("#")))
-    env = make(control_hz=20)
+    env = make(control_hz=20, motion=True)
     observation, info = env.reset(seed=7)
     for trial in range(4):
         over = False
         while not over:
-            action = np.array([-0.7, *(0.3 * observation[1:3]), 0, 0])
+            action = np.array([-0.7, *(0.3 * observation[1:3] - 0.1 * observation[8:10]), 0, 0])
             observation, _, terminated, truncated, info = env.step(action)
             over = terminated or truncated
         assert found[trial]["outcome"] == info["outcome"]

@@ -67,6 +67,29 @@ TEST(LocateOpening, FindsItFromNineTouches) {
   }
 }
 
+// Touches from one place fit a wider opening further away nearly as well, by a nanometre; those from
+// two places, and heights good to 0.1 nm, tell which.
+TEST(LocateOpening, FindsTheClearanceToo) {
+  std::mt19937 random(5);
+  for (const double clearance : {0.1e-6, 0.25e-6, 0.5e-6, 0.75e-6}) {
+    const Discs parts = {kDiscs.fibre, kDiscs.fibre + clearance};
+    const Vector2d axis = 12e-6 * testing::drawn(random), slope = 1e-3 * testing::drawn(random);
+    std::vector<Touch> touches;
+    for (const Vector2d& across : {Vector2d(0, 0), Vector2d(0.9 * axis)})
+      for (int k = 0; k < 8; ++k) {
+        const double angle = std::numbers::pi / 4 * k;
+        const Vector2d tilt = 6e-3 * Vector2d(std::cos(angle), std::sin(angle));
+        const double h = rest_height(parts, slope + tilt, across - axis);
+        touches.push_back({h, across, tilt});
+      }
+    const Opening found = locate_opening(touches, kDiscs, {.height = 1e-10, .far = 62.5e-6});
+    EXPECT_NEAR(found.clearance, clearance, 0.1 * clearance);
+    EXPECT_LT((found.axis - axis).norm(), 0.02 * axis.norm()) << clearance;
+    const TouchErrors certain = {.height = 6e-9, .far = 62.5e-6, .clearance = 1e-6};
+    EXPECT_NEAR(locate_opening(touches, kDiscs, certain).clearance, 0.5e-6, 1e-11);
+  }
+}
+
 TEST(LocateOpening, IsTheSameInTheHandsWorldAndTheTips) {
   constexpr double kMagnified = 250;
   std::mt19937 random(3);

@@ -49,14 +49,25 @@ TEST_P(InsertsByTouch, InEveryTrial) {
 
 INSTANTIATE_TEST_SUITE_P(
     Conditions, InsertsByTouch,
-    ::testing::Values(Condition{"AsItIs", {}}, Condition{"SharpBore", kSharp},
-                      Condition{"SharpBoreNearby", sharp_with({"start.lateral_sd_um=2"})},
-                      Condition{"CleavedEnd", sharp_with({"fibre.cleave_deg=0.5"})},
-                      Condition{"RoundedEdge", {"ferrule.lead_in=null", "fibre.edge_um=2"}},
-                      Condition{"OnTheFace",
-                                {"fibre.cleave_deg=0", "start.lateral_mean_um=[110,0]"}},
-                      Condition{"HandThatMovesFurther", sharp_with({"hand.gain=1.3"})},
-                      Condition{"SoftGripper", sharp_with({"holder.gripper_stiffness_N_m=20"})}),
+    ::testing::Values(
+        Condition{"AsItIs", {}}, Condition{"SharpBore", kSharp},
+        Condition{"SharpBoreNearby", sharp_with({"start.lateral_sd_um=2"})},
+        Condition{"CleavedEnd", sharp_with({"fibre.cleave_deg=0.5"})},
+        Condition{"RoundedEdge", {"ferrule.lead_in=null", "fibre.edge_um=2"}},
+        Condition{"OnTheFace", {"fibre.cleave_deg=0", "start.lateral_mean_um=[110,0]"}},
+        Condition{"HandThatMovesFurther", sharp_with({"hand.gain=1.3"})},
+        Condition{"LateHand", sharp_with({"hand.delay_ms=25"})},
+        Condition{"LateHandAndACone", {"hand.delay_ms=10"}},
+        Condition{"SluggishHand", sharp_with({"hand.smoothing_ms=20"})},
+        Condition{"NarrowBore", sharp_with({"ferrule.bore_diameter_um=125.3"})},
+        Condition{"WideBore", sharp_with({"ferrule.bore_diameter_um=126.5"})},
+        Condition{"EntranceFurtherIn", sharp_with({"sensor.entrance_error_um=-4"})},
+        Condition{"EntranceFurtherOut", sharp_with({"sensor.entrance_error_um=4"})},
+        Condition{"NoisySensor", sharp_with({"sensor.noise_uN=2.5", "sensor.bias_uN=2.5"})},
+        Condition{"NoisySensorAndSoftGripper",
+                  sharp_with({"sensor.noise_uN=2.5", "sensor.bias_uN=2.5",
+                              "holder.gripper_stiffness_N_m=20"})},
+        Condition{"SoftGripper", sharp_with({"holder.gripper_stiffness_N_m=20"})}),
     [](const auto& info) { return info.param.name; });
 
 // Nothing else in the program inserts there: not without a search.
