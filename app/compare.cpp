@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
-#include "app/compared.hpp"
+#include "app/compared_ladder.hpp"
 #include "app/csv.hpp"
 #include "app/damage.hpp"
 #include "app/trained.hpp"
@@ -202,8 +202,7 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
         const Candidate c = fitted(with, chosen, again);
         const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
         if (a.stopping.whole(results, a.trials))
-          all.push_back(
-              {c.name, seed, again.demonstrations.size(), c.rollouts, a.stopping.summary(results)});
+          all.push_back({c, seed, again.demonstrations.size(), a.stopping.summary(results)});
       } catch (const Stopped&) {  // what is found so far is told
         return all;
       } catch (const BadInput& error) {
@@ -271,7 +270,7 @@ void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candi
     if (!whole(e))
       text += fmt::format("; {}: {} of {} trials alone, {} supervised", e.candidate.name,
                           e.results.size(), a.trials, e.supervised_results.size());
-  if (!a.demonstrations.empty() || !a.transfer.empty() || !a.seeds.empty())
+  if (!a.demonstrations.empty() || !a.transfer.empty() || !a.seeds.empty() || a.ladder)
     text += "; what follows the first tables is cut";
   provenance.partial(text);
 }
@@ -289,7 +288,8 @@ void write_trials(const CompareArguments& a, const Found& found, const Provenanc
 // What is asked for beside the first tables. Throws Stopped where Ctrl-C ends a fit.
 void follow_up(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
                const std::vector<ChosenLearner>& learned_by, const std::vector<Scene>& others,
-               const std::vector<Candidate>& candidates, Found& found) {
+               const std::vector<Scene>& ladder, const std::vector<Candidate>& candidates,
+               Found& found) {
   found.learning = from_fewer(a, scene, set, learned_by);
   if (a.output.text()) print_learning(found.learning);
   found.by_seeds = by_seeds(a, scene, set, learned_by);
@@ -298,6 +298,12 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
     const std::vector<Transfer> there = tried_there(a, other, set, candidates);
     if (a.output.text()) print_transfer(there);
     found.transfer.insert(found.transfer.end(), there.begin(), there.end());
+  }
+  for (const Scene& rung : ladder) {
+    if (interrupted()) break;
+    const std::vector<LadderRow> rows = climb(a, rung, set, candidates, found.by_seeds);
+    if (a.output.text()) print_ladder(rows);
+    found.ladder.insert(found.ladder.end(), rows.begin(), rows.end());
   }
 }
 
@@ -309,6 +315,7 @@ int compare_verb(const CompareArguments& a) {
   const Scene& scene = chosen.scene;
   refuse_other_scaling(set.scaling, a.folder, scene, a.other_scaling);
   const std::vector<Scene> others = other_scenes(a, set);
+  const std::vector<Scene> ladder = a.ladder ? rungs(a, set) : std::vector<Scene>();
   if (!a.plot.empty()) make_plot_folder(a.plot);
   if (!a.seeds.empty()) {  // refused before anything is done
     parse_seeds(a.seeds);
@@ -344,7 +351,7 @@ int compare_verb(const CompareArguments& a) {
     print_against_teacher(found.entries);
   }
   try {
-    follow_up(a, scene, set, learned_by, others, candidates, found);
+    follow_up(a, scene, set, learned_by, others, ladder, candidates, found);
   } catch (const Stopped&) {  // what is found so far is told
   }
   tell_partial(a, candidates, found, provenance);
@@ -388,6 +395,9 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("--transfer", a->transfer, "Try all in these scenes too, without fitting again")
       ->delimiter(',')
       ->type_name("SCENE,...");
+  verb->add_flag("--ladder", a->ladder,
+                 "Try all, and a blind spiral, on every rung of the ladder too (docs/results.md); "
+                 "with --seeds what each seed of training learned");
   verb->add_option("--learners", a->learners, "Only these; all unless given")
       ->delimiter(',')
       ->check(one_of(learner_keys()));
@@ -414,6 +424,7 @@ void add_compare(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   add_examples(*verb, {"compare episodes --trials 200 --learners linear,insertion",
                        "compare episodes policy.pt data/controllers/tuned_by_hand.json",
+                       "compare episodes search --ladder --learners insertion --seeds 1..5",
                        "compare episodes --transfer tight,sloppy --plot compared --csv"});
   verb->callback([a, &run] { run = [a] { return compare_verb(*a); }; });
 }

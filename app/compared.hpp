@@ -10,6 +10,7 @@
 #include "app/stopping.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign.hpp"
+#include "controller/worst_tenth.hpp"
 #include "learn/candidates.hpp"
 
 namespace ferrule {
@@ -24,7 +25,7 @@ struct CompareArguments {
   double skill = 0.8;
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
-  bool other_scaling = false;
+  bool other_scaling = false, ladder = false;
   StoppingArguments stopping;
   Output output;
 };
@@ -44,9 +45,9 @@ struct Entry {
 
 // Of one learner, by one seed of recording and fitting.
 struct BySeed {
-  std::string name;
+  Candidate candidate;
   std::uint64_t seed;
-  std::size_t demonstrations, rollouts;
+  std::size_t demonstrations;
   CampaignSummary summary;
 };
 
@@ -56,12 +57,22 @@ struct Transfer {
   CampaignSummary alone, supervised;
 };
 
+// On a rung of data/scenes/ladder.
+struct LadderRow {
+  std::string rung, controller;
+  std::optional<std::uint64_t> training_seed;  // empty: it does not learn
+  CampaignSummary summary;
+  WorstTenth worst;
+  double search;  // median of InsertionSummary::search_time of the inserted [s]; NaN without any
+};
+
 // Everything that is found, as far as Ctrl-C lets it.
 struct Found {
   std::vector<Entry> entries;
   std::vector<Learning> learning;
   std::vector<BySeed> by_seeds;
   std::vector<Transfer> transfer;
+  std::vector<LadderRow> ladder;
 };
 
 // The tables, in the order in which they are found.
@@ -72,6 +83,7 @@ void print_against_teacher(const std::vector<Entry>& entries);
 void print_learning(const std::vector<Learning>& learning);
 void print_by_seeds(const std::vector<BySeed>& all);
 void print_transfer(const std::vector<Transfer>& transfer);  // of one scene
+void print_ladder(const std::vector<LadderRow>& rung);       // one of them
 
 Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
              std::size_t trained_starts, const Found& found);

@@ -64,10 +64,10 @@ Json to_json(const Learning& l) {
 }
 
 Json to_json(const BySeed& s) {
-  Json row = {{"controller", s.name},
+  Json row = {{"controller", s.candidate.name},
               {"seed", s.seed},
               {"demonstrations", s.demonstrations},
-              {"labelled_rollouts", s.rollouts}};
+              {"labelled_rollouts", s.candidate.rollouts}};
   row.update(to_json(s.summary));
   return row;
 }
@@ -77,6 +77,30 @@ Json to_json(const Transfer& t) {
       {"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}};
   row.update(to_json(t.alone));
   return row;
+}
+
+double rate_of(const WorstTenth& worst) {
+  return worst.trials > 0 ? static_cast<double>(worst.successes) / static_cast<double>(worst.trials)
+                          : NAN;
+}
+
+Json to_json(const LadderRow& r) {
+  return {{"rung", r.rung},
+          {"controller", r.controller},
+          {"training_seed", r.training_seed ? Json(*r.training_seed) : Json()},
+          {"trials", r.summary.trials},
+          {"success_rate", number_or_null(r.summary.success_rate)},
+          {"wilson_low", number_or_null(r.summary.wilson.low)},
+          {"wilson_high", number_or_null(r.summary.wilson.high)},
+          {"worst_tenth", number_or_null(rate_of(r.worst))},
+          {"worst_tenth_of",
+           {{"key", r.worst.name},
+            {"low", number_or_null(r.worst.low)},
+            {"high", number_or_null(r.worst.high)},
+            {"trials", r.worst.trials}}},
+          {"time_s", number_or_null(r.summary.time.median)},
+          {"search_s", number_or_null(r.search)},
+          {"peak_force_uN", number_or_null(1e6 * r.summary.peak_force.median)}};
 }
 
 }  // namespace
@@ -154,11 +178,12 @@ void print_by_seeds(const std::vector<BySeed>& all) {
              "inserted [%], median (range)", "time [s], median (range)");
   std::vector<std::string> names;
   for (const BySeed& each : all)
-    if (std::find(names.begin(), names.end(), each.name) == names.end()) names.push_back(each.name);
+    if (std::find(names.begin(), names.end(), each.candidate.name) == names.end())
+      names.push_back(each.candidate.name);
   for (const std::string& name : names) {
     std::vector<double> inserted, time;
     for (const BySeed& each : all)
-      if (each.name == name) {
+      if (each.candidate.name == name) {
         inserted.push_back(100 * each.summary.success_rate);
         time.push_back(each.summary.time.median);
       }
@@ -197,6 +222,22 @@ void print_transfer(const std::vector<Transfer>& transfer) {
                    : std::string());
 }
 
+void print_ladder(const std::vector<LadderRow>& rung) {
+  if (rung.empty()) return;
+  fmt::print("\n{:<32}{} {:>10}  {}\n", rung.front().rung, kOutcomeColumns, "search [s]",
+             "worst tenth [%]");
+  for (const LadderRow& r : rung)
+    fmt::print(
+        "{:<32}{} {:>10}  {}\n",
+        r.training_seed ? fmt::format("{}, seed {}", r.controller, *r.training_seed) : r.controller,
+        outcome_columns(r.summary), cell(r.search, 2),
+        r.worst.name.empty()
+            ? "-"
+            : fmt::format("{}: {} of {:.4g} to {:.4g}", cell(100 * rate_of(r.worst), 1),
+                          r.worst.name, r.worst.low, r.worst.high));
+  std::fflush(stdout);
+}
+
 Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
              std::size_t trained_starts, const Found& found) {
   const auto row = [](const auto& r) { return to_json(r); };
@@ -210,7 +251,8 @@ Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationS
           {"rows", json_list(found.entries, [&](const Entry& e) { return to_json(e, a.output); })},
           {"by_demonstrations", json_list(found.learning, row)},
           {"by_seeds", json_list(found.by_seeds, row)},
-          {"transfer", json_list(found.transfer, row)}};
+          {"transfer", json_list(found.transfer, row)},
+          {"ladder", json_list(found.ladder, row)}};
 }
 
 }  // namespace ferrule

@@ -204,6 +204,26 @@ def ladder(*results: Result) -> str:
                             " | its time | its peak force, median and 95 %"), rows)
 
 
+def climbers(_: Result, compared: Result) -> str:
+    rows, names = [], dict.fromkeys(r["controller"] for r in compared["ladder"] if r["training_seed"] is not None)
+    for rung in dict.fromkeys(r["rung"] for r in compared["ladder"]):
+        def of(name: str) -> list[Any]:
+            return [r for r in compared["ladder"] if r["rung"] == rung and r["controller"].endswith(name)]
+
+        (operator,), (search,), (spiral,) = of("simulated operator"), of("search.json"), of("blind spiral")
+        learned = [[100 * r["success_rate"] for r in of(name)] for name in names]
+        tenth = search["worst_tenth_of"]
+        there = round((search["worst_tenth"] or 0) * tenth["trials"])
+        worst = "-" if search["success_rate"] == 1 else (
+            f"{there} of {tenth['trials']}, {tenth['key']} of {tenth['low']:.4g} to {tenth['high']:.4g}")
+        rows.append([f"`{rung}`", digits(100 * operator["success_rate"], 3, " %"),
+                     *(f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %" for rates in learned),
+                     digits(100 * search["success_rate"], 3, " %"), digits(search["search_s"], 2, " s"),
+                     digits(spiral["search_s"], 2, " s"), worst])
+    return markdown(columns(f"rung | operator | {' | '.join(names)} | search | its search | that of a spiral"
+                            " | worst tenth of the search"), rows)
+
+
 def stepping(result: Result) -> str:
     def error(x: float | None, rounding: float, unit: str) -> str:
         return "diverges" if x is None else "exact" if x < rounding else digits(x, 3, unit)

@@ -38,6 +38,8 @@ def ladder(trials: int) -> list[str]:
             for how in ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")]
 
 
+CLIMB = f"search --ladder {SEEDS} --trials 200"
+QUICK_CLIMB = "./ferrule compare five search --ladder --learners linear --seeds 1..2 --trials 2"
 COST = "compare bench-episodes --learners insertion,torch --trials 1"
 TABLES = [
     Table("demo", "counts", ["./ferrule demo"], layouts.demo, ["./ferrule demo"]),
@@ -64,6 +66,8 @@ TABLES = [
           [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
           layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
     Table("ladder", "counts", ladder(1000), layouts.ladder, ladder(4)),
+    Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
+          [FIVE, QUICK_CLIMB]),
     Table("stepping", "timing", [STEPPING], layouts.stepping, None),
     Table("laws", "timing", [STEPPING], layouts.laws, None),
     Table("campaigns", "timing", [STEPPING], layouts.campaigns, None),

@@ -46,6 +46,9 @@ std::optional<Outcome> InsertionWatch::after(const StepResult& result,
       std::max(summary_.peak_stress, scene_.world.holder.bending_stress(now.tip, now.command));
   summary_.depth = now.inserted_length();
   if (summary_.reached < 0 && summary_.depth >= scene_.success.depth) summary_.reached = now.time;
+  if (summary_.touched < 0 && (now.contact[kEnd].closed || now.contact[kSide].closed))
+    summary_.touched = now.time;
+  if (now.tip[0] >= 0) summary_.outside = now.time;
   summary_.tip = now.tip;
   summary_.offset = now.tip.segment<2>(1).norm();
   summary_.tilt = now.tip.tail<2>().norm();

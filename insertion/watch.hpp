@@ -1,6 +1,7 @@
 // How an insertion goes and ends: its outcome, and the watch that tells it.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -34,6 +35,8 @@ Outcome outcome_from_name(const std::string& name);
 struct InsertionSummary {
   double time = 0;           // of the last step [s]
   double reached = -1;       // when the success depth first was [s]; < 0: never
+  double touched = -1;       // when the fibre first touched the ferrule [s]; < 0: never
+  double outside = 0;        // when the end last was before the entrance [s]
   double peak_force = 0;     // largest force at the holder, weight apart [N]
   double peak_stress = 0;    // largest bending stress of the free length [Pa]
   double friction_work = 0;  // work done against friction [J], >= 0
@@ -47,6 +50,10 @@ struct InsertionSummary {
 
   // What an insertion took: until the success depth, or else to its end [s].
   double task_time() const noexcept { return reached < 0 ? time : reached; }
+  // How long it took from the first touch until the end was in the bore for good [s].
+  double search_time() const noexcept {
+    return touched < 0 ? 0.0 : std::max(0.0, outside - touched);
+  }
 };
 
 // Watches an insertion step by step.

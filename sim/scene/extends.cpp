@@ -13,7 +13,7 @@ constexpr std::array kSections = {"fibre",  "ferrule", "laws",    "start", "sens
                                   "limits", "tangent", "success", "joint", "scaling"};
 
 std::string extended_file(const SceneLayer& layer, const std::string& base) {
-  const bool path = base.find('/') != base.npos || base.ends_with(".json");
+  const bool path = base.ends_with(".json") || base.starts_with('.') || base.starts_with('/');
   const auto folder = std::filesystem::path(layer.file).parent_path();
   return scene_file(path ? (folder / base).string() : base);
 }

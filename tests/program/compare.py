@@ -12,7 +12,7 @@ import xml.dom.minidom
 import h5py
 import numpy
 
-from case import PROGRAM, Case, ferrule, main
+from case import PROGRAM, SOURCE, Case, ferrule, main
 
 # Short: 30 um instead of 270.
 SCENE = ["--set", "start.distance_um=20", "--set", "success.depth_um=10",
@@ -116,6 +116,40 @@ class Compare(Case):
         self.assertEqual(told["acts"], f"{100 * len(acting) / len(friction):.1f} %")
         self.assertEqual(told["median uN"], f"{numpy.median(acting):.4g}")
         self.assertEqual(told["largest uN"], f"{acting.max():.4g}")
+
+    def test_everybody_climbs_the_ladder(self):
+        trials = 4
+        found = json.loads(self.done("compare", self.out, "search", *SCENE, "--trials", trials, "--learners",
+                                     "linear", "--seeds", "3,5", "--ladder", "--json").stdout)["ladder"]
+        rungs = sorted("ladder/" + os.path.basename(file)[:-5]
+                       for file in glob.glob(SOURCE + "/data/scenes/ladder/*.json"))
+        who = [(row["controller"], row["training_seed"]) for row in found if row["rung"] == rungs[0]]
+        self.assertEqual(who[:5], [("constant velocity", None), ("tuned by hand", None),
+                                   ("best demonstration again", None), ("simulated operator", None),
+                                   ("blind spiral", None)])
+        self.assertTrue(who[5][0].endswith("search.json"))
+        self.assertEqual(who[5][1], None)
+        self.assertEqual(who[6:], [("ceres, linear", 3), ("ceres, linear", 5)])
+        self.assertEqual([row["rung"] for row in found], [rung for rung in rungs for _ in who])
+        for row in found:
+            self.assertEqual(row["trials"], trials)
+            self.assertLessEqual(row["wilson_low"], row["success_rate"])
+            if row["success_rate"] > 0:
+                self.assertLess(row["search_s"], row["time_s"])
+            else:
+                self.assertIsNone(row["time_s"])
+        for name, arguments in ((who[5][0], ["search"]), ("blind spiral", ["--baseline", "spiral"])):
+            alone = json.loads(self.done("evaluate", *arguments, "--scene", "ladder/c", "--trials", trials,
+                                         "--json").stdout)
+            row, = (r for r in found if (r["rung"], r["controller"]) == ("ladder/c", name))
+            self.assertEqual(row["success_rate"], alone["success_rate"])
+            self.assertEqual(row["time_s"], alone["time_s"]["median"])
+            self.assertEqual(row["peak_force_uN"], alone["peak_force_uN"]["median"])
+        # One learner that was fitted once has the seed of that.
+        once = self.done("compare", self.out, *SCENE, "--trials", 20, "--learners", "linear", "--fit-seed", 9,
+                         "--ladder").stdout
+        self.assertIn("ceres, linear, seed 9", once)
+        self.assertRegex(once, r"constant velocity .* of \S+ to \S+")  # its worst tenth
 
     def test_the_result_does_not_depend_on_threads(self):
         def timeless(text):  # without what is measured by a clock

@@ -1,0 +1,70 @@
+// compare --ladder: every controller on every rung of data/scenes/ladder.
+#include "app/compared_ladder.hpp"
+
+#include <cmath>
+
+#include "app/trained.hpp"
+#include "sim/base/shipped_files.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr ShippedFiles kRungs = {"scenes/ladder", "scene file", "rung"};
+
+// A candidate, made for a rung where it depends on the scene.
+struct Climber {
+  Candidate candidate;
+  std::optional<std::uint64_t> training_seed;
+};
+
+std::vector<Climber> climbers(const CompareArguments& a, const Scene& rung,
+                              const DemonstrationSet& set, const std::vector<Candidate>& candidates,
+                              const std::vector<BySeed>& by_seeds) {
+  std::vector<Climber> all;
+  for (const Candidate& c : baselines(rung, set, a.skill, a.seed)) all.push_back({c, {}});
+  const std::size_t count = all.size();
+  all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung)}, {}});
+  for (std::size_t i = count; i < candidates.size(); ++i) {
+    const bool learned = candidates[i].parameters > 0 && std::isfinite(candidates[i].fit_seconds);
+    if (!learned) all.push_back({candidates[i], {}});
+    if (learned && by_seeds.empty()) all.push_back({candidates[i], a.fit_seed});
+  }
+  for (const BySeed& each : by_seeds) all.push_back({each.candidate, each.seed});
+  return all;
+}
+
+double median_search_time(const std::vector<TrialResult>& results) {
+  std::vector<double> times;
+  for (const TrialResult& r : results)
+    if (r.outcome == Outcome::inserted) times.push_back(r.summary.search_time());
+  return quantile(times, 0.5);
+}
+
+}  // namespace
+
+std::vector<Scene> rungs(const CompareArguments& a, const DemonstrationSet& set) {
+  std::vector<Scene> all;
+  for (const std::string& name : kRungs.names()) {
+    all.push_back(load_scene("ladder/" + name));
+    refuse_other_scaling(set.scaling, a.folder, all.back(), a.other_scaling);
+  }
+  return all;
+}
+
+std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
+                             const DemonstrationSet& set, const std::vector<Candidate>& candidates,
+                             const std::vector<BySeed>& by_seeds) {
+  const std::vector<DrawnQuantity> drawn = drawn_quantities(rung, a.seed, a.trials);
+  std::vector<LadderRow> rows;
+  for (const Climber& c : climbers(a, rung, set, candidates, by_seeds)) {
+    const std::string& name = c.candidate.name;
+    const auto results = run_campaign(rung, c.candidate.make, a.seed, a.trials, a.threads,
+                                      Progress(rung.name + ", " + name, a.trials), interrupted);
+    if (interrupted()) break;  // of it, the trials are not whole
+    rows.push_back({rung.name, name, c.training_seed, summarise(results),
+                    worst_tenth(drawn, results), median_search_time(results)});
+  }
+  return rows;
+}
+
+}  // namespace ferrule

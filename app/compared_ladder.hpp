@@ -1,0 +1,17 @@
+// compare --ladder: every controller on every rung of data/scenes/ladder, alone.
+#pragma once
+
+#include "app/compared.hpp"
+
+namespace ferrule {
+
+// The rungs, by name. Throws BadInput where their scaling is not that of the demonstrations.
+std::vector<Scene> rungs(const CompareArguments& a, const DemonstrationSet& set);
+
+// The baselines, the blind spiral, what was given, and what learned: of each seed of training where
+// there are several.
+std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
+                             const DemonstrationSet& set, const std::vector<Candidate>& candidates,
+                             const std::vector<BySeed>& by_seeds);
+
+}  // namespace ferrule

@@ -1,0 +1,35 @@
+// Where a controller fails: in which tenth of what chance decides it inserts least.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "controller/trial.hpp"
+
+namespace ferrule {
+
+// What chance decided in each of the trials, by one number.
+struct DrawnQuantity {
+  std::string name;
+  std::vector<double> values;
+};
+
+// The first `trials` trials under `seed`: how far the end starts from the bore's axis
+// ("start.lateral_um") and how tilted ("start.tilt_mrad"), and each number that the scene draws, in
+// its unit; those that are infeasible have NaN.
+std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t seed,
+                                            std::size_t trials);
+
+struct WorstTenth {
+  std::string name;       // of the quantity; empty: there is none
+  double low, high;       // between which it was there
+  std::size_t successes;  // there
+  std::size_t trials;
+};
+
+// The even trials, sorted by each quantity into ten parts, tell which part is the worst; the odd ones
+// between its bounds, which did not choose it, how bad it is. Infeasible trials do not count.
+WorstTenth worst_tenth(const std::vector<DrawnQuantity>& drawn,
+                       const std::vector<TrialResult>& results);
+
+}  // namespace ferrule
