@@ -60,15 +60,16 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
     throw BadInput("view --trial: give a controller file, or --against, or both");
   BroughtScene brought;
   std::optional<ControllerFile> file;
-  if (!a.path.empty()) {
-    file = read_controller(a.path);
-    brought = brought_by(trained_on(*file), a.path);
+  const std::string path = a.path.empty() ? "" : controller_file(a.path);
+  if (!path.empty()) {
+    file = read_controller(path);
+    brought = brought_by(trained_on(*file), path);
   }
   const ChosenScene chosen = arguments.choose(brought);
   const Scene& scene = chosen.scene;
   if (file) {
-    refuse_other_scaling(trained_on(*file).scaling, a.path, scene, a.other_scaling);
-    provenance_.read(a.path);
+    refuse_other_scaling(trained_on(*file).scaling, path, scene, a.other_scaling);
+    provenance_.read(path);
   }
   provenance_.in(chosen).seed("trials", a.seed);
   const auto add = [&](const std::string& who, MakeController make) {
@@ -81,9 +82,11 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
                       *a.trial, a.seed));
   };
   title_ = fmt::format("trial {} under seed {}", *a.trial, a.seed);
-  if (file) add(a.path, maker(*file));
+  if (file) add(path, maker(*file));
   if (!a.against.empty())
-    add(a.against == "operator" ? "simulated operator" : "constant velocity",
+    add(a.against == kStraight ? "constant velocity"
+        : a.against == kSpiral ? "blind spiral"
+                               : "simulated operator",
         against(a.against, scene, a.seed, a.skill));
 }
 

@@ -99,6 +99,12 @@ class ViewReplay(Case):
         recorded = self.recorded_in(open(out).read())
         self.assertEqual([run["name"] for run in recorded["runs"]], ["simulated operator"])
         self.assertEqual(recorded["scene"]["name"], "bench")
+        # A shipped controller goes by its name, here as well.
+        self.installed("view", "--trial", 3, "search", "--scene", "ladder/c", "--against", "spiral", "--export", out)
+        recorded = self.recorded_in(open(out).read())
+        self.assertEqual([run["name"].rpartition("/")[2] for run in recorded["runs"]],
+                         ["search.json", "blind spiral"])
+        self.assertEqual(recorded["scene"]["name"], "ladder/c")
 
     def test_without_a_page(self):
         os.remove(self.path("share/ferrule/page.html"))
