@@ -213,9 +213,10 @@ def climbers(_: Result, compared: Result) -> str:
         (operator,), (search,), (spiral,) = of("simulated operator"), of("search.json"), of("blind spiral")
         learned = [[100 * r["success_rate"] for r in of(name)] for name in names]
         tenth = search["worst_tenth_of"]
-        there = round((search["worst_tenth"] or 0) * tenth["trials"])
-        worst = "-" if search["success_rate"] == 1 else (
-            f"{there} of {tenth['trials']}, {tenth['key']} of {tenth['low']:.4g} to {tenth['high']:.4g}")
+        worst = "-"
+        if search["success_rate"] < 1 and tenth["trials"]:
+            worst = (f"{round(search['worst_tenth'] * tenth['trials'])} of {tenth['trials']}, {tenth['key']} of"
+                     f" {tenth['low']:.4g} to {tenth['high']:.4g}")
         rows.append([f"`{rung}`", digits(100 * operator["success_rate"], 3, " %"),
                      *(f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %" for rates in learned),
                      digits(100 * search["success_rate"], 3, " %"), digits(search["search_s"], 2, " s"),
