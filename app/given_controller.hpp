@@ -32,8 +32,8 @@ struct GivenController {
 
 // What fit wrote, or TorchScript (*.pt), for trials under `seed`. Throws FileTrouble, BadInput.
 GivenController given_file(const std::string& file, const PolicyArguments& how, std::uint64_t seed);
-// Without demonstrations: straight in at constant velocity, as fast as the scene lets it, or a blind
-// spiral (controller/blind_spiral.hpp).
+// Without demonstrations: straight in at constant velocity, as fast as the scene lets it, or a
+// blind spiral (controller/blind_spiral.hpp).
 inline constexpr const char *kStraight = "constant-velocity", *kSpiral = "spiral";
 bool is_baseline(const std::string& name);
 MakeController baseline(const std::string& name, const Scene& scene);

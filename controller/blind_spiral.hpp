@@ -1,16 +1,16 @@
 // The usual search without knowledge, as a baseline of those with it: touches the front face again
 // and again, at places along a spiral, until the end comes down in the bore.
 //
-//   lower    v_x = -2/3 v until the end is felt for the first time, -v/4 afterwards; f_x > F is felt.
-//            2 p lower than where it was felt before it is in the bore
+//   lower    v_x = -2/3 v until the end is felt for the first time, -v/4 afterwards; it is felt
+//            where f_x > F. 2 p lower than where it was felt before it is in the bore
 //   lift     v_x = v, by 2 p
 //   move     at v to the next place, p further along r = p phi/(2 pi)
 //   insert   v_x = -v (1 - |f|/(8 F)), not backwards
 //
 // Not sliding: an end that sticks follows the hand by 10 um less than it moves. v is the scene's
-// speed limit, F a twelfth of its force limit, p 1.41 clearances: the bore catches what comes
-// down within the clearance of its axis. In the hand's world; forces are relative to that at rest at
-// the start, displacements to the start.
+// speed limit, F a twelfth of its force limit, p 1.41 clearances: the bore catches what comes down
+// within the clearance of its axis. In the hand's world; forces are relative to that at rest at the
+// start, displacements to the start.
 #pragma once
 
 #include <algorithm>

@@ -27,8 +27,8 @@ struct WorstTenth {
   std::size_t trials;
 };
 
-// The even trials, sorted by each quantity into ten parts, tell which part is the worst; the odd ones
-// between its bounds, which did not choose it, how bad it is. Infeasible trials do not count.
+// The even trials, sorted by each quantity into ten parts, tell which part is the worst; the odd
+// ones between its bounds, which did not choose it, how bad it is. Infeasible trials do not count.
 WorstTenth worst_tenth(const std::vector<DrawnQuantity>& drawn,
                        const std::vector<TrialResult>& results);
 

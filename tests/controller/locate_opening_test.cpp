@@ -67,8 +67,8 @@ TEST(LocateOpening, FindsItFromNineTouches) {
   }
 }
 
-// Touches from one place fit a wider opening further away nearly as well, by a nanometre; those from
-// two places, and heights good to 0.1 nm, tell which.
+// Touches from one place fit a wider opening further away nearly as well, by a nanometre; those
+// from two places, and heights good to 0.1 nm, tell which.
 TEST(LocateOpening, FindsTheClearanceToo) {
   std::mt19937 random(5);
   for (const double clearance : {0.1e-6, 0.25e-6, 0.5e-6, 0.75e-6}) {
