@@ -86,9 +86,10 @@ Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
   return e;
 }
 
-std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set) {
+std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSet& set,
+                                const std::vector<std::string>& names) {
   std::vector<Scene> others;
-  for (const std::string& name : a.transfer) {
+  for (const std::string& name : names) {
     others.push_back(planned_with_progress(load_scene(name)));
     refuse_other_scaling(set.scaling, a.folder, others.back(), a.other_scaling);
   }
@@ -314,8 +315,9 @@ int compare_verb(const CompareArguments& a) {
   const ChosenScene chosen = a.scene.choose(brought_by(set, a.folder));
   const Scene& scene = chosen.scene;
   refuse_other_scaling(set.scaling, a.folder, scene, a.other_scaling);
-  const std::vector<Scene> others = other_scenes(a, set);
-  const std::vector<Scene> ladder = a.ladder ? rungs(a, set) : std::vector<Scene>();
+  const std::vector<Scene> others = other_scenes(a, set, a.transfer);
+  const std::vector<Scene> ladder =
+      other_scenes(a, set, a.ladder ? rungs() : std::vector<std::string>());
   if (!a.plot.empty()) make_plot_folder(a.plot);
   if (!a.seeds.empty()) {  // refused before anything is done
     parse_seeds(a.seeds);

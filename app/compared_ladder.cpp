@@ -3,7 +3,6 @@
 
 #include <cmath>
 
-#include "app/trained.hpp"
 #include "sim/base/shipped_files.hpp"
 
 namespace ferrule {
@@ -42,12 +41,9 @@ double median_search_time(const std::vector<TrialResult>& results) {
 
 }  // namespace
 
-std::vector<Scene> rungs(const CompareArguments& a, const DemonstrationSet& set) {
-  std::vector<Scene> all;
-  for (const std::string& name : kRungs.names()) {
-    all.push_back(load_scene("ladder/" + name));
-    refuse_other_scaling(set.scaling, a.folder, all.back(), a.other_scaling);
-  }
+std::vector<std::string> rungs() {
+  std::vector<std::string> all = kRungs.names();
+  for (std::string& name : all) name = "ladder/" + name;
   return all;
 }
 

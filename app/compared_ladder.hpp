@@ -5,8 +5,8 @@
 
 namespace ferrule {
 
-// The rungs, by name. Throws BadInput where their scaling is not that of the demonstrations.
-std::vector<Scene> rungs(const CompareArguments& a, const DemonstrationSet& set);
+// "ladder/a", ..., sorted.
+std::vector<std::string> rungs();
 
 // The baselines, the blind spiral, what was given, and what learned: of each seed of training where
 // there are several.

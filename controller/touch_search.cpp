@@ -13,7 +13,7 @@ constexpr std::size_t kFirstSides = 8, kFurtherSides = 4, kEdgeSides = 3;
 constexpr int kEdgesInARow = 2;
 constexpr double kFurthestApart = 4;                         // of the tilt
 constexpr double kClearanceError = 0.7, kMouthError = 0.01;  // of its logarithm
-constexpr double kUnexplained = 10;                          // of that
+constexpr double kUnexplained = 10;                          // of the error of a height
 constexpr double kSteepest = 0.03;  // slope of an end, twice that of a bad cleave [rad]
 constexpr double kBelow = 0.1;      // of the lift: by which it rests lower than on the face
 
@@ -39,7 +39,6 @@ void TouchSearch::rested(const Touch& touch, double height) {
     further_sides();
   next_ = {here_, Vector2d::Zero()};
   if (upright()) return;
-  climb_ = 0;
   const double angle =
       2 * std::numbers::pi * static_cast<double>(side_++) / static_cast<double>(sides_);
   next_.tilt = centre_ + apart_ * Vector2d(std::cos(angle), std::sin(angle));
@@ -119,7 +118,6 @@ void TouchSearch::leave_edge() {
   if (edges_ > 1 && caught.dot(caught_) < 0) step_ *= 0.5;
   caught_ = caught;
   here_ -= step_ * caught;
-  if (has_cone_) climb_ = step_ * n_.lead_in_length / (n_.mouth_radius - n_.bore_radius);
 }
 
 }  // namespace ferrule

@@ -59,7 +59,10 @@ class TouchSearch {
   double highest_rest() const noexcept { return level() + reach(); }
   double lowest_rest() const noexcept { return level() - reach(); }
   // How much higher still, should it be further away from the axis of a cone there [m].
-  double climb() const noexcept { return climb_; }
+  double climb() const noexcept {
+    if (!(has_cone_ && on_edge_ && upright())) return 0;
+    return step_ * n_.lead_in_length / (n_.mouth_radius - n_.bore_radius);
+  }
 
  private:
   bool upright() const noexcept { return sides_ == 0; }
@@ -90,7 +93,6 @@ class TouchSearch {
   int edges_ = 0;                                     // in a row
   double edge_ = 0;                                   // x of the last upright touch on one [m]
   double step_ = 0;                                   // the last away from one [m]
-  double climb_ = 0;                                  // of a cone, by that step [m]
   Eigen::Vector2d caught_ = Eigen::Vector2d::Zero();  // and where it had been
 };
 

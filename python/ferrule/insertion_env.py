@@ -145,7 +145,7 @@ class InsertionEnv(gymnasium.Env):
     def _observation(self) -> np.ndarray:
         simulator = self._open("observe")
         seen = simulator.observation
-        motion = np.append(seen.displacement, seen.height)
+        motion = np.append(seen.displacement, seen.height) if self.task.motion else None
         return self.task.observation(seen.values, simulator.wrench, motion)
 
     def _info(self) -> dict[str, Any]:
