@@ -7,6 +7,7 @@
 #include "app/compared_ladder.hpp"
 #include "app/csv.hpp"
 #include "app/damage.hpp"
+#include "app/shards.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
@@ -29,7 +30,7 @@ std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
   const auto begin = std::chrono::steady_clock::now();
   std::vector<TrialResult> results =
       run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(what, a.trials), interrupted,
-                   when(a.stopping.enough));
+                   when(a.stopping.enough), shared_trials());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;
@@ -56,15 +57,22 @@ std::string rollouts_text(std::size_t rollouts) {
   return rollouts ? fmt::format(" and {} labelled rollouts", rollouts) : std::string();
 }
 
+// `which`: the demonstrations of the set.
 Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
-                 const DemonstrationSet& set) {
-  Progress progress(chosen.variant->name, 1);
-  Candidate c = learned(*chosen.learner, *chosen.variant, set, a.fit_seed,
-                        [&](std::size_t done, std::size_t all, const std::string& note) {
-                          progress(done, note, all);
-                          return !interrupted();
-                        });
-  end_if_interrupted();
+                 const DemonstrationSet& set, const std::string& which) {
+  const std::string what = fmt::format("{} seed {} {}", chosen.variant->key, a.fit_seed, which);
+  const TimedController found = learned_once(what, [&] {
+    Progress progress(chosen.variant->name, 1);
+    ControllerFile controller =
+        learned(*chosen.learner, *chosen.variant, set, a.fit_seed,
+                [&](std::size_t done, std::size_t all, const std::string& note) {
+                  progress(done, note, all);
+                  return !interrupted();
+                });
+    end_if_interrupted();
+    return controller;
+  });
+  Candidate c = candidate(chosen.variant->name, found.controller, found.seconds);
   fmt::print(stderr, "{}: fitted to {} demonstrations{} in {:.1f} s\n", c.name,
              set.demonstrations.size(), rollouts_text(c.rollouts), c.fit_seconds);
   return c;
@@ -103,7 +111,7 @@ std::vector<ChosenLearner> add_learned(const CompareArguments& a, const Demonstr
   for (const ChosenLearner& chosen : chosen_learners(a)) {
     const std::string& name = chosen.variant->name;
     try {
-      candidates.push_back(fitted(a, chosen, set));
+      candidates.push_back(fitted(a, chosen, set, "all"));
       could.push_back(chosen);
     } catch (const BadInput& error) {
       end_if_interrupted();
@@ -173,7 +181,7 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
     if (count > set.demonstrations.size()) continue;
     for (const ChosenLearner& chosen : learned_by) {
       try {
-        const Candidate c = fitted(a, chosen, first_of(set, count));
+        const Candidate c = fitted(a, chosen, first_of(set, count), fmt::format("first {}", count));
         learning.push_back(
             {c.name, count, c.rollouts, a.stopping.summary(campaign(a, scene, c.make, c.name))});
       } catch (const Stopped&) {  // what is found so far is told
@@ -200,7 +208,7 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
     for (const ChosenLearner& chosen : learned_by) {
       if (interrupted()) break;
       try {
-        const Candidate c = fitted(with, chosen, again);
+        const Candidate c = fitted(with, chosen, again, "recorded again");
         const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
         if (a.stopping.whole(results, a.trials))
           all.push_back({c, seed, again.demonstrations.size(), a.stopping.summary(results)});
@@ -413,6 +421,7 @@ void add_compare(CLI::App& app, Run& run) {
       "Record the simulated demonstrations and fit again with each of these seeds: the spread "
       "of the success");
   add_threads(*verb, a->threads);
+  add_shard(*verb);
   a->policy.add_to(*verb);
   verb->add_option(
           "--plot", a->plot,

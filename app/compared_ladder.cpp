@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "app/shards.hpp"
 #include "sim/base/shipped_files.hpp"
 
 namespace ferrule {
@@ -54,8 +55,9 @@ std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
   std::vector<LadderRow> rows;
   for (const Climber& c : climbers(a, rung, set, candidates, by_seeds)) {
     const std::string& name = c.candidate.name;
-    const auto results = run_campaign(rung, c.candidate.make, a.seed, a.trials, a.threads,
-                                      Progress(rung.name + ", " + name, a.trials), interrupted);
+    const auto results =
+        run_campaign(rung, c.candidate.make, a.seed, a.trials, a.threads,
+                     Progress(rung.name + ", " + name, a.trials), interrupted, {}, shared_trials());
     if (interrupted()) break;  // of it, the trials are not whole
     rows.push_back({rung.name, name, c.training_seed, summarise(results),
                     worst_tenth(drawn, results), median_search_time(results)});

@@ -6,6 +6,7 @@
 #include "app/failures.hpp"
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
+#include "app/shards.hpp"
 #include "app/stopping.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
@@ -41,7 +42,7 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
       a.supervise ? supervised(tried.make, supervisor_limits(scene)) : tried.make;
   tried.results =
       run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(tried.name, a.trials),
-                   interrupted, when(a.stopping.enough));
+                   interrupted, when(a.stopping.enough), shared_trials());
 }
 
 // Of a controller's trials; its connectors are mated with each other.
@@ -210,6 +211,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   a->stopping.add_to(*verb);
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
+  add_shard(*verb);
   verb->add_option("--baseline", a->baseline, "A naive controller: alone, or on the same trials")
       ->check(one_of({kStraight, kSpiral}));
   a->policy.add_to(*verb);

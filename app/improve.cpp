@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "app/columns.hpp"
+#include "app/shards.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/campaign_table.hpp"
 
@@ -68,8 +69,10 @@ void tell(const ControllerFile& before, const ControllerFile& after) {
                gain(after, i));
 }
 
-int improve_verb(const ImproveArguments& a) {
-  expect_place_for(a.out);
+int improve_verb(ImproveArguments a) {
+  a.settings.shared = shared_trials();
+  const bool writes = !a.settings.shared || a.settings.shared->merges();
+  if (writes) expect_place_for(a.out);
   const ControllerFile before = read_controller(a.controller);
   free_gains(before);  // refuses networks
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
@@ -83,7 +86,7 @@ int improve_verb(const ImproveArguments& a) {
 
   const auto measured = [&](const ControllerFile& controller) {
     return summarise(run_campaign(chosen.scene, maker(controller), a.seed, a.unseen,
-                                  a.settings.threads, {}, interrupted));
+                                  a.settings.threads, {}, interrupted, {}, a.settings.shared));
   };
   const CampaignSummary first = measured(before);
   end_if_interrupted();
@@ -104,7 +107,7 @@ int improve_verb(const ImproveArguments& a) {
   }
   if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
   const ControllerFile after = as_improved(before, chosen, improved);
-  write_controller(a.out, after);
+  if (writes) write_controller(a.out, after);
   std::vector<Told> told = {{"before", first}};
   if (!interrupted()) told.push_back({"after", measured(after)});
   if (a.json) {
@@ -163,6 +166,7 @@ void add_improve(CLI::App& app, Run& run) {
       ->check(whole_number(1, 100000000));
   add_seed(*verb, a->seed, "Seed of those");
   add_threads(*verb, a->settings.threads);
+  add_shard(*verb, true);
   add_json(*verb, a->json);
   add_examples(*verb, {"improve tuned_by_hand --scene bench --out improved.json",
                        "improve search --scene ladder/d --objective success,time --trials 30000 "

@@ -8,6 +8,7 @@
 #include <optional>
 #include <system_error>
 
+#include "app/shards.hpp"
 #include "app/standard_streams.hpp"
 #include "app/verb.hpp"
 #include "capture/episode.hpp"
@@ -27,6 +28,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_improve(app, run);
   add_evaluate(app, run);
   add_compare(app, run);
+  add_merge(app, run);
   add_export(app, run);
   app.group("Answers for an engineer");
   add_sweep(app, run);
@@ -90,15 +92,15 @@ const CLI::Option* given_again(const CLI::App& app) {
 }
 
 // Empty: a verb was chosen. Otherwise the program's exit code.
-std::optional<int> parse(CLI::App& app, int argc, char** argv) {
+std::optional<int> parse(CLI::App& app, const std::vector<std::string>& words) {
   const std::vector<std::string> known = verbs(app);
-  if (argc > 1 && argv[1][0] != '-' &&
-      std::find(known.begin(), known.end(), argv[1]) == known.end())
-    return refused(fmt::format("unknown verb \"{}\"{} (see ferrule --help)", argv[1],
-                               did_you_mean(argv[1], known)),
+  if (!words.empty() && !words[0].starts_with("-") &&
+      std::find(known.begin(), known.end(), words[0]) == known.end())
+    return refused(fmt::format("unknown verb \"{}\"{} (see ferrule --help)", words[0],
+                               did_you_mean(words[0], known)),
                    kBadInput);
   try {
-    app.parse(argc, argv);
+    app.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::Success& asked) {  // --help, --version
     return app.exit(asked);
   } catch (const CLI::ParseError& error) {
@@ -119,10 +121,9 @@ int unwritten_output(const std::string& why) {
                  interrupted() ? kInterrupted : kFileTrouble);
 }
 
-int exit_code(const Run& run) {
+int exit_code(const std::vector<std::string>& words) {
   try {
-    watch_for_interrupt();
-    const int code = run();
+    const int code = run_command(words);
     std::cout.flush();
     if (!std::cout || std::fflush(stdout) != 0 || std::ferror(stdout)) return unwritten_output("");
     return code;
@@ -144,18 +145,24 @@ int exit_code(const Run& run) {
 }
 
 }  // namespace
+
+int run_command(const std::vector<std::string>& words) {
+  CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
+               "ferrule");
+  app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
+  app.require_subcommand(1);
+  remember_command(words);
+  Run run;
+  add_verbs(app, run);
+  if (const std::optional<int> code = parse(app, words)) return *code;
+  watch_for_interrupt();
+  return run_shard(app, run);
+}
+
 }  // namespace ferrule
 
 int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape): only without memory
   using namespace ferrule;
   secure_standard_streams();
-  CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
-               "ferrule");
-  app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
-  app.require_subcommand(1);
-  remember_command(argc, argv);
-  Run run;
-  add_verbs(app, run);
-  if (const std::optional<int> code = parse(app, argc, argv)) return *code;
-  return exit_code(run);
+  return exit_code({argv + std::min(argc, 1), argv + argc});
 }

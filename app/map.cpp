@@ -244,7 +244,8 @@ void add_map(CLI::App& app, Run& run) {
   verb->add_option("--width", a->width, "How closely the line is to be known, as a part of a range")
       ->capture_default_str()
       ->check(number_between(1.0 / 1024, 1));
-  a->add_options(*verb, "At most at each point; fewer where the target is shown or refuted before");
+  a->add_options(*verb, "At most at each point; fewer where the target is shown or refuted before",
+                 true);
   add_plot(*verb, a->plot, "Draw it: success, and time, force and loss in quarters");
   add_output(*verb, a->output);
   add_examples(*verb, {"map controller.json ferrule.bore_diameter_um=125.5..127 "

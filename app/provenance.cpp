@@ -16,7 +16,8 @@ constexpr std::size_t kMostChanges = 8, kMostFiles = 3;  // in a line
 constexpr std::size_t kShort = 10;                       // digits of a hash in a line
 constexpr std::size_t kMostText = 10'000;                // bytes of a scene with its changes
 
-std::string g_command;  // set once, before any verb runs
+std::vector<std::string> g_words;  // both set before a verb runs
+std::string g_command;
 
 // What says nothing about physics, task or numerics.
 bool remark(const std::string& key) {
@@ -202,16 +203,20 @@ std::vector<std::pair<std::string, std::string>> Provenance::columns() const {
   return all;
 }
 
-void remember_command(int argc, char** argv) {
+void remember_command(const std::vector<std::string>& words) {
+  g_words = words;
   g_command = "ferrule";
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--threads") {
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    if (words[i] == "--threads") {
       ++i;
-    } else if (!argument.starts_with("--threads=")) {
-      g_command += " " + shell_word(argument);
+    } else if (!words[i].starts_with("--threads=")) {
+      g_command += " " + shell_word(words[i]);
     }
   }
+}
+
+const std::vector<std::string>& command_words() noexcept {
+  return g_words;
 }
 
 }  // namespace ferrule

@@ -77,6 +77,8 @@ class Provenance {
 
 // The program's command line, which Provenance states without --threads: the result does not depend
 // on it.
-void remember_command(int argc, char** argv);
+void remember_command(const std::vector<std::string>& words);
+// That command line, without the name of the program.
+const std::vector<std::string>& command_words() noexcept;
 
 }  // namespace ferrule

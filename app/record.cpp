@@ -4,11 +4,13 @@
 
 #include <cstring>
 #include <exception>
+#include <filesystem>
 #include <utility>
 
 #include "app/damage.hpp"
 #include "app/device_arguments.hpp"
 #include "app/recording.hpp"
+#include "app/shards.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
@@ -17,6 +19,7 @@
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
+#include "sim/base/content_hash.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -51,15 +54,20 @@ Json episode_json(const Recorded& r) {
 
 constexpr double kMuchMissed = 0.01;  // of the deadlines
 
-void tell(const Recorded& r) {
+// Of episode_json.
+void tell(const Json& row) {
+  const std::string why = row["why"];
   fmt::print("{}  {:<12} {:6.2f} s  peak {:6.3f} uN  depth {:6.2f} um{}{}\n",
-             r.file.empty() ? "discarded" : printable(r.file), name(r.end.outcome),
-             r.end.summary.task_time(), 1e6 * r.end.summary.peak_force, 1e6 * r.end.summary.depth,
-             r.end.why.empty() ? "" : "  ", r.end.why);
-  if (r.end.summary.unfinished > 0)
+             row["file"].is_null() ? "discarded" : printable(row["file"].get<std::string>()),
+             row["outcome"].get<std::string>(), row["time_s"].get<double>(),
+             row["peak_force_uN"].get<double>(), row["depth_um"].get<double>(),
+             why.empty() ? "" : "  ", why);
+  if (const std::int64_t unfinished = row["unfinished_steps"]; unfinished > 0)
     fmt::print("  {} of {} steps ended without a minimum: they lag behind until later ones\n",
-               r.end.summary.unfinished, r.end.summary.steps);
-  if (!r.timing) return;
+               unfinished, row["steps"].get<std::int64_t>());
+}
+
+void tell_timing(const Recorded& r) {
   const PeriodStatistics& p = r.timing->periods;
   fmt::print(
       "  loop of {:g} us: p50 {:.0f}, p99 {:.0f}, p99.9 {:.0f}, worst {:.0f} us; {} of {} "
@@ -146,14 +154,21 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   return record_one(scene, start, hand, std::move(place));
 }
 
+// A row of episode_json.
+void take_down(const RecordArguments& a, const Json& row, Recordings& all) {
+  const bool kept = !row["file"].is_null();
+  all.kept += kept;
+  all.inserted += kept && row["outcome"] == name(Outcome::inserted);
+  all.timeouts += kept && row["outcome"] == name(Outcome::timeout);
+  all.list.push_back(row);
+  if (a.output.text()) tell(row);
+}
+
 void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
   all.lost = r.end.lost;
-  all.kept += !r.file.empty();
-  all.inserted += !r.file.empty() && r.end.outcome == Outcome::inserted;
-  all.timeouts += !r.file.empty() && r.end.outcome == Outcome::timeout;
   if (r.timing && all.list.empty()) tell_refused(*r.timing);
-  all.list.push_back(episode_json(r));
-  if (a.output.text()) tell(r);
+  take_down(a, episode_json(r), all);
+  if (r.timing && a.output.text()) tell_timing(r);
   std::fflush(stdout);
 }
 
@@ -204,6 +219,52 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   return all;
 }
 
+// What a killed process left of an episode that is to be recorded again.
+EpisodeClaim claim_again(const std::string& folder, int number) {
+  const std::string stem = folder + "/" + episode_name(number);
+  if (auto left = EpisodeClaim::of_left(stem + ".part")) left->remove();
+  std::filesystem::remove(stem + ".h5");
+  EpisodeClaim claim(folder, number);
+  if (claim.number() != number) throw FileTrouble(stem + ": is being recorded by another process");
+  return claim;
+}
+
+// Those of a shard; in a merge all of them, by what their shards kept.
+Recordings record_shared(const RecordArguments& a, const Scene& toleranced, const Holding& holding,
+                         SharedTrials& shared, const std::string& head) {
+  const auto count = static_cast<std::size_t>(a.episodes);
+  const std::size_t recording = shared.begin(sha1(toleranced.document.dump()), count);
+  std::vector<Json> kept(count);  // null: not recorded
+  for (SharedTrials::Found& found : shared.found(recording))
+    if (kept.at(found.trial).is_null()) kept[found.trial] = std::move(found.result);
+  std::vector<std::size_t> missing;
+  std::optional<Keys> no_keys;
+  Progress progress("recording", count);
+  for (std::size_t k = 0; k < count && !interrupted(); ++k) {
+    if (!kept[k].is_null()) continue;
+    if (shared.merges()) missing.push_back(k);
+    if (!shared.mine(k)) continue;
+    const int number = static_cast<int>(k) + 1;
+    const FeasibleTrial drawn =
+        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    auto recorded = record_episode(a, holding, drawn, claim_again(a.out, number), no_keys).value();
+    recorded.wait();
+    kept[k] = {{"row", episode_json(recorded)}, {"infeasible", drawn.infeasible}};
+    if (recorded.end.outcome != Outcome::interrupted) shared.keep(recording, k, kept[k]);
+    progress(k + 1);
+  }
+  shared.flush();
+  if (!missing.empty()) shared.refuse_missing(recording, missing);
+  fmt::print("{}", head);
+  Recordings all;
+  for (const Json& each : kept) {
+    if (each.is_null()) continue;
+    all.infeasible += each.at("infeasible").get<std::size_t>();
+    take_down(a, each.at("row"), all);
+  }
+  return all;
+}
+
 // Episodes of one folder are learned from together, in one hand's world.
 void expect_same_scaling(const std::string& folder, const Scaling& now) {
   const std::vector<std::string> files = episode_files(folder);
@@ -232,14 +293,18 @@ int record_verb(const RecordArguments& a) {
   const std::string note =
       damage_note(toleranced) + (a.supervise ? supervisor_note(supervisor_limits(toleranced)) : "");
   const int first = next_episode_number(a.out);
-  if (first > 1 && !a.append)
+  SharedTrials* const shared = shared_trials();
+  if (shared && (a.with_device || a.append))
+    throw BadInput("--shard: does not go with --device or --append");
+  if (first > 1 && !a.append && !shared)
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
   if (first > 1) expect_same_scaling(a.out, who.scaling);
   if (!a.output.text()) fmt::print(stderr, "{}", note);
-  const Recordings all = record_all(a, toleranced, who, first,
-                                    a.output.text() ? provenance.head() + note : std::string());
+  const std::string head = a.output.text() ? provenance.head() + note : std::string();
+  const Recordings all = shared ? record_shared(a, toleranced, who, *shared, head)
+                                : record_all(a, toleranced, who, first, head);
   if (interrupted())
     provenance.partial(fmt::format("{} of {} episodes", all.list.size(), a.episodes));
   if (a.output.text()) {
@@ -265,45 +330,6 @@ int record_verb(const RecordArguments& a) {
   fmt::print(stderr, "stopped by {}: the running episode was ended and kept; {} of {} are there\n",
              stopped_by(), all.kept, a.episodes);
   return kInterrupted;
-}
-
-struct RecoverArguments {
-  std::string folder;
-  Output output;
-};
-
-int recover_verb(const RecoverArguments& a) {
-  Progress progress("recovering", 1);
-  std::size_t left = 0;  // journals, where Ctrl-C ended it
-  const std::vector<Recovered> all = recover(a.folder, [&](std::size_t done, std::size_t of) {
-    progress(done, "", of);
-    if (interrupted()) left = of - done;
-    return !interrupted();
-  });
-  Json list = Json::array();
-  Provenance provenance;
-  for (const Recovered& r : all) {
-    list.push_back({{"journal", r.journal},
-                    {"file", r.file.empty() ? Json(nullptr) : Json(r.file)},
-                    {"rows", r.rows},
-                    {"outcome", r.file.empty() ? Json(nullptr) : Json(name(r.outcome))},
-                    {"remark", r.remark}});
-    if (r.damaged) fmt::print(stderr, "{} {}\n", printable(r.journal), printable(r.remark));
-    if (!a.output.text()) continue;
-    if (!r.file.empty())
-      fmt::print("{} -> {}: {} rows, outcome {}\n", printable(r.journal), printable(r.file), r.rows,
-                 name(r.outcome));
-    else if (!r.damaged)
-      fmt::print("{} {}\n", printable(r.journal), printable(r.remark));
-  }
-  if (left) provenance.partial(fmt::format("{} journals are left as they are", left));
-  if (a.output.text() && all.empty()) fmt::print("{}: nothing to recover\n", printable(a.folder));
-  if (a.output.text()) fmt::print("{}", provenance.foot());
-  print_result(a.output, {{"recovered", list}}, "recovered", provenance);
-  if (left) return kInterrupted;
-  const bool damaged =
-      std::any_of(all.begin(), all.end(), [](const Recovered& r) { return r.damaged; });
-  return damaged ? kFileTrouble : kDone;
 }
 
 }  // namespace
@@ -336,6 +362,7 @@ void add_record(CLI::App& app, Run& run) {
   add_trainee(*verb, a->device.trainee)->needs(device);
   add_go_on(*verb, a->device.goes_on)->needs(device);
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
+  add_shard(*verb);
   add_output(*verb, a->output);
   add_examples(*verb, {"record --episodes 20 --seed 1 --out episodes",
                        "record --scene bench --device auto --trainee Ada --out ada"});
@@ -343,15 +370,6 @@ void add_record(CLI::App& app, Run& run) {
     a->with_device = device->count() > 0;
     run = [a] { return record_verb(*a); };
   });
-}
-
-void add_recover(CLI::App& app, Run& run) {
-  auto* verb = app.add_subcommand("recover", "Bring back episodes whose recording was killed");
-  auto a = std::make_shared<RecoverArguments>();
-  verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
-  add_output(*verb, a->output);
-  add_examples(*verb, {"recover episodes", "recover episodes --json"});
-  verb->callback([a, &run] { run = [a] { return recover_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/shards.hpp"
 #include "controller/campaign_table.hpp"
 
 namespace ferrule {
@@ -14,7 +15,8 @@ void VariedArguments::add_controller(CLI::App& verb) {
       ->required();
 }
 
-void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help) {
+void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help,
+                                  bool shards_wait) {
   scene.add_to(verb, "that of the controller's training, or demo");
   add_other_scaling(verb, other_scaling);
   verb.add_option("--trials", trials, trials_help)
@@ -22,6 +24,7 @@ void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help
       ->check(whole_number(1, 100000000));
   add_seed(verb, seed, "Seed of the trials, the same for all scenes");
   add_threads(verb, threads);
+  add_shard(verb, shards_wait);
 }
 
 VariedScene::VariedScene(const VariedArguments& arguments) : arguments_(arguments) {
@@ -61,7 +64,7 @@ void run(const VariedArguments& a, const VariedScene& varied, const StoppingArgu
   const std::string what = fmt::format("{} scenes", points.size());
   std::vector<std::vector<TrialResult>> results =
       run_campaigns(campaigns, a.seed, a.trials, a.threads,
-                    Progress(what, points.size() * a.trials), interrupted);
+                    Progress(what, points.size() * a.trials), interrupted, shared_trials());
   for (std::size_t k = 0; k < points.size(); ++k) {
     Point& point = *points[k];
     point.results = std::move(results[k]);

@@ -22,9 +22,9 @@ struct VariedArguments {
   bool other_scaling = false;
   Output output;
 
-  // The controller comes first; `trials_help` says what of.
+  // The controller comes first; `trials_help` says what of, `shards_wait` as add_shard has it.
   void add_controller(CLI::App& verb);
-  void add_options(CLI::App& verb, const std::string& trials_help);
+  void add_options(CLI::App& verb, const std::string& trials_help, bool shards_wait = false);
 };
 
 class VariedScene {

@@ -40,6 +40,7 @@ void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
 void add_identify(CLI::App& app, Run& run);
 void add_improve(CLI::App& app, Run& run);
+void add_merge(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_sweep(CLI::App& app, Run& run);
 void add_map(CLI::App& app, Run& run);
@@ -52,6 +53,10 @@ void add_demo(CLI::App& app, Run& run);
 void add_view(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
+
+// Does what a command line says, of which `words` are all but the program's name; its exit code.
+// Throws what the verb throws. (main.cpp)
+int run_command(const std::vector<std::string>& words);
 
 // --scene NAME|FILE and --set dotted.key=value. One rule for all verbs: a controller or a recording
 // brings its scene along, --scene takes another, and where there is neither it is `demo`.

@@ -9,6 +9,10 @@
 #include <deque>
 #include <mutex>
 #include <stdexcept>
+#include <thread>
+
+#include "controller/kept_trial.hpp"
+#include "sim/base/content_hash.hpp"
 
 namespace ferrule {
 
@@ -17,14 +21,19 @@ namespace {
 // A campaign while it runs: its trials are begun in their order.
 class Running {
  public:
-  Running(const Campaign& campaign, std::size_t trials)
-      : campaign_(campaign), results_(trials), done_(trials, false) {}
+  Running(const Campaign& campaign, std::uint64_t seed, std::size_t trials, SharedTrials* shared)
+      : campaign_(campaign), shared_(shared), results_(trials), done_(trials, false) {
+    if (shared_) number_ = shared_->begin(fingerprint(*campaign.scene, seed, trials), trials);
+  }
 
   // The next trial to be run; empty: none is left.
   std::optional<std::size_t> begin() {
-    if (known_) return std::nullopt;
-    const std::size_t k = next_++;
-    return k < results_.size() ? std::optional(k) : std::nullopt;
+    const std::lock_guard lock(mutex_);
+    while (!known_ && next_ < results_.size()) {
+      const std::size_t k = next_++;
+      if (!shared_ || (!done_[k] && shared_->mine(k))) return k;
+    }
+    return std::nullopt;
   }
 
   // Runs it. False where that was ended before the trial was over.
@@ -32,14 +41,37 @@ class Running {
     const std::function<bool()> ends = [&] { return known_ || (stop && stop()); };
     TrialResult result = run_trial(*campaign_.scene, *campaign_.make(k), seed, k, 1e-3, {}, ends);
     if (ends()) return false;
+    if (shared_) shared_->keep(number_, k, kept_trial(result));
     const std::lock_guard lock(mutex_);
-    results_[k] = std::move(result);
-    done_[k] = true;
-    while (!known_ && shown_ < results_.size() && done_[shown_]) {
-      const TrialResult& next = results_[shown_++];
-      known_ = campaign_.enough && campaign_.enough(next);
-    }
+    put(k, std::move(result));
     return true;
+  }
+
+  // What another process, or this shard before it was killed, has run.
+  void take(const SharedTrials::Found& found) {
+    const std::lock_guard lock(mutex_);
+    if (found.trial >= results_.size()) return;
+    if (done_[found.trial])
+      shared_->again(found, kept_trial(results_[found.trial]));
+    else
+      put(found.trial, trial_of(found.result));
+  }
+
+  // Of a shared one: the trials that are not there and would count.
+  std::vector<std::size_t> missing() const {
+    std::vector<std::size_t> trials;
+    for (std::size_t k = shown_; !known_ && k < done_.size(); ++k)
+      if (!done_[k]) trials.push_back(k);
+    return trials;
+  }
+
+  // Those that are missing count as infeasible.
+  void fill() {
+    for (const std::size_t k : missing()) {
+      results_[k].outcome = Outcome::infeasible;
+      done_[k] = true;
+    }
+    if (!known_) shown_ = results_.size();
   }
 
   std::vector<TrialResult> results() {
@@ -47,24 +79,75 @@ class Running {
     return std::move(results_);
   }
 
+  std::size_t number() const { return number_; }
+
  private:
+  static std::string fingerprint(const Scene& scene, std::uint64_t seed, std::size_t trials) {
+    return sha1(scene.document.dump() + scene.redrawn + std::to_string(seed) + " " +
+                std::to_string(trials));
+  }
+
+  void put(std::size_t k, TrialResult result) {
+    results_[k] = std::move(result);
+    done_[k] = true;
+    while (!known_ && shown_ < results_.size() && done_[shown_]) {
+      const TrialResult& next = results_[shown_++];
+      known_ = campaign_.enough && campaign_.enough(next);
+    }
+  }
+
   const Campaign& campaign_;
+  SharedTrials* shared_;
+  std::size_t number_ = 0;  // of it among those that are shared
   std::vector<TrialResult> results_;
   std::vector<char> done_;
-  std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> known_ = false;
   std::mutex mutex_;
-  std::size_t shown_ = 0;  // to `enough`
+  std::size_t next_ = 0, shown_ = 0;  // shown_: to `enough`
 };
+
+// Does what comes next depend on what other shards have run?
+bool looks_around(const SharedTrials& shared, const std::vector<Campaign>& campaigns) {
+  return shared.waits() || std::any_of(campaigns.begin(), campaigns.end(),
+                                       [](const Campaign& c) { return c.enough != nullptr; });
+}
+
+// What was run before, here or elsewhere, and is new; and how many trials that is.
+std::size_t take_found(SharedTrials& shared, std::deque<Running>& all) {
+  const std::vector<SharedTrials::Found> found = shared.found(all.front().number());
+  for (const SharedTrials::Found& one : found) all[one.campaign - all.front().number()].take(one);
+  return found.size();
+}
+
+// Waits for what is missing, refuses it, or fills it in.
+void complete(SharedTrials& shared, std::deque<Running>& all, const std::function<bool()>& stop) {
+  constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
+  for (Running& one : all) {
+    while (shared.waits() && !one.missing().empty() && !(stop && stop())) {
+      std::this_thread::sleep_for(kBetweenLooks);
+      shared.look_around();
+      take_found(shared, all);
+    }
+    if (const auto missing = one.missing(); shared.merges() && !missing.empty())
+      shared.refuse_missing(one.number(), missing);
+    if (!stop || !stop()) one.fill();
+  }
+}
 
 }  // namespace
 
 std::vector<std::vector<TrialResult>> run_campaigns(
     const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
-    const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop) {
+    const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop,
+    SharedTrials* shared) {
   std::deque<Running> all;
-  for (const Campaign& campaign : campaigns) all.emplace_back(campaign, trials);
+  for (const Campaign& campaign : campaigns) all.emplace_back(campaign, seed, trials, shared);
+  const bool looks = shared && looks_around(*shared, campaigns);
   std::atomic<std::size_t> count = 0;
+  if (shared && !all.empty()) {
+    if (looks) shared->look_around();
+    count += take_found(*shared, all);
+  }
   const auto work = [&](int) {
     for (Running& one : all)
       while (const auto k = one.begin()) {
@@ -72,11 +155,19 @@ std::vector<std::vector<TrialResult>> run_campaigns(
         if (!one.run(*k, seed, stop)) continue;
         const std::size_t so_far = ++count;
         if (progress) progress(so_far);
+        if (looks && shared->wrote()) {
+          shared->look_around();
+          count += take_found(*shared, all);
+        }
       }
   };
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute(
       [&] { tbb::parallel_for(0, arena.max_concurrency(), work, tbb::simple_partitioner()); });
+  if (shared && !all.empty()) {
+    shared->flush();
+    complete(*shared, all, stop);
+  }
   std::vector<std::vector<TrialResult>> results;
   for (Running& one : all) results.push_back(one.results());
   return results;
@@ -85,8 +176,10 @@ std::vector<std::vector<TrialResult>> run_campaigns(
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
-                                      const std::function<bool()>& stop, const IsEnough& enough) {
-  return run_campaigns({{&scene, make, enough}}, seed, trials, threads, progress, stop).front();
+                                      const std::function<bool()>& stop, const IsEnough& enough,
+                                      SharedTrials* shared) {
+  return run_campaigns({{&scene, make, enough}}, seed, trials, threads, progress, stop, shared)
+      .front();
 }
 
 namespace {

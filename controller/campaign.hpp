@@ -7,6 +7,7 @@
 
 #include "controller/enough.hpp"
 #include "controller/mated_pairs.hpp"
+#include "controller/shared_trials.hpp"
 #include "controller/statistics.hpp"
 #include "controller/trial.hpp"
 
@@ -19,12 +20,14 @@ using IsEnough = std::function<bool(const TrialResult&)>;
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
 // results are those of the first trials up to one that was not done, fewer than `trials`. The trial
-// after which it is `enough` is the last.
+// after which it is `enough` is the last. With `shared` it runs those of its shard that nobody has
+// run yet; of the others it takes what is there, and what is not counts as infeasible, unless
+// `shared` waits for it. Throws what `make` and `shared` throw.
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop = {},
-                                      const IsEnough& enough = {});
+                                      const IsEnough& enough = {}, SharedTrials* shared = nullptr);
 
 // Several at once, each with the same trials, so that those of all fill the cores.
 struct Campaign {
@@ -35,7 +38,8 @@ struct Campaign {
 // The results of each, as of run_campaign.
 std::vector<std::vector<TrialResult>> run_campaigns(
     const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
-    const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop = {});
+    const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop = {},
+    SharedTrials* shared = nullptr);
 
 struct Spread {
   double median, p95;  // NaN where there is nothing to take them of

@@ -1,7 +1,6 @@
 #include "learn/candidates.hpp"
 
 #include <algorithm>
-#include <chrono>
 
 #include "controller/device_controller.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -72,21 +71,22 @@ std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set
            }}};
 }
 
-Candidate learned(const Learner& learner, const Learner::Variant& variant,
-                  const DemonstrationSet& set, std::uint64_t seed,
-                  const LearnerProgress& progress) {
+ControllerFile learned(const Learner& learner, const Learner::Variant& variant,
+                       const DemonstrationSet& set, std::uint64_t seed,
+                       const LearnerProgress& progress) {
   LearnerSettings settings{seed, variant.options};
   for (const LearnerOption& option : learner.options)
     settings.options.emplace(option.flag, option.value);  // where the variant has none
-  const auto begin = std::chrono::steady_clock::now();
-  const Learned result = learner.learn(set, settings, progress);
-  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+  return learner.learn(set, settings, progress).controller;
+}
+
+Candidate candidate(const std::string& name, const ControllerFile& learned, double seconds) {
   return std::visit(
       [&](const auto& c) -> Candidate {
-        return {variant.name, c.maker(),           c.parameters(),
-                took.count(), c.held_out_residual, c.trained_on.rollouts};
+        return {name,    c.maker(),           c.parameters(),
+                seconds, c.held_out_residual, c.trained_on.rollouts};
       },
-      result.controller);
+      learned);
 }
 
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count) {

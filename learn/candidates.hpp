@@ -34,9 +34,11 @@ const std::vector<Learner>& learners();
 
 // What one variant of a learner makes of demonstrations. `seed`: of the fit. Throws BadInput, and
 // what `progress` throws.
-Candidate learned(const Learner& learner, const Learner::Variant& variant,
-                  const DemonstrationSet& set, std::uint64_t seed,
-                  const LearnerProgress& progress = {});
+ControllerFile learned(const Learner& learner, const Learner::Variant& variant,
+                       const DemonstrationSet& set, std::uint64_t seed,
+                       const LearnerProgress& progress = {});
+// That as a candidate, of a fit that took `seconds`.
+Candidate candidate(const std::string& name, const ControllerFile& learned, double seconds);
 
 // The first `count` demonstrations of a set.
 DemonstrationSet first_of(const DemonstrationSet& set, std::size_t count);

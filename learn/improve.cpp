@@ -89,7 +89,7 @@ Improved improve(const ControllerFile& controller, const Scene& scene, const Obj
     for (const VectorXd& x : candidates)
       campaigns.push_back({&scene, maker(with_gains(controller, free, x))});
     const auto results = run_campaigns(campaigns, seed_of_generation(settings.seed, generation++),
-                                       trials, settings.threads, {}, stop);
+                                       trials, settings.threads, {}, stop, settings.shared);
     std::vector<double> values;
     for (const auto& of_one : results) {
       done.trials += of_one.size();

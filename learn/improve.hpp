@@ -34,6 +34,7 @@ struct ImproveSettings {
   std::size_t trials_each = 30;  // of a candidate: the same for all of a generation, then others
   std::uint64_t seed = 1;
   int threads = 0;
+  SharedTrials* shared = nullptr;  // of run_campaigns
 };
 
 struct ImproveRow {

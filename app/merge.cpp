@@ -1,0 +1,96 @@
+// ferrule merge: what one process would print, from the trials that shards have run.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include "app/shards.hpp"
+
+namespace ferrule {
+namespace {
+
+struct MergeArguments {
+  std::string folder;
+  bool watch = false;
+};
+
+using Clock = std::chrono::steady_clock;
+
+std::string how_far(const SharedTrials::Progress& p, double rate) {
+  std::string text = fmt::format("{} of {} trials, {} of {} shards whole", p.trials, p.begun,
+                                 p.count - p.not_done().size(), p.count);
+  if (rate > 0 && p.begun > p.trials)
+    text += fmt::format(", {:.3g} trials a second, {:.0f} s left", rate,
+                        static_cast<double>(p.begun - p.trials) / rate);
+  return text;
+}
+
+// Until all shards are whole.
+void watch(const std::string& folder, const Job& job) {
+  SharedTrials trials(folder, job.hash, std::nullopt, false);
+  SharedTrials::Progress p = trials.progress();
+  const std::size_t before = p.trials;
+  const auto begin = Clock::now();
+  std::size_t told = SIZE_MAX;
+  while (p.count == 0 || !p.not_done().empty()) {
+    end_if_interrupted();
+    const std::chrono::duration<double> seconds = Clock::now() - begin;
+    if (p.trials != told)
+      fmt::print(stderr, "{}\n",
+                 how_far(p, static_cast<double>(p.trials - before) / seconds.count()));
+    told = p.trials;
+    for (int i = 0; i < 20 && !interrupted(); ++i)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    p = trials.progress();
+  }
+}
+
+void expect_whole(const std::string& folder) {
+  const SharedTrials::Progress p = shared_trials()->progress();
+  if (p.others > 0)
+    fmt::print(stderr, "note: {}: {} blocks are of another job and are left out\n", folder,
+               p.others);
+  for (const std::string& file : p.damaged)
+    fmt::print(stderr, "note: {}: a part of it is damaged and is left out\n", file);
+  if (p.count == 0) throw FileTrouble(folder + ": no shard of this job has begun");
+  if (const std::vector<Shard> left = p.not_done(); !left.empty())
+    throw FileTrouble(fmt::format("{}: {} {} not whole ({}): run {} again, or wait with --watch",
+                                  folder, to_text(left), left.size() == 1 ? "is" : "are",
+                                  how_far(p, 0), left.size() == 1 ? "it" : "them"));
+}
+
+int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling) {
+  for (const std::string& word : telling)
+    if (word.starts_with("-") &&
+        !std::count(kTellingOptions.begin(), kTellingOptions.end(), word.substr(0, word.find('='))))
+      throw BadInput("merge: " + word +
+                     ": takes --json, --csv and the files that the job's verb can write");
+  const Job job = read_job(a.folder);
+  if (a.watch) watch(a.folder, job);
+  share_all(a.folder, job);
+  expect_whole(a.folder);
+  std::vector<std::string> words = job.arguments;
+  words.insert(words.end(), telling.begin(), telling.end());
+  return run_command(words);
+}
+
+}  // namespace
+
+void add_merge(CLI::App& app, Run& run) {
+  auto* verb = app.add_subcommand(
+      "merge", "Bring the shards of a job together: prints what one process would have printed");
+  auto a = std::make_shared<MergeArguments>();
+  verb->add_option("folder", a->folder, "That was --out of the shards")
+      ->required()
+      ->type_name("DIR");
+  verb->add_flag("--watch", a->watch, "Show how far they are, and wait until all are whole");
+  verb->allow_extras();
+  verb->footer("and --json, --csv, --report, --plot, --trials-out as the job's verb has them");
+  add_examples(*verb, {"merge job", "merge job --watch --json", "merge job --report page.html"});
+  verb->callback([a, verb, &run] {
+    run = [a, telling = verb->remaining()] { return merge_verb(*a, telling); };
+  });
+}
+
+}  // namespace ferrule

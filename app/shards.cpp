@@ -1,0 +1,250 @@
+#include "app/shards.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
+
+#include "capture/episode.hpp"
+#include "sim/base/content_hash.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Of the command line.
+struct ShardArguments {
+  std::string shard, out;
+  bool waits = false;
+};
+ShardArguments& arguments() {
+  static ShardArguments a;
+  return a;
+}
+
+std::unique_ptr<SharedTrials> g_shared;
+std::string g_folder;
+
+Shard shard_of(const std::string& text) {
+  const auto slash = text.find('/');
+  const auto number = [&](const std::string& part) -> std::size_t {
+    if (part.empty() || part.size() > 6 || part.find_first_not_of("0123456789") != part.npos)
+      return 0;
+    return std::stoul(part);
+  };
+  const Shard shard = slash == text.npos
+                          ? Shard{0, 0}
+                          : Shard{number(text.substr(0, slash)), number(text.substr(slash + 1))};
+  if (shard.index < 1 || shard.index > shard.count)
+    throw BadInput("--shard " + text + ": must be I/N with I from 1 to N, as in 3/10");
+  return shard;
+}
+
+// Of a file; of all files of a folder and their names; empty: neither.
+std::string content_hash(const std::string& name) {
+  std::error_code error;
+  if (fs::is_regular_file(name, error)) return sha1(read_text(name));
+  if (!fs::is_directory(name, error)) return "";
+  std::vector<std::string> files;
+  for (const fs::directory_entry& entry : fs::directory_iterator(name))
+    if (entry.is_regular_file()) files.push_back(entry.path().string());
+  std::sort(files.begin(), files.end());
+  std::string all;
+  for (const std::string& file : files)
+    all += fs::path(file).filename().string() + " " + sha1(read_text(file)) + "\n";
+  return sha1(all);
+}
+
+// What the words after the verb name that is there, the folder of the job apart.
+Json hashes(const std::vector<std::string>& words, const std::string& folder) {
+  Json all = Json::object();
+  for (std::size_t i = 1; i < words.size(); ++i)
+    for (const std::string& part : CLI::detail::split(words[i].substr(words[i].find('=') + 1), ' '))
+      if (std::error_code none; !fs::equivalent(part, folder, none))
+        if (const std::string hash = content_hash(part); !hash.empty()) all[part] = hash;
+  return all;
+}
+
+std::string job_file(const std::string& folder) {
+  return folder + "/job.json";
+}
+
+Json job_json(const std::vector<std::string>& words, const std::string& folder) {
+  return {{"version", program_version()},
+          {"build", program_build()},
+          {"command", words},
+          {"read", hashes(words, folder)}};
+}
+
+std::string command_text(const Json& words) {
+  std::string text = "ferrule";
+  for (const Json& word : words) text += " " + word.get<std::string>();
+  return printable(text, 300);
+}
+
+// `there` is that of the folder, `here` what this process would do.
+void refuse_other(const std::string& folder, const Json& there, const Json& here) {
+  const std::string file = job_file(folder);
+  for (const char* key : {"version", "build"})
+    if (there.at(key) != here.at(key))
+      throw BadInput(fmt::format("{}: was begun by ferrule {} ({}), this is {} ({})", file,
+                                 there.at("version").get<std::string>(),
+                                 there.at("build").get<std::string>(), program_version(),
+                                 program_build()));
+  if (there.at("command") != here.at("command"))
+    throw BadInput(fmt::format("{}: is another job, {}: give another --out", file,
+                               command_text(there.at("command"))));
+  for (const auto& [name, hash] : there.at("read").items())
+    if (here.at("read").value(name, "") != hash)
+      throw BadInput(file + ": " + name + " has changed since the job was begun");
+}
+
+// The command without what it says about the shard.
+std::vector<std::string> job_words(std::vector<std::string> words) {
+  std::vector<std::string> options = {"--shard", "--threads"};
+  if (words.front() != "record") options.emplace_back("--out");  // its episodes are there too
+  for (const std::string& option : options)
+    for (auto word = words.begin(); word != words.end();)
+      if (*word == option)
+        word = words.erase(word, std::min(word + 2, words.end()));
+      else if (word->starts_with(option + "="))
+        word = words.erase(word);
+      else
+        ++word;
+  return words;
+}
+
+// Nothing that is printed gets to standard output meanwhile.
+class MutedOutput {
+ public:
+  MutedOutput() : before_((std::fflush(stdout), ::dup(STDOUT_FILENO))) {
+    const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+    ::dup2(nothing, STDOUT_FILENO);
+    ::close(nothing);
+  }
+  MutedOutput(const MutedOutput&) = delete;
+  MutedOutput& operator=(const MutedOutput&) = delete;
+  ~MutedOutput() {
+    std::fflush(stdout);
+    ::dup2(before_, STDOUT_FILENO);
+    ::close(before_);
+  }
+
+ private:
+  int before_;
+};
+
+// Begins the job in its folder, or goes on with it. The hash of the job.
+std::string begin_job(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileTrouble(folder + ": " + error.message());
+  const Json here = job_json(job_words(command_words()), folder);
+  if (!fs::exists(job_file(folder))) {
+    try {
+      write_text(job_file(folder), here.dump(1) + "\n", false);
+    } catch (const FileTrouble&) {  // another shard was faster
+      if (!fs::exists(job_file(folder))) throw;
+    }
+  }
+  refuse_other(folder, parse_json(read_text(job_file(folder)), job_file(folder)), here);
+  return sha1(here.dump());
+}
+
+}  // namespace
+
+void add_shard(CLI::App& verb, bool waits) {
+  CLI::Option* out = verb.get_option_no_throw("--out");
+  const bool own = out != nullptr;
+  if (!own)
+    out =
+        verb.add_option("--out", arguments().out, "Folder that all shards share")->type_name("DIR");
+  auto* shard = verb.add_option("--shard", arguments().shard,
+                                "Run only this part of the trials, and keep them for ferrule merge")
+                    ->type_name("I/N");
+  shard->needs(out);
+  if (!own) out->needs(shard);
+  shard->each([waits](const std::string&) { arguments().waits = waits; });
+}
+
+SharedTrials* shared_trials() noexcept {
+  return g_shared.get();
+}
+
+TimedController learned_once(const std::string& what,
+                             const std::function<ControllerFile()>& learn) {
+  const std::string folder = g_folder + "/learned/" + sha1(what).substr(0, 16),
+                    controller = "/controller.json", seconds = "/seconds.json";
+  if (g_folder.empty() || !fs::exists(folder)) {
+    const auto begin = std::chrono::steady_clock::now();
+    const ControllerFile made = learn();
+    const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
+    if (g_folder.empty()) return {made, took.count()};
+    std::error_code error;
+    fs::create_directories(g_folder + "/learned", error);
+    std::string beside = folder + ".XXXXXX";
+    if (!::mkdtemp(beside.data())) throw FileTrouble(beside + ": " + std::strerror(errno));
+    write_controller(beside + controller, made);
+    write_text(beside + seconds, Json(took.count()).dump());
+    fs::rename(beside, folder, error);
+    if (error) fs::remove_all(beside, error);  // another process was faster
+  }
+  return {read_controller(folder + controller),
+          parse_json(read_text(folder + seconds), folder + seconds)};
+}
+
+int run_shard(const CLI::App& app, const Run& run) {
+  const ShardArguments& a = arguments();
+  if (a.shard.empty()) return run();
+  const Shard shard = shard_of(a.shard);
+  const std::string folder = app.get_subcommands().front()->get_option("--out")->as<std::string>();
+  for (const std::string telling : kTellingOptions)
+    for (const CLI::App* verb : app.get_subcommands())
+      if (const CLI::Option* option = verb->get_option_no_throw(telling);
+          option && option->count() > 0 && telling != "--out")
+        throw BadInput(
+            fmt::format("{}: is for ferrule merge {}, not for a shard", telling, folder));
+  const std::string job = begin_job(folder);
+  g_folder = folder;
+  g_shared = std::make_unique<SharedTrials>(folder, job, shard, a.waits);
+  {
+    const MutedOutput muted;
+    run();
+  }
+  if (interrupted()) {
+    fmt::print(stderr, "stopped by {}: what is done is kept; the same command goes on with it\n",
+               stopped_by());
+    return kInterrupted;
+  }
+  g_shared->finish();
+  fmt::print("shard {} is whole; when all are: ferrule merge {}\n", to_text(shard),
+             printable(folder));
+  return kDone;
+}
+
+Job read_job(const std::string& folder) {
+  const std::string file = job_file(folder);
+  const Json there = parse_json(read_text(file), file);
+  try {
+    const std::vector<std::string> words = there.at("command");
+    refuse_other(folder, there, job_json(words, folder));
+    return {words, sha1(there.dump())};
+  } catch (const Json::exception&) {
+    throw BadInput(file + ": is not that of a job");
+  }
+}
+
+void share_all(const std::string& folder, const Job& job) {
+  g_folder = folder;
+  g_shared = std::make_unique<SharedTrials>(folder, job.hash, std::nullopt, false);
+}
+
+}  // namespace ferrule

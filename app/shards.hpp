@@ -1,0 +1,51 @@
+// --shard: the trials of a verb, shared by several processes, on one machine or many
+// (controller/shared_trials.hpp). FOLDER/job.json says what is shared: the command, the files that
+// it reads, and the program. `ferrule merge` brings the trials together.
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "app/verb.hpp"
+#include "controller/controller_file.hpp"
+#include "controller/shared_trials.hpp"
+
+namespace ferrule {
+
+// Adds --shard, and --out where the verb has none. `waits`: as of SharedTrials.
+void add_shard(CLI::App& verb, bool waits = false);
+
+// What this process shares, for run_campaigns; null: nothing.
+SharedTrials* shared_trials() noexcept;
+
+// A controller, and the time it took to learn it [s].
+struct TimedController {
+  ControllerFile controller;
+  double seconds;
+};
+// What `learn` returns. Of the processes that share a job the first that needs it learns it, and
+// keeps it as FOLDER/learned/WHAT; `what` tells it from others of the job. Throws what `learn`
+// throws, FileTrouble.
+TimedController learned_once(const std::string& what, const std::function<ControllerFile()>& learn);
+
+// Does what the chosen verb of `app` does; with --shard its trials alone, of which nothing but that
+// they are there is printed.
+int run_shard(const CLI::App& app, const Run& run);
+
+// The options with which a verb says what it found, which are those of merge.
+inline constexpr std::array kTellingOptions = {"--json", "--csv",        "--report",
+                                               "--plot", "--trials-out", "--out"};
+
+// A job that shards have begun in a folder.
+struct Job {
+  std::vector<std::string> arguments;  // of the command, those of kTellingOptions apart
+  std::string hash;
+};
+// Throws BadInput where another program has begun it, or a file that it reads has changed.
+Job read_job(const std::string& folder);
+// From now on this process has the trials of all shards of the job.
+void share_all(const std::string& folder, const Job& job);
+
+}  // namespace ferrule

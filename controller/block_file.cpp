@@ -1,0 +1,107 @@
+#include "controller/block_file.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+#include <boost/crc.hpp>
+#include <boost/endian/conversion.hpp>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include "sim/base/error.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr std::string_view kMagic = "FRB1";
+constexpr std::size_t kHead = 12;
+constexpr std::uint32_t kLargest = 1U << 26;  // of a content; more is damage
+
+std::uint32_t checksum(std::string_view content) {
+  boost::crc_32_type crc;
+  crc.process_bytes(content.data(), content.size());
+  return crc.checksum();
+}
+
+std::uint32_t number_at(std::string_view bytes, std::size_t at) {
+  return boost::endian::load_little_u32(reinterpret_cast<const unsigned char*>(&bytes[at]));
+}
+
+void add_number(std::string& bytes, std::uint32_t number) {
+  unsigned char four[4];
+  boost::endian::store_little_u32(four, number);
+  bytes.append(reinterpret_cast<const char*>(four), 4);
+}
+
+// The content of the block at the start of `bytes`; empty: there is no whole one.
+std::string_view content_at_start(std::string_view bytes) {
+  if (bytes.size() < kHead || !bytes.starts_with(kMagic)) return {};
+  const std::uint32_t size = number_at(bytes, 4);
+  if (size > kLargest || size > bytes.size() - kHead) return {};
+  const std::string_view content = bytes.substr(kHead, size);
+  return checksum(content) == number_at(bytes, 8) ? content : std::string_view();
+}
+
+}  // namespace
+
+void BlockReader::read(const std::function<void(const Json&)>& show) {
+  std::ifstream in(file_, std::ios::binary);
+  if (!in) {
+    if (::access(file_.c_str(), F_OK) != 0) return;
+    throw FileTrouble(file_ + ": " + std::strerror(errno));
+  }
+  in.seekg(static_cast<std::streamoff>(end_));
+  const std::string added{std::istreambuf_iterator<char>(in), {}};
+  std::string_view left = added;
+  for (std::size_t passed = 0; passed < left.size();) {
+    const std::string_view content = content_at_start(left.substr(passed));
+    if (content.empty()) {
+      passed = left.find(kMagic, passed + 1);
+      continue;
+    }
+    show(Json::from_cbor(content));
+    damaged_ += passed > 0;
+    left.remove_prefix(passed + kHead + content.size());
+    passed = 0;
+  }
+  end_ += added.size() - left.size();
+  cut_off_ = left.size();
+}
+
+BlockWriter::BlockWriter(const std::string& file)
+    : file_(file), fd_(::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
+  if (fd_ < 0) throw FileTrouble(file + ": " + std::strerror(errno));
+  const auto refuse = [&](const std::string& why) {
+    ::close(fd_);
+    throw FileTrouble(file + ": " + why);
+  };
+  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+    refuse("another process is writing to it: give each its own shard");
+  BlockReader reader(file);
+  reader.read([](const Json&) {});
+  if (reader.cut_off() > 0 && ::ftruncate(fd_, static_cast<off_t>(reader.end())) != 0)
+    refuse(std::strerror(errno));
+}
+
+BlockWriter::~BlockWriter() {
+  ::close(fd_);
+}
+
+void BlockWriter::append(const Json& block) {
+  std::string content;
+  Json::to_cbor(block, content);
+  std::string bytes(kMagic);
+  add_number(bytes, static_cast<std::uint32_t>(content.size()));
+  add_number(bytes, checksum(content));
+  bytes += content;
+  const off_t before = ::lseek(fd_, 0, SEEK_END);
+  int error = write_all(fd_, bytes.data(), bytes.size());
+  if (error == 0 && ::fdatasync(fd_) != 0) error = errno;
+  if (error == 0) return;
+  if (before < 0 || ::ftruncate(fd_, before) != 0) error = errno;
+  throw FileTrouble(file_ + ": " + std::strerror(error));
+}
+
+}  // namespace ferrule

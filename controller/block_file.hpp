@@ -1,0 +1,53 @@
+// A file of blocks that only grows, by whole blocks: what a killed process leaves of it is good.
+//
+//   "FRB1", size, CRC-32 of the content (two 32-bit little-endian numbers), content: CBOR (RFC 8949)
+//
+// A block that is cut off or damaged is passed over up to the next whole one.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "sim/base/json_fields.hpp"
+
+namespace ferrule {
+
+class BlockReader {
+ public:
+  explicit BlockReader(std::string file) : file_(std::move(file)) {}
+
+  // Shows the blocks that were added since the last call; none where the file is not there. A block
+  // that is cut off at the end of the file is shown once it is whole. Throws FileTrouble.
+  void read(const std::function<void(const Json& block)>& show);
+
+  const std::string& file() const noexcept { return file_; }
+  std::uint64_t end() const noexcept { return end_; }          // of the last whole block [bytes]
+  std::size_t damaged() const noexcept { return damaged_; }    // stretches between whole blocks
+  std::uint64_t cut_off() const noexcept { return cut_off_; }  // bytes after the last whole block
+
+ private:
+  std::string file_;
+  std::uint64_t end_ = 0, cut_off_ = 0;
+  std::size_t damaged_ = 0;
+};
+
+class BlockWriter {
+ public:
+  // Makes the file, or cuts off what a killed process left half-written at its end. It is locked:
+  // throws FileTrouble where another process writes to it. (Where the file system has no locks, two
+  // that do damage each other's blocks; a reader passes over those.)
+  explicit BlockWriter(const std::string& file);
+  BlockWriter(const BlockWriter&) = delete;
+  BlockWriter& operator=(const BlockWriter&) = delete;
+  ~BlockWriter();
+
+  // On the disk when it returns; absent where it throws FileTrouble, as on a full disk.
+  void append(const Json& block);
+
+ private:
+  std::string file_;
+  int fd_;
+};
+
+}  // namespace ferrule

@@ -1,0 +1,174 @@
+#include "controller/shared_trials.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "sim/base/error.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+using std::chrono::steady_clock;
+
+constexpr auto kBetweenBlocks = std::chrono::seconds(1);
+constexpr const char* kEnding = ".trials";
+
+}  // namespace
+
+std::string to_text(const Shard& shard) {
+  return fmt::format("{}/{}", shard.index, shard.count);
+}
+
+std::string to_text(const std::vector<Shard>& shards) {
+  constexpr std::size_t kMost = 8;
+  std::string text = shards.size() == 1 ? "shard" : "shards";
+  for (std::size_t i = 0; i < std::min(kMost, shards.size()); ++i)
+    text += (i > 0 ? ", " : " ") + to_text(shards[i]);
+  if (shards.size() > kMost) text += fmt::format(" and {} more", shards.size() - kMost);
+  return text;
+}
+
+SharedTrials::SharedTrials(std::string folder, std::string job, std::optional<Shard> shard,
+                           bool waits)
+    : folder_(std::move(folder)), job_(std::move(job)), shard_(shard), waits_(waits) {
+  if (shard_) {
+    own_ = fmt::format("{}/shard_{:04}_of_{:04}{}", folder_, shard_->index, shard_->count, kEnding);
+    writer_ = std::make_unique<BlockWriter>(own_);
+  }
+  if (shard_)
+    read(own_);
+  else
+    look_around();
+}
+
+void SharedTrials::read(const std::string& file) {
+  const auto [reader, is_new] = readers_.emplace(file, file);
+  if (file == own_ && !is_new) return;  // what is new there is of this process
+  reader->second.read([&](const Json& block) { take(file, block); });
+}
+
+void SharedTrials::look_around() {
+  const std::lock_guard lock(reading_);
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
+    if (entry.path().extension() == kEnding) read(entry.path().string());
+  if (error) throw FileTrouble(folder_ + ": " + error.message());
+}
+
+void SharedTrials::take(const std::string& file, const Json& block) {
+  if (block.value("job", "") != job_) {
+    ++progress_.others;
+    return;
+  }
+  const Shard shard{block.at("shard").at(0), block.at("shard").at(1)};
+  progress_.count = std::max(progress_.count, shard.count);
+  if (block.contains("done")) progress_.done.insert(shard);
+  if (!block.contains("campaign")) return;
+  const std::size_t number = block.at("campaign");
+  const auto [campaign, is_new] = campaigns_.emplace(number, Campaign{block.at("what"), file});
+  if (is_new) progress_.begun += block.at("of").get<std::size_t>();
+  if (campaign->second.what != block.at("what"))
+    throw FileTrouble(fmt::format(
+        "{} and {}: have trials of different scenes as campaign {} of the same job: one of them "
+        "comes from another program or a machine that calculates differently",
+        campaign->second.file, file, number + 1));
+  for (const Json& trial : block.at("trials")) {
+    campaign->second.found.push_back({number, trial.at(0), trial.at(1)});
+    ++progress_.trials;
+  }
+}
+
+std::size_t SharedTrials::begin(const std::string& what, std::size_t trials) {
+  const std::size_t number = begun_.size();
+  begun_.push_back({what, trials});
+  const auto known = campaigns_.find(number);
+  if (known != campaigns_.end() && known->second.what != what)
+    throw FileTrouble(fmt::format(
+        "{}: has trials of another scene as campaign {} of this job: it comes from another program "
+        "or a machine that calculates differently",
+        known->second.file, number + 1));
+  if (shard_) write(number, Json::array());
+  return number;
+}
+
+std::vector<SharedTrials::Found> SharedTrials::found(std::size_t first) {
+  const std::lock_guard lock(reading_);
+  std::vector<Found> all;
+  for (auto& [number, campaign] : campaigns_) {
+    if (number >= begun_.size()) break;
+    if (number >= first)
+      all.insert(all.end(), std::make_move_iterator(campaign.found.begin()),
+                 std::make_move_iterator(campaign.found.end()));
+    campaign.found.clear();
+  }
+  return all;
+}
+
+void SharedTrials::keep(std::size_t campaign, std::size_t trial, Json result) {
+  const std::lock_guard lock(mutex_);
+  kept_[campaign].push_back({trial, std::move(result)});
+  if (steady_clock::now() - written_ < kBetweenBlocks) return;
+  flush();
+  wrote_ = true;
+}
+
+void SharedTrials::write(std::size_t campaign, Json trials) {
+  writer_->append({{"job", job_},
+                   {"shard", {shard_->index, shard_->count}},
+                   {"campaign", campaign},
+                   {"what", begun_[campaign].what},
+                   {"of", begun_[campaign].trials},
+                   {"trials", std::move(trials)}});
+}
+
+void SharedTrials::flush() {
+  for (auto& [number, trials] : kept_) write(number, std::move(trials));
+  kept_.clear();
+  written_ = steady_clock::now();
+}
+
+void SharedTrials::again(const Found& found, const Json& before) {
+  ++progress_.twice;
+  if (Json::to_cbor(before) == Json::to_cbor(found.result)) return;  // NaN is like NaN
+  throw FileTrouble(fmt::format(
+      "{}: trial {} of campaign {} is there twice and went differently: one of them comes from "
+      "another program or a machine that calculates differently",
+      folder_, found.trial, found.campaign + 1));
+}
+
+void SharedTrials::refuse_missing(std::size_t campaign,
+                                  const std::vector<std::size_t>& trials) const {
+  std::set<Shard> lacking;
+  for (const std::size_t trial : trials)
+    lacking.insert({trial % progress_.count + 1, progress_.count});
+  throw FileTrouble(
+      fmt::format("{}: of campaign {}, {} trials are missing, {} the first: run {} again", folder_,
+                  campaign + 1, trials.size(), trials.front(),
+                  to_text(std::vector<Shard>(lacking.begin(), lacking.end()))));
+}
+
+void SharedTrials::finish() {
+  const std::lock_guard lock(mutex_);
+  flush();
+  writer_->append({{"job", job_}, {"shard", {shard_->index, shard_->count}}, {"done", true}});
+}
+
+std::vector<Shard> SharedTrials::Progress::not_done() const {
+  std::vector<Shard> all;
+  for (std::size_t i = 1; i <= count; ++i)
+    if (!done.contains({i, count})) all.push_back({i, count});
+  return all;
+}
+
+SharedTrials::Progress SharedTrials::progress() {
+  look_around();
+  Progress now = progress_;
+  for (const auto& [file, reader] : readers_)
+    if (reader.damaged() > 0) now.damaged.push_back(file);
+  return now;
+}
+
+}  // namespace ferrule
