@@ -210,7 +210,7 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
       try {
         const Candidate c = fitted(with, chosen, again, "recorded again");
         const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
-        if (a.stopping.whole(results, a.trials))
+        if (runs_a_shard() || a.stopping.whole(results, a.trials))
           all.push_back({c, seed, again.demonstrations.size(), a.stopping.summary(results)});
       } catch (const Stopped&) {  // what is found so far is told
         return all;
@@ -348,7 +348,7 @@ int compare_verb(const CompareArguments& a) {
     fmt::print(stderr, "{}", notes);
   std::fflush(stdout);
   std::vector<Vector2d> starts;
-  for (std::size_t k = 0; k < a.trials; ++k)
+  for (std::size_t k = 0; k < a.trials && !runs_a_shard(); ++k)
     starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
   Found found;
   found.entries = tried_here(a, scene, candidates, set.demonstrations.front(), starts);

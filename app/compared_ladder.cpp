@@ -51,7 +51,8 @@ std::vector<std::string> rungs() {
 std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
                              const DemonstrationSet& set, const std::vector<Candidate>& candidates,
                              const std::vector<BySeed>& by_seeds) {
-  const std::vector<DrawnQuantity> drawn = drawn_quantities(rung, a.seed, a.trials);
+  const std::vector<DrawnQuantity> drawn =
+      drawn_quantities(rung, a.seed, runs_a_shard() ? 0 : a.trials);
   std::vector<LadderRow> rows;
   for (const Climber& c : climbers(a, rung, set, candidates, by_seeds)) {
     const std::string& name = c.candidate.name;

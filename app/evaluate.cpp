@@ -33,21 +33,34 @@ struct EvaluateArguments {
 struct Tried {
   std::string name, shown_by;  // the arguments of `view` that show it; empty: none do
   MakeController make;
-  std::vector<TrialResult> results{};
+  Tally tally{};  // of all trials
+  std::optional<Target> target{};
+  std::vector<TrialResult> results{};  // of the first kKept, unless all are asked for
 };
+
+// So many trials are enough to mate their connectors, to pair two controllers, and to show.
+constexpr std::size_t kKept = 1 << 17;
 
 // Results of the trials, as far as Ctrl-C lets them go.
 void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
   const MakeController make =
       a.supervise ? supervised(tried.make, supervisor_limits(scene)) : tried.make;
-  tried.results =
-      run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(tried.name, a.trials),
-                   interrupted, when(a.stopping.enough), shared_trials());
+  if (a.stopping.enough.target) tried.target.emplace(*a.stopping.enough.target);
+  const Campaign campaign = {&scene, make, when(a.stopping.enough),
+                             [&](const TrialResult& result) {
+                               tried.tally.add(result);
+                               if (tried.target) tried.target->after(result);
+                             },
+                             a.trials_out.empty() ? kKept : SIZE_MAX};
+  tried.results = run_campaigns({campaign}, a.seed, a.trials, a.threads,
+                                Progress(tried.name, a.trials), interrupted, shared_trials())
+                      .front();
 }
 
 // Of a controller's trials; its connectors are mated with each other.
 CampaignSummary summary_of(const EvaluateArguments& a, const Scene& scene, const Tried& tried) {
-  CampaignSummary summary = a.stopping.summary(tried.results);
+  CampaignSummary summary = tried.tally.summary();
+  if (tried.target) summary.target = tried.target->verdict();
   summary.mated = mated(scene.joint, tried.results, a.seed);
   return summary;
 }
@@ -162,6 +175,11 @@ int evaluate_verb(const EvaluateArguments& a) {
                             (a.supervise ? supervisor_note(supervisor_limits(scene)) : "");
   if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
+  if (a.trials > kKept)
+    fmt::print(stderr,
+               "note: the first {} trials are mated, paired and shown; all are counted, and "
+               "quantiles of more than {} known to 1 in {:.0f}\n",
+               kKept, Quantiles::kExact, 1 / Quantiles::kWithin);
   std::fflush(stdout);  // the trials take long
 
   std::vector<Tried> all = to_try(a, controller, scene);
@@ -173,8 +191,8 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (interrupted()) {
     std::string done;
     for (const Tried& tried : all)
-      done += fmt::format("{}{} of {} trials of {}", done.empty() ? "" : ", ", tried.results.size(),
-                          a.trials, tried.name);
+      done += fmt::format("{}{} of {} trials of {}", done.empty() ? "" : ", ",
+                          tried.tally.summary().trials, a.trials, tried.name);
     provenance.partial(done);
     while (all.size() > 1 && all.back().results.empty()) all.pop_back();
   }
@@ -191,8 +209,8 @@ int evaluate_verb(const EvaluateArguments& a) {
   }
   if (!a.report.empty() && !interrupted()) write_report(a, scene, all, provenance);
   if (interrupted()) return kInterrupted;
-  const auto target = a.stopping.summary(all[0].results).target;
-  return target && target->kind == Verdict::refuted ? kFailed : kDone;
+  const auto& target = all[0].target;
+  return target && target->verdict().kind == Verdict::refuted ? kFailed : kDone;
 }
 
 }  // namespace

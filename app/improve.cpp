@@ -71,8 +71,7 @@ void tell(const ControllerFile& before, const ControllerFile& after) {
 
 int improve_verb(ImproveArguments a) {
   a.settings.shared = shared_trials();
-  const bool writes = !a.settings.shared || a.settings.shared->merges();
-  if (writes) expect_place_for(a.out);
+  if (!runs_a_shard()) expect_place_for(a.out);
   const ControllerFile before = read_controller(a.controller);
   free_gains(before);  // refuses networks
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
@@ -107,7 +106,7 @@ int improve_verb(ImproveArguments a) {
   }
   if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
   const ControllerFile after = as_improved(before, chosen, improved);
-  if (writes) write_controller(a.out, after);
+  if (!runs_a_shard()) write_controller(a.out, after);
   std::vector<Told> told = {{"before", first}};
   if (!interrupted()) told.push_back({"after", measured(after)});
   if (a.json) {

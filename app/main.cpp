@@ -29,6 +29,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_evaluate(app, run);
   add_compare(app, run);
   add_merge(app, run);
+  add_submit(app, run);
   add_export(app, run);
   app.group("Answers for an engineer");
   add_sweep(app, run);

@@ -48,7 +48,8 @@ std::vector<SceneChange> changes_of(const Json& value, const Json& shipped) {
   return changes;
 }
 
-// As a shell takes it.
+}  // namespace
+
 std::string shell_word(const std::string& argument) {
   const bool plain =
       !argument.empty() && std::all_of(argument.begin(), argument.end(), [](unsigned char c) {
@@ -60,8 +61,6 @@ std::string shell_word(const std::string& argument) {
   for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
   return printable(text + "'", text.size() + 1);
 }
-
-}  // namespace
 
 SceneChanges changes_from_shipped(const Json& document) {
   SceneChanges nearest;

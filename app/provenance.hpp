@@ -75,6 +75,9 @@ class Provenance {
   std::string partial_;
 };
 
+// As a shell takes it, on one line.
+std::string shell_word(const std::string& argument);
+
 // The program's command line, which Provenance states without --threads: the result does not depend
 // on it.
 void remember_command(const std::vector<std::string>& words);

@@ -235,8 +235,9 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
   const auto count = static_cast<std::size_t>(a.episodes);
   const std::size_t recording = shared.begin(sha1(toleranced.document.dump()), count);
   std::vector<Json> kept(count);  // null: not recorded
-  for (SharedTrials::Found& found : shared.found(recording))
-    if (kept.at(found.trial).is_null()) kept[found.trial] = std::move(found.result);
+  shared.found(recording, [&](const SharedTrials::Found& found) {
+    if (kept.at(found.trial).is_null()) kept[found.trial] = found.result;
+  });
   std::vector<std::size_t> missing;
   std::optional<Keys> no_keys;
   Progress progress("recording", count);

@@ -1,6 +1,5 @@
 #include "app/shards.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -12,6 +11,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "app/standard_streams.hpp"
 #include "capture/episode.hpp"
 #include "sim/base/content_hash.hpp"
 
@@ -36,7 +36,7 @@ std::string g_folder;
 Shard shard_of(const std::string& text) {
   const auto slash = text.find('/');
   const auto number = [&](const std::string& part) -> std::size_t {
-    if (part.empty() || part.size() > 6 || part.find_first_not_of("0123456789") != part.npos)
+    if (part.empty() || part.size() > 10 || part.find_first_not_of("0123456789") != part.npos)
       return 0;
     return std::stoul(part);
   };
@@ -122,26 +122,6 @@ std::vector<std::string> job_words(std::vector<std::string> words) {
   return words;
 }
 
-// Nothing that is printed gets to standard output meanwhile.
-class MutedOutput {
- public:
-  MutedOutput() : before_((std::fflush(stdout), ::dup(STDOUT_FILENO))) {
-    const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
-    ::dup2(nothing, STDOUT_FILENO);
-    ::close(nothing);
-  }
-  MutedOutput(const MutedOutput&) = delete;
-  MutedOutput& operator=(const MutedOutput&) = delete;
-  ~MutedOutput() {
-    std::fflush(stdout);
-    ::dup2(before_, STDOUT_FILENO);
-    ::close(before_);
-  }
-
- private:
-  int before_;
-};
-
 // Begins the job in its folder, or goes on with it. The hash of the job.
 std::string begin_job(const std::string& folder) {
   std::error_code error;
@@ -177,6 +157,10 @@ void add_shard(CLI::App& verb, bool waits) {
 
 SharedTrials* shared_trials() noexcept {
   return g_shared.get();
+}
+
+bool runs_a_shard() noexcept {
+  return g_shared && !g_shared->merges();
 }
 
 TimedController learned_once(const std::string& what,

@@ -19,6 +19,8 @@ void add_shard(CLI::App& verb, bool waits = false);
 
 // What this process shares, for run_campaigns; null: nothing.
 SharedTrials* shared_trials() noexcept;
+// Does it run a shard? What it finds is not told then, and need not be computed.
+bool runs_a_shard() noexcept;
 
 // A controller, and the time it took to learn it [s].
 struct TimedController {

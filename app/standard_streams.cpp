@@ -39,4 +39,16 @@ void secure_standard_streams() {
   }
 }
 
+MutedOutput::MutedOutput() : before_((std::fflush(stdout), ::dup(STDOUT_FILENO))) {
+  const int nothing = ::open("/dev/null", O_WRONLY | O_CLOEXEC);
+  ::dup2(nothing, STDOUT_FILENO);
+  ::close(nothing);
+}
+
+MutedOutput::~MutedOutput() {
+  std::fflush(stdout);
+  ::dup2(before_, STDOUT_FILENO);
+  ::close(before_);
+}
+
 }  // namespace ferrule

@@ -8,4 +8,16 @@ namespace ferrule {
 // forgotten: a message that nobody reads ends nothing.
 void secure_standard_streams();
 
+// While one lives, nothing that is printed gets to standard output.
+class MutedOutput {
+ public:
+  MutedOutput();
+  ~MutedOutput();
+  MutedOutput(const MutedOutput&) = delete;
+  MutedOutput& operator=(const MutedOutput&) = delete;
+
+ private:
+  int before_;
+};
+
 }  // namespace ferrule

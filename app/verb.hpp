@@ -41,6 +41,7 @@ void add_fit(CLI::App& app, Run& run);
 void add_identify(CLI::App& app, Run& run);
 void add_improve(CLI::App& app, Run& run);
 void add_merge(CLI::App& app, Run& run);
+void add_submit(CLI::App& app, Run& run);
 void add_evaluate(CLI::App& app, Run& run);
 void add_sweep(CLI::App& app, Run& run);
 void add_map(CLI::App& app, Run& run);

@@ -8,7 +8,6 @@
 #include <boost/endian/conversion.hpp>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 
 #include "sim/base/error.hpp"
 
@@ -46,14 +45,19 @@ std::string_view content_at_start(std::string_view bytes) {
 
 }  // namespace
 
-void BlockReader::read(const std::function<void(const Json&)>& show) {
+std::ifstream BlockReader::open() const {
   std::ifstream in(file_, std::ios::binary);
-  if (!in) {
-    if (::access(file_.c_str(), F_OK) != 0) return;
+  if (!in && ::access(file_.c_str(), F_OK) == 0)
     throw FileTrouble(file_ + ": " + std::strerror(errno));
-  }
+  return in;
+}
+
+void BlockReader::read(const std::function<void(const Json&, const Place&)>& show) {
+  std::ifstream in = open();
+  if (!in) return;
   in.seekg(static_cast<std::streamoff>(end_));
   const std::string added{std::istreambuf_iterator<char>(in), {}};
+  const std::uint64_t begin = end_;
   std::string_view left = added;
   for (std::size_t passed = 0; passed < left.size();) {
     const std::string_view content = content_at_start(left.substr(passed));
@@ -61,13 +65,23 @@ void BlockReader::read(const std::function<void(const Json&)>& show) {
       passed = left.find(kMagic, passed + 1);
       continue;
     }
-    show(Json::from_cbor(content));
+    const auto at = static_cast<std::uint64_t>(content.data() - added.data());
+    show(Json::from_cbor(content), {begin + at, content.size()});
     damaged_ += passed > 0;
     left.remove_prefix(passed + kHead + content.size());
     passed = 0;
   }
   end_ += added.size() - left.size();
   cut_off_ = left.size();
+}
+
+Json BlockReader::read_again(const Place& place) const {
+  std::ifstream in = open();
+  std::string content(place.size, '\0');
+  in.seekg(static_cast<std::streamoff>(place.at));
+  if (!in.read(content.data(), static_cast<std::streamsize>(content.size())))
+    throw FileTrouble(file_ + ": has become shorter");
+  return Json::from_cbor(content);
 }
 
 BlockWriter::BlockWriter(const std::string& file)
@@ -80,7 +94,7 @@ BlockWriter::BlockWriter(const std::string& file)
   if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
     refuse("another process is writing to it: give each its own shard");
   BlockReader reader(file);
-  reader.read([](const Json&) {});
+  reader.read([](const Json&, const BlockReader::Place&) {});
   if (reader.cut_off() > 0 && ::ftruncate(fd_, static_cast<off_t>(reader.end())) != 0)
     refuse(std::strerror(errno));
 }

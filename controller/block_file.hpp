@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <fstream>
 #include <functional>
 #include <string>
 
@@ -17,9 +18,16 @@ class BlockReader {
  public:
   explicit BlockReader(std::string file) : file_(std::move(file)) {}
 
+  // Where the content of a block is in the file [bytes].
+  struct Place {
+    std::uint64_t at;
+    std::size_t size;
+  };
   // Shows the blocks that were added since the last call; none where the file is not there. A block
   // that is cut off at the end of the file is shown once it is whole. Throws FileTrouble.
-  void read(const std::function<void(const Json& block)>& show);
+  void read(const std::function<void(const Json& block, const Place& place)>& show);
+  // One that was shown, again. Throws FileTrouble.
+  Json read_again(const Place& place) const;
 
   const std::string& file() const noexcept { return file_; }
   std::uint64_t end() const noexcept { return end_; }          // of the last whole block [bytes]
@@ -27,6 +35,8 @@ class BlockReader {
   std::uint64_t cut_off() const noexcept { return cut_off_; }  // bytes after the last whole block
 
  private:
+  std::ifstream open() const;  // fails where it is not there
+
   std::string file_;
   std::uint64_t end_ = 0, cut_off_ = 0;
   std::size_t damaged_ = 0;

@@ -7,7 +7,9 @@
 #include <atomic>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -18,20 +20,25 @@ namespace ferrule {
 
 namespace {
 
-// A campaign while it runs: its trials are begun in their order.
+std::string fingerprint(const Scene& scene, std::uint64_t seed, std::size_t trials) {
+  return sha1(scene.document.dump() + scene.redrawn + std::to_string(seed) + " " +
+              std::to_string(trials));
+}
+
+// A campaign while it runs: its trials are begun in their order, and its results taken in it.
 class Running {
  public:
   Running(const Campaign& campaign, std::uint64_t seed, std::size_t trials, SharedTrials* shared)
-      : campaign_(campaign), shared_(shared), results_(trials), done_(trials, false) {
+      : campaign_(campaign), shared_(shared), trials_(trials) {
     if (shared_) number_ = shared_->begin(fingerprint(*campaign.scene, seed, trials), trials);
   }
 
   // The next trial to be run; empty: none is left.
   std::optional<std::size_t> begin() {
     const std::lock_guard lock(mutex_);
-    while (!known_ && next_ < results_.size()) {
+    while (!known_ && next_ < trials_) {
       const std::size_t k = next_++;
-      if (!shared_ || (!done_[k] && shared_->mine(k))) return k;
+      if (!shared_ || (!done(k) && shared_->mine(k))) return k;
     }
     return std::nullopt;
   }
@@ -50,87 +57,114 @@ class Running {
   // What another process, or this shard before it was killed, has run.
   void take(const SharedTrials::Found& found) {
     const std::lock_guard lock(mutex_);
-    if (found.trial >= results_.size()) return;
-    if (done_[found.trial])
-      shared_->again(found, kept_trial(results_[found.trial]));
-    else
-      put(found.trial, trial_of(found.result));
+    if (known_ || found.trial >= trials_) return;
+    if (!done(found.trial)) return put(found.trial, trial_of(found.result));
+    const auto ahead = ahead_.find(found.trial);
+    const TrialResult* before = ahead != ahead_.end() ? &ahead->second : nullptr;
+    if (found.trial < results_.size()) before = &results_[found.trial];
+    if (before) shared_->again(found, kept_trial(*before));
   }
 
   // Of a shared one: the trials that are not there and would count.
   std::vector<std::size_t> missing() const {
     std::vector<std::size_t> trials;
-    for (std::size_t k = shown_; !known_ && k < done_.size(); ++k)
-      if (!done_[k]) trials.push_back(k);
+    for (std::size_t k = shown_; !known_ && k < trials_; ++k)
+      if (!done(k)) trials.push_back(k);
     return trials;
   }
 
-  // Those that are missing count as infeasible.
-  void fill() {
-    for (const std::size_t k : missing()) {
-      results_[k].outcome = Outcome::infeasible;
-      done_[k] = true;
-    }
-    if (!known_) shown_ = results_.size();
-  }
-
-  std::vector<TrialResult> results() {
-    results_.resize(shown_);
-    return std::move(results_);
-  }
+  std::vector<TrialResult> results() { return std::move(results_); }
 
   std::size_t number() const { return number_; }
 
  private:
-  static std::string fingerprint(const Scene& scene, std::uint64_t seed, std::size_t trials) {
-    return sha1(scene.document.dump() + scene.redrawn + std::to_string(seed) + " " +
-                std::to_string(trials));
-  }
+  bool done(std::size_t k) const { return k < shown_ || ahead_.contains(k); }
 
   void put(std::size_t k, TrialResult result) {
-    results_[k] = std::move(result);
-    done_[k] = true;
-    while (!known_ && shown_ < results_.size() && done_[shown_]) {
-      const TrialResult& next = results_[shown_++];
-      known_ = campaign_.enough && campaign_.enough(next);
+    ahead_.emplace(k, std::move(result));
+    for (auto next = ahead_.begin(); !known_ && next != ahead_.end() && next->first == shown_;
+         next = ahead_.erase(next), ++shown_) {
+      known_ = campaign_.enough && campaign_.enough(next->second);
+      if (campaign_.each) campaign_.each(next->second);
+      if (shown_ < campaign_.keep) results_.push_back(std::move(next->second));
     }
   }
 
   const Campaign& campaign_;
   SharedTrials* shared_;
-  std::size_t number_ = 0;  // of it among those that are shared
-  std::vector<TrialResult> results_;
-  std::vector<char> done_;
+  std::size_t trials_, number_ = 0;           // number_: of it among those that are shared
+  std::vector<TrialResult> results_;          // the first ones
+  std::map<std::size_t, TrialResult> ahead_;  // of the trials before which one is not done
   std::atomic<bool> known_ = false;
   std::mutex mutex_;
-  std::size_t next_ = 0, shown_ = 0;  // shown_: to `enough`
+  std::size_t next_ = 0, shown_ = 0;  // shown_: to `enough` and `each`
 };
 
-// Does what comes next depend on what other shards have run?
-bool looks_around(const SharedTrials& shared, const std::vector<Campaign>& campaigns) {
-  return shared.waits() || std::any_of(campaigns.begin(), campaigns.end(),
-                                       [](const Campaign& c) { return c.enough != nullptr; });
+// Calls `work` on every core.
+void on_all_cores(int threads, const std::function<void()>& work) {
+  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+  arena.execute([&] {
+    tbb::parallel_for(
+        0, arena.max_concurrency(), [&](int) { work(); }, tbb::simple_partitioner());
+  });
+}
+
+// Does what comes next depend on what other shards run?
+bool stands_alone(const SharedTrials& shared, const std::vector<Campaign>& campaigns) {
+  return !shared.merges() && !shared.waits() &&
+         std::none_of(campaigns.begin(), campaigns.end(),
+                      [](const Campaign& c) { return c.enough != nullptr; });
+}
+
+// The trials of a shard that needs no others, of which it remembers none.
+void run_alone(const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials,
+               int threads, const std::function<void(std::size_t)>& progress,
+               const std::function<bool()>& stop, SharedTrials& shared) {
+  std::vector<std::size_t> numbers;
+  for (const Campaign& campaign : campaigns)
+    numbers.push_back(shared.begin(fingerprint(*campaign.scene, seed, trials), trials));
+  if (campaigns.empty()) return;
+  std::set<std::pair<std::size_t, std::size_t>> kept;  // campaign and trial
+  shared.found(numbers.front(), [&](const SharedTrials::Found& found) {
+    kept.insert({found.campaign, found.trial});
+  });
+  const std::size_t own = shared.own_of(trials);
+  std::atomic<std::size_t> next = 0, count = kept.size();
+  on_all_cores(threads, [&] {
+    for (std::size_t i; (i = next++) < own * campaigns.size();) {
+      const Campaign& campaign = campaigns[i / own];
+      const std::size_t number = numbers[i / own], k = shared.own_trial(i % own);
+      if (kept.contains({number, k})) continue;
+      if (stop && stop()) return;
+      const TrialResult result =
+          run_trial(*campaign.scene, *campaign.make(k), seed, k, 1e-3, {}, stop);
+      if (stop && stop()) return;
+      shared.keep(number, k, kept_trial(result));
+      const std::size_t so_far = ++count;
+      if (progress) progress(so_far);
+    }
+  });
+  shared.flush();
 }
 
 // What was run before, here or elsewhere, and is new; and how many trials that is.
 std::size_t take_found(SharedTrials& shared, std::deque<Running>& all) {
-  const std::vector<SharedTrials::Found> found = shared.found(all.front().number());
-  for (const SharedTrials::Found& one : found) all[one.campaign - all.front().number()].take(one);
-  return found.size();
+  const std::size_t first = all.front().number();
+  return shared.found(
+      first, [&](const SharedTrials::Found& found) { all[found.campaign - first].take(found); });
 }
 
-// Waits for what is missing, refuses it, or fills it in.
+// Waits for what others have not run yet, or in a merge refuses that.
 void complete(SharedTrials& shared, std::deque<Running>& all, const std::function<bool()>& stop) {
   constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
   for (Running& one : all) {
+    if (const auto missing = one.missing(); shared.merges() && !missing.empty())
+      shared.refuse_missing(one.number(), missing);
     while (shared.waits() && !one.missing().empty() && !(stop && stop())) {
       std::this_thread::sleep_for(kBetweenLooks);
       shared.look_around();
       take_found(shared, all);
     }
-    if (const auto missing = one.missing(); shared.merges() && !missing.empty())
-      shared.refuse_missing(one.number(), missing);
-    if (!stop || !stop()) one.fill();
   }
 }
 
@@ -140,31 +174,32 @@ std::vector<std::vector<TrialResult>> run_campaigns(
     const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
     const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop,
     SharedTrials* shared) {
+  if (shared && stands_alone(*shared, campaigns)) {
+    run_alone(campaigns, seed, trials, threads, progress, stop, *shared);
+    return std::vector<std::vector<TrialResult>>(campaigns.size());
+  }
   std::deque<Running> all;
   for (const Campaign& campaign : campaigns) all.emplace_back(campaign, seed, trials, shared);
-  const bool looks = shared && looks_around(*shared, campaigns);
+  if (all.empty()) return {};
   std::atomic<std::size_t> count = 0;
-  if (shared && !all.empty()) {
-    if (looks) shared->look_around();
+  if (shared) {
+    shared->look_around();
     count += take_found(*shared, all);
   }
-  const auto work = [&](int) {
+  on_all_cores(threads, [&] {
     for (Running& one : all)
       while (const auto k = one.begin()) {
         if (stop && stop()) return;
         if (!one.run(*k, seed, stop)) continue;
         const std::size_t so_far = ++count;
         if (progress) progress(so_far);
-        if (looks && shared->wrote()) {
+        if (shared && shared->wrote()) {
           shared->look_around();
           count += take_found(*shared, all);
         }
       }
-  };
-  tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
-  arena.execute(
-      [&] { tbb::parallel_for(0, arena.max_concurrency(), work, tbb::simple_partitioner()); });
-  if (shared && !all.empty()) {
+  });
+  if (shared) {
     shared->flush();
     complete(*shared, all, stop);
   }
@@ -199,32 +234,37 @@ void count(const Supervision& trial, std::optional<InterventionSummary>& sum) {
 
 }  // namespace
 
-CampaignSummary summarise(const std::vector<TrialResult>& results) {
-  CampaignSummary s{};
-  s.trials = results.size();
-  std::vector<double> time, force, loss;
-  for (const TrialResult& r : results) {
-    ++s.outcomes[static_cast<std::size_t>(r.outcome)];
-    if (r.supervision) count(*r.supervision, s.interventions);
-    if (r.outcome == Outcome::infeasible) continue;
-    ++s.feasible;
-    s.steps += r.summary.steps;
-    s.unfinished += r.summary.unfinished;
-    force.push_back(r.summary.peak_force);
-    if (r.outcome != Outcome::inserted) continue;
-    time.push_back(r.summary.time);
-    loss.push_back(r.loss_dB);
-  }
-  s.successes = time.size();
+void Tally::add(const TrialResult& r) {
+  CampaignSummary& s = counts_;
+  ++s.trials;
+  ++s.outcomes[static_cast<std::size_t>(r.outcome)];
+  if (r.supervision) count(*r.supervision, s.interventions);
+  if (r.outcome == Outcome::infeasible) return;
+  ++s.feasible;
+  s.steps += r.summary.steps;
+  s.unfinished += r.summary.unfinished;
+  force_.add(r.summary.peak_force);
+  if (r.outcome != Outcome::inserted) return;
+  time_.add(r.summary.time);
+  loss_.add(r.loss_dB);
+}
+
+CampaignSummary Tally::summary() const {
+  CampaignSummary s = counts_;
+  s.successes = time_.count();
   s.success_rate = static_cast<double>(s.successes) / static_cast<double>(s.feasible);
   s.wilson = s.feasible > 0 ? wilson(s.successes, s.feasible) : Interval{0, 1};
-  const auto spread = [](const std::vector<double>& v) {
-    return Spread{quantile(v, 0.5), quantile(v, 0.95)};
-  };
-  s.time = spread(time);
-  s.peak_force = spread(force);
-  s.loss_dB = spread(loss);
+  const auto spread = [](const Quantiles& of) { return Spread{of(0.5), of(0.95)}; };
+  s.time = spread(time_);
+  s.peak_force = spread(force_);
+  s.loss_dB = spread(loss_);
   return s;
+}
+
+CampaignSummary summarise(const std::vector<TrialResult>& results) {
+  Tally tally;
+  for (const TrialResult& r : results) tally.add(r);
+  return tally.summary();
 }
 
 Mated mated(const Joint& joint, const std::vector<TrialResult>& results, std::uint64_t seed) {

@@ -7,6 +7,7 @@
 
 #include "controller/enough.hpp"
 #include "controller/mated_pairs.hpp"
+#include "controller/quantiles.hpp"
 #include "controller/shared_trials.hpp"
 #include "controller/statistics.hpp"
 #include "controller/trial.hpp"
@@ -20,9 +21,10 @@ using IsEnough = std::function<bool(const TrialResult&)>;
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
 // results are those of the first trials up to one that was not done, fewer than `trials`. The trial
-// after which it is `enough` is the last. With `shared` it runs those of its shard that nobody has
-// run yet; of the others it takes what is there, and what is not counts as infeasible, unless
-// `shared` waits for it. Throws what `make` and `shared` throw.
+// after which it is `enough` is the last. With `shared` it runs those of its shard that are
+// not kept yet, and returns none, unless what comes next depends on them: then it waits for those of
+// the other shards. In a merge it returns what the shards kept. Throws what `make` and `shared`
+// throw.
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
@@ -34,6 +36,9 @@ struct Campaign {
   const Scene* scene;
   MakeController make;
   IsEnough enough{};
+  // Gets all results, one at a time in the order of the trials.
+  std::function<void(const TrialResult&)> each{};
+  std::size_t keep = SIZE_MAX;  // of the results that are returned: the first so many
 };
 // The results of each, as of run_campaign.
 std::vector<std::vector<TrialResult>> run_campaigns(
@@ -74,6 +79,17 @@ struct CampaignSummary {
   std::optional<Mated> mated{};                      // where it was asked for
 };
 
+// Takes the results of a campaign one by one, in memory that does not grow with them.
+class Tally {
+ public:
+  void add(const TrialResult& result);
+  // Time, force and loss as of Quantiles.
+  CampaignSummary summary() const;
+
+ private:
+  CampaignSummary counts_{};
+  Quantiles time_, force_, loss_;
+};
 CampaignSummary summarise(const std::vector<TrialResult>& results);
 
 // Of the insertions that succeeded, mated among each other (mated_pairs.hpp).

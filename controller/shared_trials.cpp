@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <utility>
 
 #include "sim/base/error.hpp"
 
@@ -47,7 +48,9 @@ SharedTrials::SharedTrials(std::string folder, std::string job, std::optional<Sh
 void SharedTrials::read(const std::string& file) {
   const auto [reader, is_new] = readers_.emplace(file, file);
   if (file == own_ && !is_new) return;  // what is new there is of this process
-  reader->second.read([&](const Json& block) { take(file, block); });
+  reader->second.read([&](const Json& block, const BlockReader::Place& place) {
+    take(reader->second, block, place);
+  });
 }
 
 void SharedTrials::look_around() {
@@ -58,7 +61,8 @@ void SharedTrials::look_around() {
   if (error) throw FileTrouble(folder_ + ": " + error.message());
 }
 
-void SharedTrials::take(const std::string& file, const Json& block) {
+void SharedTrials::take(const BlockReader& reader, const Json& block,
+                        const BlockReader::Place& place) {
   if (block.value("job", "") != job_) {
     ++progress_.others;
     return;
@@ -68,17 +72,20 @@ void SharedTrials::take(const std::string& file, const Json& block) {
   if (block.contains("done")) progress_.done.insert(shard);
   if (!block.contains("campaign")) return;
   const std::size_t number = block.at("campaign");
-  const auto [campaign, is_new] = campaigns_.emplace(number, Campaign{block.at("what"), file});
-  if (is_new) progress_.begun += block.at("of").get<std::size_t>();
+  const auto [campaign, is_new] =
+      campaigns_.emplace(number, Campaign{block.at("what"), reader.file()});
+  if (is_new) {
+    ++progress_.campaigns;
+    progress_.begun += block.at("of").get<std::size_t>();
+  }
   if (campaign->second.what != block.at("what"))
     throw FileTrouble(fmt::format(
         "{} and {}: have trials of different scenes as campaign {} of the same job: one of them "
         "comes from another program or a machine that calculates differently",
-        campaign->second.file, file, number + 1));
-  for (const Json& trial : block.at("trials")) {
-    campaign->second.found.push_back({number, trial.at(0), trial.at(1)});
-    ++progress_.trials;
-  }
+        campaign->second.file, reader.file(), number + 1));
+  const Json& trials = block.at("trials");
+  progress_.trials += trials.size();
+  if (!trials.empty()) campaign->second.blocks.push_back({trials[0].at(0), &reader, place});
 }
 
 std::size_t SharedTrials::begin(const std::string& what, std::size_t trials) {
@@ -94,17 +101,24 @@ std::size_t SharedTrials::begin(const std::string& what, std::size_t trials) {
   return number;
 }
 
-std::vector<SharedTrials::Found> SharedTrials::found(std::size_t first) {
+std::size_t SharedTrials::found(std::size_t first, const std::function<void(const Found&)>& show) {
   const std::lock_guard lock(reading_);
-  std::vector<Found> all;
+  std::size_t count = 0;
   for (auto& [number, campaign] : campaigns_) {
     if (number >= begun_.size()) break;
-    if (number >= first)
-      all.insert(all.end(), std::make_move_iterator(campaign.found.begin()),
-                 std::make_move_iterator(campaign.found.end()));
-    campaign.found.clear();
+    auto blocks = std::exchange(campaign.blocks, {});
+    if (number < first) continue;
+    std::sort(blocks.begin(), blocks.end(),
+              [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [_, reader, place] : blocks) {
+      Json block = reader->read_again(place);
+      for (Json& trial : block.at("trials")) {
+        show({number, trial.at(0), std::move(trial.at(1))});
+        ++count;
+      }
+    }
   }
-  return all;
+  return count;
 }
 
 void SharedTrials::keep(std::size_t campaign, std::size_t trial, Json result) {

@@ -47,16 +47,24 @@ class SharedTrials {
   // For run_campaigns. The number of the next campaign, of `trials` trials; `what` is the same in
   // every process.
   std::size_t begin(const std::string& what, std::size_t trials);
-  // Is the trial to be run here, unless somebody has it?
-  bool mine(std::size_t trial) const noexcept { return shard_ && shard_->has(trial); }
   bool waits() const noexcept { return shard_ && waits_; }
   bool merges() const noexcept { return !shard_; }
+  // Is the trial to be run here, unless somebody has it? How many of the first `trials` are, and the
+  // i-th of them; not of a merge.
+  bool mine(std::size_t trial) const noexcept { return shard_ && shard_->has(trial); }
+  std::size_t own_of(std::size_t trials) const noexcept {
+    return (trials + shard_->count - shard_->index) / shard_->count;
+  }
+  std::size_t own_trial(std::size_t i) const noexcept {
+    return i * shard_->count + shard_->index - 1;
+  }
   // Reads what other shards have written since; that of this one, and of a merge all, was read at
   // the start. Throws FileTrouble, also for trials of another campaign than begun, which another
   // program ran.
   void look_around();
-  // What was read of the campaigns that have begun, from number `first` on, each trial once.
-  std::vector<Found> found(std::size_t first);
+  // Shows what was read of the campaigns that have begun, from number `first` on, each trial once
+  // and nearly in their order; how many they are. Throws FileTrouble, and what `show` throws.
+  std::size_t found(std::size_t first, const std::function<void(const Found&)>& show);
   // Was a block written since this was asked last?
   bool wrote() noexcept { return wrote_.exchange(false); }
   // Keeps a result; from any thread.
@@ -74,6 +82,7 @@ class SharedTrials {
   // How far the shards are, for people.
   struct Progress {
     std::size_t trials = 0;              // that are kept
+    std::size_t campaigns = 0;           // that have begun
     std::size_t begun = 0;               // of the campaigns that have begun
     std::set<Shard> done{};              // shards that are whole
     std::size_t count = 0;               // of shards: the most that any counts; 0: none has begun
@@ -88,7 +97,7 @@ class SharedTrials {
 
  private:
   void read(const std::string& file);
-  void take(const std::string& file, const Json& block);
+  void take(const BlockReader& reader, const Json& block, const BlockReader::Place& place);
   void write(std::size_t campaign, Json trials);
 
   std::string folder_, job_, own_;  // own_: the file of this shard
@@ -102,7 +111,12 @@ class SharedTrials {
   std::vector<Begun> begun_{};  // the campaigns of this process
   struct Campaign {
     std::string what{}, file{};  // as `file` has it
-    std::vector<Found> found{};
+    struct Block {
+      std::size_t first;  // of its trials
+      const BlockReader* reader;
+      BlockReader::Place place;
+    };
+    std::vector<Block> blocks{};  // that are not shown yet
   };
   std::map<std::size_t, Campaign> campaigns_{};  // as blocks tell of them
   Progress progress_{};

@@ -26,9 +26,10 @@ struct BlockFile : ::testing::Test {
   // The numbers of the blocks that are read.
   static std::vector<int> numbers(BlockReader& reader) {
     std::vector<int> all;
-    reader.read([&](const Json& b) {
+    reader.read([&](const Json& b, const BlockReader::Place& place) {
       all.push_back(b.at("number"));
       EXPECT_EQ(b, block(all.back()));
+      EXPECT_EQ(b, reader.read_again(place));
     });
     return all;
   }

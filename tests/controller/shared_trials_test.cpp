@@ -86,7 +86,7 @@ struct SharedTrialsOfACampaign : ::testing::Test {
 
 TEST_F(SharedTrialsOfACampaign, AreThoseOfOneProcess) {
   for (const std::size_t count : {1, 3, 40}) {  // of 40 most have no trial
-    for (std::size_t i = count; i >= 1; --i) EXPECT_EQ(shard(i, count).size(), kTrials);
+    for (std::size_t i = count; i >= 1; --i) EXPECT_TRUE(shard(i, count).empty());
     expect_same(merged(), alone());
     std::filesystem::remove_all(folder.path());
     std::filesystem::create_directory(folder.path());
@@ -101,6 +101,21 @@ TEST_F(SharedTrialsOfACampaign, KeepWhatASupervisorDid) {
   EXPECT_TRUE(std::any_of(results.begin(), results.end(), [](const TrialResult& r) {
     return r.supervision && r.supervision->interventions != Supervision().interventions;
   }));
+}
+
+// Those that are shown one by one, and the first ones that are returned.
+TEST_F(SharedTrialsOfACampaign, ComeInTheirOrder) {
+  for (const std::size_t i : {1, 2, 3}) shard(i, 3);
+  const std::vector<TrialResult> expected = alone();
+  SharedTrials shared(folder.path(), "job", std::nullopt, false);
+  for (SharedTrials* const from : {static_cast<SharedTrials*>(nullptr), &shared}) {
+    std::vector<TrialResult> shown;
+    const auto kept =
+        run_campaigns({{&task(), make, {}, [&](const TrialResult& r) { shown.push_back(r); }, 5}},
+                      kSeed, kTrials, 0, {}, {}, from);
+    expect_same(shown, expected);
+    expect_same(kept.front(), {expected.begin(), expected.begin() + 5});
+  }
 }
 
 // Three insertions are enough: those of the shards in the order of the trials.
