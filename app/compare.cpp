@@ -133,7 +133,7 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
     const GivenController c = given_file(file, a.policy, a.seed);
     all.push_back(
         {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
-    provenance.read(file);
+    provenance.read(controller_file(file));
     if (!c.file) continue;
     const TrainedOn& training = trained_on(*c.file);
     refuse_other_scaling(training.scaling, file, scene, a.other_scaling);
@@ -389,7 +389,6 @@ void add_compare(CLI::App& app, Run& run) {
       ->type_name("DIR");
   verb->add_option("controllers", a->controllers,
                    "Controller files, shipped ones and TorchScript to try beside the learners")
-      ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the episodes");
   add_other_scaling(*verb, a->other_scaling);

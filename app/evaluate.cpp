@@ -169,7 +169,8 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (trained)
     refuse_other_scaling(trained_on(*controller->file).scaling, a.controller, scene,
                          a.other_scaling);
-  if (!a.controller.empty()) provenance.read(a.controller);  // it names its weights by their hash
+  if (!a.controller.empty())
+    provenance.read(controller_file(a.controller));  // it names its weights by their hash
   const std::string notes = trained_starts_note(trained.value_or(0), a.trials) +
                             damage_note(scene) +
                             (a.supervise ? supervisor_note(supervisor_limits(scene)) : "");
@@ -219,7 +220,6 @@ void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
   verb->add_option("controller", a->controller, "Controller file or shipped one, or TorchScript")
-      ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt");
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);

@@ -37,7 +37,7 @@ int export_verb(const ExportArguments& a) {
   }
   for (const auto& file : files) file->commit();
   Provenance provenance;
-  provenance.read(a.controller);  // it names its weights by their hash
+  provenance.read(controller_file(a.controller));  // it names its weights by their hash
   if (a.json) {
     print_json({{"controller", a.controller}, {"written", written}}, provenance);
   } else {
@@ -53,7 +53,6 @@ void add_export(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("export", "A controller as TorchScript or as a C header");
   auto a = std::make_shared<ExportArguments>();
   verb->add_option("controller", a->controller, "Controller file")
-      ->transform(shipped_controller())
       ->required()
       ->type_name("FILE.json");
   verb->add_option("--torchscript", a->torchscript, "For torch.jit.load; networks only")

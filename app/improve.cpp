@@ -69,6 +69,30 @@ void tell(const ControllerFile& before, const ControllerFile& after) {
                gain(after, i));
 }
 
+void show(const ImproveArguments& a, const ControllerFile& before, const ControllerFile& after,
+          const Improved& improved, const std::vector<Told>& told, const Provenance& provenance) {
+  if (a.json) {
+    Json json = {{"controller", printable(a.controller)},
+                 {"out", a.out},
+                 {"objective", a.objective},
+                 {"trials", improved.trials},
+                 {"rows", json_list(improved.rows, [](const ImproveRow& row) {
+                    return Json{{"trials", row.trials},
+                                {"objective", number_or_null(row.objective)},
+                                {"spread", row.spread}};
+                  })}};
+    for (const Told& each : told) json[each.when] = short_row(to_json(each.summary));
+    print_json(std::move(json), provenance);
+  } else {
+    tell(before, after);
+    print_table(columns(), told);
+    fmt::print(
+        "after {} trials; these are others: seed {}; time: of the inserted; peak force: of all\n"
+        "wrote {}\n{}",
+        improved.trials, a.seed, a.out, provenance.foot());
+  }
+}
+
 int improve_verb(ImproveArguments a) {
   a.settings.shared = shared_trials();
   if (!runs_a_shard()) expect_place_for(a.out);
@@ -79,7 +103,7 @@ int improve_verb(ImproveArguments a) {
   refuse_other_scaling(trained_on(before).scaling, a.controller, chosen.scene, a.other_scaling);
   Provenance provenance;
   provenance.in(chosen).seed("search", a.settings.seed).seed("unseen trials", a.seed);
-  provenance.read(a.controller);
+  provenance.read(controller_file(a.controller));
   if (!a.json) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long
 
@@ -109,26 +133,7 @@ int improve_verb(ImproveArguments a) {
   if (!runs_a_shard()) write_controller(a.out, after);
   std::vector<Told> told = {{"before", first}};
   if (!interrupted()) told.push_back({"after", measured(after)});
-  if (a.json) {
-    Json json = {{"controller", printable(a.controller)},
-                 {"out", a.out},
-                 {"objective", a.objective},
-                 {"trials", improved.trials},
-                 {"rows", json_list(improved.rows, [](const ImproveRow& row) {
-                    return Json{{"trials", row.trials},
-                                {"objective", number_or_null(row.objective)},
-                                {"spread", row.spread}};
-                  })}};
-    for (const Told& each : told) json[each.when] = short_row(to_json(each.summary));
-    print_json(std::move(json), provenance);
-  } else {
-    tell(before, after);
-    print_table(columns(), told);
-    fmt::print(
-        "after {} trials; these are others: seed {}; time: of the inserted; peak force: of all\n"
-        "wrote {}\n{}",
-        improved.trials, a.seed, a.out, provenance.foot());
-  }
+  show(a, before, after, improved, told, provenance);
   return interrupted() ? kInterrupted : kDone;
 }
 
@@ -139,7 +144,6 @@ void add_improve(CLI::App& app, Run& run) {
       "improve", "Change the gains of a controller until it inserts better and sooner");
   auto a = std::make_shared<ImproveArguments>();
   verb->add_option("controller", a->controller, "Law or search: a file, or a shipped one")
-      ->transform(shipped_controller())
       ->type_name("FILE.json")
       ->required();
   verb->add_option("--out", a->out, "The better one")->type_name("FILE.json")->required();

@@ -284,7 +284,7 @@ int record_verb(const RecordArguments& a) {
   Provenance provenance;
   if (by_controller) {
     controller = read_controller(a.operator_);
-    provenance.read(a.operator_);
+    provenance.read(controller_file(a.operator_));
   }
   const ChosenScene chosen = a.scene.choose(
       controller ? brought_by(trained_on(*controller), a.operator_) : BroughtScene());
@@ -342,7 +342,6 @@ void add_record(CLI::App& app, Run& run) {
   add_other_scaling(*verb, a->other_scaling);
   auto* person = verb->add_option("--operator", a->operator_,
                                   "Who holds the fibre: \"simulated\", or a controller")
-                     ->transform(shipped_controller())
                      ->capture_default_str()
                      ->type_name("simulated|FILE");
   auto* device = add_device(*verb, a->device,

@@ -10,7 +10,6 @@ namespace ferrule {
 void VariedArguments::add_controller(CLI::App& verb) {
   verb.add_option("controller", controller,
                   "Controller file or shipped one, or TorchScript; or constant-velocity, or spiral")
-      ->transform(shipped_controller())
       ->type_name("FILE.json|FILE.pt")
       ->required();
 }
@@ -51,7 +50,7 @@ MakeController VariedScene::controller(const Scene& scene) const {
 Provenance VariedScene::provenance(const ChosenScene& chosen) const {
   Provenance provenance;
   provenance.in(chosen).seed("trials", arguments_.seed);
-  if (given_) provenance.read(arguments_.controller);
+  if (given_) provenance.read(controller_file(arguments_.controller));
   return provenance;
 }
 

@@ -294,15 +294,6 @@ CLI::Validator one_of(const std::vector<std::string>& choices) {
       all);
 }
 
-CLI::Validator shipped_controller() {
-  return CLI::Validator(
-      [](std::string& name) {
-        name = controller_file(name);
-        return std::string();
-      },
-      "");
-}
-
 CLI::Validator whole_number(std::uint64_t low, std::uint64_t high) {
   const auto inside = [low, high](const std::string& text) {
     const std::optional<std::uint64_t> value = whole(text);

@@ -111,8 +111,6 @@ Scene planned_with_progress(const Scene& scene);
 
 // One of these texts; of another one it names the nearest.
 CLI::Validator one_of(const std::vector<std::string>& choices);
-// Makes of the bare name of a shipped controller its file.
-CLI::Validator shipped_controller();
 // A whole number within bounds, in decimal.
 CLI::Validator whole_number(std::uint64_t low, std::uint64_t high);
 // A finite number within bounds, in decimal.

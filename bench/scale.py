@@ -1,45 +1,110 @@
-"""What shards cost: the table of docs/scale.md.
+"""Time and memory against trials, episodes, rows and learners: the table of docs/scale.md.
 
-usage: scale.py PROGRAM [TRIALS ...]
+usage: scale.py PROGRAM [WHAT ...]
 """
 
+import glob
+import math
 import os
 import subprocess
 import sys
 import tempfile
 import time
 
-JOB = ("evaluate", "--baseline", "constant-velocity", "--scene", "paper", "--set", "start.distance_um=10", "--set",
-       "success.depth_um=8", "--set", "limits.speed_um_s=20", "--set", "start.lateral_sd_um=4")
+STRAIGHT = ("--baseline", "constant-velocity", "--scene", "paper", "--set", "start.distance_um=10", "--set",
+            "success.depth_um=8", "--set", "limits.speed_um_s=20", "--set", "start.lateral_sd_um=4")
+LEARNERS = ("linear", "insertion", "contact", "dagger")
 
 
-def run(*words):
+def run(program, *words):
     """Seconds, and the most memory [MB]."""
     begin = time.monotonic()
-    process = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    process = subprocess.Popen([program, *map(str, words)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     _, status, used = os.wait4(process.pid, 0)
     if status:
-        sys.exit(f"{' '.join(words)}: ended with status {status}")
+        sys.exit(f"{' '.join(map(str, words))}: ended with status {status}")
     return time.monotonic() - begin, used.ru_maxrss / 1024
 
 
-def main(program, counts):
-    print("| trials | one process | one shard | merge | on disk |\n|---|---|---|---|---|")
-    for count in counts:
-        with tempfile.TemporaryDirectory() as folder:
-            job = (program, *JOB, "--trials", str(count))
-            shared = ("--shard", "1/1", "--out", folder + "/job")
-            # In turns: the machine may change meanwhile.
-            alone, shard = [run(*job)], [run(*job, *shared)]
-            alone.append(run(*job))
-            file = folder + "/job/shard_0001_of_0001.trials"
-            size = os.path.getsize(file) / count
-            merge = run(program, "merge", folder + "/job")
-            os.remove(file)
-            shard.append(run(*job, *shared))
-            cells = [f"{min(s for s, _ in runs):.2f} s, {max(m for _, m in runs):.0f} MB"
-                     for runs in (alone, shard, [merge])]
-            print(f"| {count} | {' | '.join(cells)} | {size:.0f} B a trial |", flush=True)
+class Tasks:
+    """Each method: what is done with `n` of something in an empty folder, and how many they are."""
+
+    def __init__(self, program, folder):
+        self.program, self.folder = program, folder
+
+    def run(self, *words):
+        return run(self.program, *words)
+
+    def record(self, episodes, *more):
+        return self.run("record", "--scene", "bench", "--episodes", episodes, "--out", self.folder + "/episodes", *more)
+
+    def trials_in_one_process(self, n):
+        return n, self.run("evaluate", *STRAIGHT, "--trials", n)
+
+    def trials_in_a_shard(self, n):
+        return n, self.run("evaluate", *STRAIGHT, "--trials", n, "--shard", "1/1", "--out", self.folder + "/job")
+
+    def trials_merged(self, n):
+        self.trials_in_a_shard(n)
+        return n, self.run("merge", self.folder + "/job")
+
+    def episodes_recorded(self, n):
+        return n, self.record(n)
+
+    def episodes_fitted(self, n):
+        self.record(n)
+        return n, self.run("fit", self.folder + "/episodes", "--out", self.folder + "/law.json")
+
+    def episodes_scored(self, n):
+        self.record(n)
+        return n, self.run("score", self.folder + "/episodes")
+
+    # One episode, n times as long.
+    def rows_recorded(self, n):
+        used = self.record(1, "--set", f"limits.speed_um_s={10 / n}", "--set", "limits.time_s=3600")
+        return self.rows(), used
+
+    def rows_replayed(self, n):
+        self.rows_recorded(n)
+        (file,) = glob.glob(self.folder + "/episodes/*.h5")
+        return self.rows(), self.run("replay", file)
+
+    def rows(self):
+        import h5py
+        (file,) = glob.glob(self.folder + "/episodes/*.h5")
+        with h5py.File(file) as episode:
+            sizes = []
+            episode.visititems(lambda name, item: sizes.append(len(item) if getattr(item, "shape", ()) else 0))
+            return max(sizes)
+
+    def learners_compared(self, n):
+        self.record(8)
+        return n, self.run("compare", self.folder + "/episodes", "--trials", 100, "--learners", ",".join(LEARNERS[:n]))
 
 
-main(os.path.abspath(sys.argv[1]), [int(count) for count in sys.argv[2:]] or [1000, 10000, 100000, 300000])
+SIZES = {"trials_in_one_process": (1000, 10000, 100000), "trials_in_a_shard": (1000, 10000, 100000),
+         "trials_merged": (1000, 10000, 100000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (4, 16, 64),
+         "episodes_scored": (4, 16, 64), "rows_recorded": (1, 2, 4), "rows_replayed": (1, 2, 4),
+         "learners_compared": (1, 2, 4)}
+
+
+def exponent(sizes, values):
+    return f"{math.log(values[-1] / values[-2]) / math.log(sizes[-1] / sizes[-2]):.2f}"
+
+
+def main(program, chosen):
+    print("| what | how many | time [s] | memory [MB] | grows with the power |\n|---|---|---|---|---|")
+    for name in chosen or SIZES:
+        sizes, times, memories = [], [], []
+        for n in SIZES[name]:
+            with tempfile.TemporaryDirectory() as folder:
+                size, (seconds, memory) = getattr(Tasks(program, folder), name)(n)
+            sizes.append(size)
+            times.append(seconds)
+            memories.append(memory)
+        cells = [", ".join(f"{value:.3g}" for value in values) for values in (times, memories)]
+        print(f"| {name.replace('_', ' ')} | {', '.join(map(str, sizes))} | {' | '.join(cells)} | "
+              f"time {exponent(sizes, times)}, memory {exponent(sizes, memories)} |", flush=True)
+
+
+main(os.path.abspath(sys.argv[1]), sys.argv[2:])

@@ -27,7 +27,7 @@ LEFT_OUT = [
     (r"^./ferrule view\b(?!.*--export)", "serves until Ctrl-C: view.py, tests/newcomer.sh"),
     (r"^./ferrule (view|score) .*\b(ada|ben)\b", "needs what persons recorded in the window"),
     (r"^./ferrule devices --test$|^./ferrule (record|view) .*--device (?!fake:)", "needs a device, and a hand at it"),
-    (r"\$python|python examples/learners|^(import|from) lerobot", "needs learners of PyPI: ./ferrule test --long"),
+    (r"\$python|python examples/learners|^import (subprocess|submitit)|^(import|from) lerobot", "needs learners of PyPI: ./ferrule test --long"),
     (r"\b(data/controllers|examples/policy)", "is for the folder of a clone, as its document says"),
     (r"^./ferrule bench\b", "minutes: bench.py runs its parts"),
 ]
