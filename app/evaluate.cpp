@@ -39,7 +39,7 @@ struct Tried {
 };
 
 // So many trials are enough to mate their connectors, to pair two controllers, and to show.
-constexpr std::size_t kKept = 1 << 17;
+constexpr std::size_t kKept = 1 << 16;
 
 // Results of the trials, as far as Ctrl-C lets them go.
 void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {

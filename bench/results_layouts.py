@@ -208,9 +208,9 @@ def climbers(_: Result, compared: Result) -> str:
     rows, names = [], dict.fromkeys(r["controller"] for r in compared["ladder"] if r["training_seed"] is not None)
     for rung in dict.fromkeys(r["rung"] for r in compared["ladder"]):
         def of(name: str) -> list[Any]:
-            return [r for r in compared["ladder"] if r["rung"] == rung and r["controller"].endswith(name)]
+            return [r for r in compared["ladder"] if r["rung"] == rung and r["controller"] == name]
 
-        (operator,), (search,), (spiral,) = of("simulated operator"), of("search.json"), of("blind spiral")
+        (operator,), (search,), (spiral,) = of("simulated operator"), of("search"), of("blind spiral")
         learned = [[100 * r["success_rate"] for r in of(name)] for name in names]
         tenth = search["worst_tenth_of"]
         worst = "-"

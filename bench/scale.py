@@ -13,7 +13,7 @@ import time
 
 STRAIGHT = ("--baseline", "constant-velocity", "--scene", "paper", "--set", "start.distance_um=10", "--set",
             "success.depth_um=8", "--set", "limits.speed_um_s=20", "--set", "start.lateral_sd_um=4")
-LEARNERS = ("linear", "insertion", "contact", "dagger")
+LEARNERS = ("linear", "insertion", "phased", "saturated")
 
 
 def run(program, *words):

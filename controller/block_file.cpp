@@ -16,6 +16,7 @@ namespace {
 
 constexpr std::string_view kMagic = "FRB1";
 constexpr std::size_t kHead = 12;
+constexpr std::size_t kPart = 1U << 20;       // bytes read at once, where blocks are no larger
 constexpr std::uint32_t kLargest = 1U << 26;  // of a content; more is damage
 
 std::uint32_t checksum(std::string_view content) {
@@ -55,24 +56,35 @@ std::ifstream BlockReader::open() const {
 void BlockReader::read(const std::function<void(const Json&, const Place&)>& show) {
   std::ifstream in = open();
   if (!in) return;
-  in.seekg(static_cast<std::streamoff>(end_));
-  const std::string added{std::istreambuf_iterator<char>(in), {}};
-  const std::uint64_t begin = end_;
-  std::string_view left = added;
-  for (std::size_t passed = 0; passed < left.size();) {
-    const std::string_view content = content_at_start(left.substr(passed));
+  std::string part;
+  for (std::size_t size = kPart;;) {
+    part.resize(size);
+    in.seekg(static_cast<std::streamoff>(end_));
+    in.read(part.data(), static_cast<std::streamsize>(size));
+    part.resize(static_cast<std::size_t>(in.gcount()));
+    const std::uint64_t before = end_;
+    show_blocks(part, show);
+    cut_off_ = before + part.size() - end_;
+    if (part.size() < size) return;
+    if (end_ == before) size *= 2;  // a larger block, or a damaged stretch
+  }
+}
+
+void BlockReader::show_blocks(std::string_view part,
+                              const std::function<void(const Json&, const Place&)>& show) {
+  for (std::size_t passed = 0; passed < part.size();) {
+    const std::string_view content = content_at_start(part.substr(passed));
     if (content.empty()) {
-      passed = left.find(kMagic, passed + 1);
+      passed = part.find(kMagic, passed + 1);
       continue;
     }
-    const auto at = static_cast<std::uint64_t>(content.data() - added.data());
-    show(Json::from_cbor(content), {begin + at, content.size()});
+    show(Json::from_cbor(content), {end_ + passed + kHead, content.size()});
     damaged_ += passed > 0;
-    left.remove_prefix(passed + kHead + content.size());
+    const std::size_t whole = passed + kHead + content.size();
+    part.remove_prefix(whole);
+    end_ += whole;
     passed = 0;
   }
-  end_ += added.size() - left.size();
-  cut_off_ = left.size();
 }
 
 Json BlockReader::read_again(const Place& place) const {

@@ -1,6 +1,6 @@
 // A file of blocks that only grows, by whole blocks: what a killed process leaves of it is good.
 //
-//   "FRB1", size, CRC-32 of the content (two 32-bit little-endian numbers), content: CBOR (RFC 8949)
+//   "FRB1", size and CRC-32 of the content (32-bit little-endian each), content: CBOR (RFC 8949)
 //
 // A block that is cut off or damaged is passed over up to the next whole one.
 #pragma once
@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <string>
+#include <string_view>
 
 #include "sim/base/json_fields.hpp"
 
@@ -36,6 +37,9 @@ class BlockReader {
 
  private:
   std::ifstream open() const;  // fails where it is not there
+  // Those of a part of the file that begins at end_.
+  void show_blocks(std::string_view part,
+                   const std::function<void(const Json&, const Place&)>& show);
 
   std::string file_;
   std::uint64_t end_ = 0, cut_off_ = 0;

@@ -1,6 +1,6 @@
 // Quantiles of numbers that come one by one, in memory that does not grow with them: exactly
-// (statistics.hpp) of up to kExact numbers; of more, each number counts as rounded to within kWithin
-// of itself.
+// (statistics.hpp) of up to kExact numbers; of more, each counts as rounded to within kWithin of
+// itself.
 #pragma once
 
 #include <cstddef>

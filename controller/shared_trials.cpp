@@ -46,11 +46,11 @@ SharedTrials::SharedTrials(std::string folder, std::string job, std::optional<Sh
 }
 
 void SharedTrials::read(const std::string& file) {
-  const auto [reader, is_new] = readers_.emplace(file, file);
-  if (file == own_ && !is_new) return;  // what is new there is of this process
-  reader->second.read([&](const Json& block, const BlockReader::Place& place) {
-    take(reader->second, block, place);
-  });
+  const auto added = readers_.emplace(file, file);
+  if (file == own_ && !added.second) return;  // what is new there is of this process
+  BlockReader& reader = added.first->second;
+  reader.read(
+      [&](const Json& block, const BlockReader::Place& place) { take(reader, block, place); });
 }
 
 void SharedTrials::look_around() {

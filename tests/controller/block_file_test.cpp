@@ -83,6 +83,34 @@ TEST_F(BlockFile, OneDamagedByteCostsOneBlock) {
   }
 }
 
+// Of several parts of what is read at once, and with blocks larger than that; one is damaged.
+TEST_F(BlockFile, IsReadInParts) {
+  std::vector<std::size_t> written;
+  {
+    BlockWriter writer(file);
+    for (std::size_t size : {1u, 700'000u, 3'000'000u, 5u, 900'000u, 900'000u, 2u}) {
+      writer.append({{"text", std::string(size, 'F')}});
+      written.push_back(size);
+    }
+  }
+  const auto sizes = [&] {
+    BlockReader reader(file);
+    std::vector<std::size_t> all;
+    reader.read([&](const Json& b, const BlockReader::Place& place) {
+      all.push_back(b.at("text").get<std::string>().size());
+      EXPECT_EQ(b, reader.read_again(place));
+    });
+    EXPECT_EQ(reader.end(), std::filesystem::file_size(file));
+    return all;
+  };
+  EXPECT_EQ(sizes(), written);
+  std::string bytes = read_text(file);
+  bytes[2'000'000] = 'x';
+  put(bytes);
+  written.erase(written.begin() + 2);
+  EXPECT_EQ(sizes(), written);
+}
+
 TEST_F(BlockFile, HasOneWriter) {
   const BlockWriter writer(file);
   EXPECT_EQ(testing::refusal([&] { const BlockWriter other(file); }),

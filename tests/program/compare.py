@@ -127,7 +127,7 @@ class Compare(Case):
         self.assertEqual(who[:5], [("constant velocity", None), ("tuned by hand", None),
                                    ("best demonstration again", None), ("simulated operator", None),
                                    ("blind spiral", None)])
-        self.assertTrue(who[5][0].endswith("search.json"))
+        self.assertEqual(who[5][0], "search")
         self.assertEqual(who[5][1], None)
         self.assertEqual(who[6:], [("ceres, linear", 3), ("ceres, linear", 5)])
         self.assertEqual([row["rung"] for row in found], [rung for rung in rungs for _ in who])
