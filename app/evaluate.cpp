@@ -41,6 +41,15 @@ struct Tried {
 // So many trials are enough to mate their connectors, to pair two controllers, and to show.
 constexpr std::size_t kKept = 1 << 16;
 
+std::string kept_note(std::size_t trials) {
+  if (trials <= kKept) return "";
+  return fmt::format(
+      "note: the first {} trials are mated, paired and shown; all are counted, and quantiles of "
+      "more "
+      "than {} numbers known to 1 in {:.0f}\n",
+      kKept, Quantiles::kExact, 1 / Quantiles::kWithin);
+}
+
 // Results of the trials, as far as Ctrl-C lets them go.
 void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
   const MakeController make =
@@ -171,16 +180,11 @@ int evaluate_verb(const EvaluateArguments& a) {
                          a.other_scaling);
   if (!a.controller.empty())
     provenance.read(controller_file(a.controller));  // it names its weights by their hash
-  const std::string notes = trained_starts_note(trained.value_or(0), a.trials) +
-                            damage_note(scene) +
-                            (a.supervise ? supervisor_note(supervisor_limits(scene)) : "");
+  const std::string notes =
+      trained_starts_note(trained.value_or(0), a.trials) + damage_note(scene) +
+      (a.supervise ? supervisor_note(supervisor_limits(scene)) : "") + kept_note(a.trials);
   if (a.output.text()) fmt::print("{}{}", provenance.head(), notes);
   if (!a.output.text()) fmt::print(stderr, "{}", notes);
-  if (a.trials > kKept)
-    fmt::print(stderr,
-               "note: the first {} trials are mated, paired and shown; all are counted, and "
-               "quantiles of more than {} known to 1 in {:.0f}\n",
-               kKept, Quantiles::kExact, 1 / Quantiles::kWithin);
   std::fflush(stdout);  // the trials take long
 
   std::vector<Tried> all = to_try(a, controller, scene);

@@ -14,16 +14,17 @@
 
 namespace ferrule {
 
-// Says of the results of a campaign, shown one at a time in the order of the trials, after which one
-// it is long enough (controller/enough.hpp).
+// Says of the results of a campaign, shown one at a time in the order of the trials, after which
+// one it is long enough (controller/enough.hpp).
 using IsEnough = std::function<bool(const TrialResult&)>;
 
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
 // results are those of the first trials up to one that was not done, fewer than `trials`. The trial
-// after which it is `enough` is the last. With `shared` it runs those of its shard that are not kept
-// yet, and returns none, unless what comes next depends on them: then it waits for those of the
-// other shards. In a merge it returns what the shards kept. Throws what `make` and `shared` throw.
+// after which it is `enough` is the last. With `shared` it runs those of its shard that are not
+// kept yet, and returns none, unless what comes next depends on them: then it waits for those of
+// the other shards. In a merge it returns what the shards kept. Throws what `make` and `shared`
+// throw.
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
