@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 std::string how_far(const SharedTrials::Progress& p, double rate) {
   std::string text = fmt::format("{} of {} trials, {} of {} shards whole", p.trials, p.begun,
-                                 p.count - p.not_done().size(), p.count);
+                                 p.count() - p.not_done().size(), p.count());
   if (rate > 0 && p.begun > p.trials)
     text += fmt::format(", {:.3g} trials a second, {:.0f} s left", rate,
                         static_cast<double>(p.begun - p.trials) / rate);
@@ -33,7 +33,7 @@ void watch(const std::string& folder, const Job& job) {
   const std::size_t before = p.trials;
   const auto begin = Clock::now();
   std::size_t told = SIZE_MAX;
-  while (p.count == 0 || !p.not_done().empty()) {
+  while (p.counts.empty() || !p.not_done().empty()) {
     end_if_interrupted();
     const std::chrono::duration<double> seconds = Clock::now() - begin;
     if (p.trials != told)
@@ -53,7 +53,7 @@ void expect_whole(const std::string& folder) {
                p.others);
   for (const std::string& file : p.damaged)
     fmt::print(stderr, "note: {}: a part of it is damaged and is left out\n", file);
-  if (p.count == 0) throw FileTrouble(folder + ": no shard of this job has begun");
+  if (p.counts.empty()) throw FileTrouble(folder + ": no shard of this job has begun");
   if (const std::vector<Shard> left = p.not_done(); !left.empty())
     throw FileTrouble(fmt::format("{}: {} {} not whole ({}): run {} again, or wait with --watch",
                                   folder, to_text(left), left.size() == 1 ? "is" : "are",

@@ -48,11 +48,8 @@ Shard shard_of(const std::string& text) {
   return shard;
 }
 
-// Of a file; of all files of a folder and their names; empty: neither.
-std::string content_hash(const std::string& name) {
-  std::error_code error;
-  if (fs::is_regular_file(name, error)) return sha1(read_text(name));
-  if (!fs::is_directory(name, error)) return "";
+// Of all files of a folder, and their names.
+std::string folder_hash(const std::string& name) {
   std::vector<std::string> files;
   for (const fs::directory_entry& entry : fs::directory_iterator(name))
     if (entry.is_regular_file()) files.push_back(entry.path().string());
@@ -63,13 +60,18 @@ std::string content_hash(const std::string& name) {
   return sha1(all);
 }
 
-// What the words after the verb name that is there, the folder of the job apart.
+// Of the files and folders that are named after the verb, the folder of the job apart, and of the
+// files that a command within a word names.
 Json hashes(const std::vector<std::string>& words, const std::string& folder) {
   Json all = Json::object();
-  for (std::size_t i = 1; i < words.size(); ++i)
-    for (const std::string& part : CLI::detail::split(words[i].substr(words[i].find('=') + 1), ' '))
-      if (std::error_code none; !fs::equivalent(part, folder, none))
-        if (const std::string hash = content_hash(part); !hash.empty()) all[part] = hash;
+  std::error_code error;
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    const std::string word = words[i].substr(words[i].find('=') + 1);
+    if (fs::is_directory(word, error) && !fs::equivalent(word, folder, error))
+      all[word] = folder_hash(word);
+    for (const std::string& part : CLI::detail::split(word, ' '))
+      if (fs::is_regular_file(part, error)) all[part] = sha1(read_text(part));
+  }
   return all;
 }
 
@@ -90,9 +92,20 @@ std::string command_text(const Json& words) {
   return printable(text, 300);
 }
 
-// `there` is that of the folder, `here` what this process would do.
-void refuse_other(const std::string& folder, const Json& there, const Json& here) {
-  const std::string file = job_file(folder);
+// A job.json. Throws FileTrouble, BadInput.
+Json read_job_file(const std::string& file) {
+  Json job = parse_json(read_text(file), file);
+  const auto text = [](const Json& value) { return value.is_string(); };
+  const Json words = job.is_object() ? job.value("command", Json()) : Json();
+  if (!words.is_array() || words.empty() || !std::all_of(words.begin(), words.end(), text) ||
+      !text(job.value("version", Json())) || !text(job.value("build", Json())) ||
+      !job.value("read", Json()).is_object())
+    throw BadInput(file + ": is not that of a job");
+  return job;
+}
+
+// `there` is what `file` says, `here` what this process would do.
+void refuse_other(const std::string& file, const Json& there, const Json& here) {
   for (const char* key : {"version", "build"})
     if (there.at(key) != here.at(key))
       throw BadInput(fmt::format("{}: was begun by ferrule {} ({}), this is {} ({})", file,
@@ -135,7 +148,7 @@ std::string begin_job(const std::string& folder) {
       if (!fs::exists(job_file(folder))) throw;
     }
   }
-  refuse_other(folder, parse_json(read_text(job_file(folder)), job_file(folder)), here);
+  refuse_other(job_file(folder), read_job_file(job_file(folder)), here);
   return sha1(here.dump());
 }
 
@@ -215,15 +228,10 @@ int run_shard(const CLI::App& app, const Run& run) {
 }
 
 Job read_job(const std::string& folder) {
-  const std::string file = job_file(folder);
-  const Json there = parse_json(read_text(file), file);
-  try {
-    const std::vector<std::string> words = there.at("command");
-    refuse_other(folder, there, job_json(words, folder));
-    return {words, sha1(there.dump())};
-  } catch (const Json::exception&) {
-    throw BadInput(file + ": is not that of a job");
-  }
+  const Json there = read_job_file(job_file(folder));
+  const std::vector<std::string> words = there.at("command");
+  refuse_other(job_file(folder), there, job_json(words, folder));
+  return {words, sha1(there.dump())};
 }
 
 void share_all(const std::string& folder, const Job& job) {

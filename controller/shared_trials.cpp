@@ -68,7 +68,7 @@ void SharedTrials::take(const BlockReader& reader, const Json& block,
     return;
   }
   const Shard shard{block.at("shard").at(0), block.at("shard").at(1)};
-  progress_.count = std::max(progress_.count, shard.count);
+  progress_.counts.insert(shard.count);
   if (block.contains("done")) progress_.done.insert(shard);
   if (!block.contains("campaign")) return;
   const std::size_t number = block.at("campaign");
@@ -155,9 +155,9 @@ void SharedTrials::again(const Found& found, const Json& before) {
 
 void SharedTrials::refuse_missing(std::size_t campaign,
                                   const std::vector<std::size_t>& trials) const {
+  const std::size_t count = std::max<std::size_t>(1, progress_.count());
   std::set<Shard> lacking;
-  for (const std::size_t trial : trials)
-    lacking.insert({trial % progress_.count + 1, progress_.count});
+  for (const std::size_t trial : trials) lacking.insert({trial % count + 1, count});
   throw FileTrouble(
       fmt::format("{}: of campaign {}, {} trials are missing, {} the first: run {} again", folder_,
                   campaign + 1, trials.size(), trials.front(),
@@ -171,10 +171,14 @@ void SharedTrials::finish() {
 }
 
 std::vector<Shard> SharedTrials::Progress::not_done() const {
-  std::vector<Shard> all;
-  for (std::size_t i = 1; i <= count; ++i)
-    if (!done.contains({i, count})) all.push_back({i, count});
-  return all;
+  std::vector<Shard> lacking;
+  for (const std::size_t of : counts) {  // the last is the most
+    lacking.clear();
+    for (std::size_t i = 1; i <= of; ++i)
+      if (!done.contains({i, of})) lacking.push_back({i, of});
+    if (lacking.empty()) return {};
+  }
+  return lacking;
 }
 
 SharedTrials::Progress SharedTrials::progress() {

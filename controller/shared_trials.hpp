@@ -81,15 +81,18 @@ class SharedTrials {
 
   // How far the shards are, for people.
   struct Progress {
-    std::size_t trials = 0;              // that are kept
-    std::size_t campaigns = 0;           // that have begun
-    std::size_t begun = 0;               // of the campaigns that have begun
-    std::set<Shard> done{};              // shards that are whole
-    std::size_t count = 0;               // of shards: the most that any counts; 0: none has begun
-    std::size_t twice = 0;               // trials that are there again
-    std::size_t others = 0;              // blocks of other jobs, which are passed over
+    std::size_t trials = 0;     // that are kept
+    std::size_t campaigns = 0;  // that have begun
+    std::size_t begun = 0;      // their trials
+    std::set<Shard> done{};     // shards that are whole
+    std::set<std::size_t>
+        counts{};            // into how many shards the job was divided; empty: none has begun
+    std::size_t twice = 0;   // trials that are there again
+    std::size_t others = 0;  // blocks of other jobs, which are passed over
     std::vector<std::string> damaged{};  // files with stretches that are passed over
-    // Of `count`.
+
+    std::size_t count() const { return counts.empty() ? 0 : *counts.rbegin(); }
+    // Where it was divided again and again: empty if any division is whole.
     std::vector<Shard> not_done() const;
   };
   // Reads what is new.

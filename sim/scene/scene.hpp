@@ -96,7 +96,9 @@ struct Scene {
   // scene does not apply it; planned() of sim/analysis/plan.hpp does.
   std::optional<double> accuracy;
   // What chance decides in each trial. All of the above has it at its centre, or as the document
-  // states it besides; draw_scene of draw.hpp gives a trial's scene, which has none.
+  // states it besides; draw_scene of draw.hpp gives a trial's scene, which has none. Where the
+  // centres cannot be together (a fibre as wide as the bore), it is as in a trial in which the
+  // numbers can.
   std::vector<DrawnNumber> drawn;
   // What is drawn as under another seed while all else stays as it is: one of these keys, or of
   // kDrawnBesides; empty: nothing.

@@ -179,6 +179,15 @@ TEST_F(SharedTrialsOfACampaign, MayBeThereTwiceIfTheyAreTheSame) {
     expect_same(run(shared), alone());
     EXPECT_EQ(shared.progress().twice, kTrials);
   }
+  {  // begun once more, in shards of which two are not run: it is whole all the same
+    SharedTrials third(folder.path(), "job", Shard{1, 3}, false);
+    run(third);
+    third.finish();
+    const SharedTrials::Progress progress =
+        SharedTrials(folder.path(), "job", std::nullopt, false).progress();
+    EXPECT_EQ(progress.count(), 3);
+    EXPECT_TRUE(progress.not_done().empty());
+  }
   make = controller_maker(ConstantVelocity(1e-3));
   for (const std::size_t i : {1, 2, 3}) shard(i, 3);
   EXPECT_NE(testing::refusal([&] { merged(); }).find("is there twice and went differently"),
@@ -192,7 +201,7 @@ TEST_F(SharedTrialsOfACampaign, OfOtherJobsAreLeftOut) {
     other.finish();
   }
   SharedTrials shared(folder.path(), "job", std::nullopt, false);
-  EXPECT_EQ(shared.progress().count, 0);
+  EXPECT_TRUE(shared.progress().counts.empty());
   EXPECT_EQ(shared.progress().trials, 0);
   EXPECT_GT(shared.progress().others, 0);
 }

@@ -4,6 +4,7 @@ import glob
 import json
 import os
 import random
+import resource
 import signal
 import subprocess
 import sys
@@ -179,6 +180,11 @@ class Shards(Case):
             json.dump(described, file)
         for command in ((*job, "--shard", "2/2", "--out", self.job), ("merge", self.job)):
             self.refused(2, *command, says=["was begun by ferrule 0.1.0"])
+        for broken in ("[]", "{}", '{"command": [1]}', "{"):
+            with open(self.job + "/job.json", "w") as file:
+                file.write(broken)
+            for command in ((*job, "--shard", "2/2", "--out", self.job), ("merge", self.job)):
+                self.refused(2, *command, says=["job.json"])
 
     def test_options_are_refused_in_one_line(self):
         job = (*JOB, "--trials", 2)
@@ -203,6 +209,27 @@ class Shards(Case):
         folder = self.path("file")
         open(folder, "w").close()
         self.refused(3, *JOB, "--trials", 2, "--shard", "1/2", "--out", folder + "/job", says=["file/job"])
+
+    def test_a_shard_that_cannot_be_written(self):
+        os.makedirs(self.job + "/shard_0001_of_0001.trials")
+        self.refused(3, *JOB, "--trials", 2, "--shard", "1/1", "--out", self.job,
+                     says=["shard_0001_of_0001.trials: Is a directory"])
+
+    # As on a full disk: what was written before it was full is good.
+    def test_a_full_disk_loses_nothing(self):
+        job = (*JOB, "--trials", 6000)
+
+        def little_room():
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (300000, resource.RLIM_INFINITY))
+
+        self.refused(3, *job, "--shard", "1/1", "--out", self.job, preexec_fn=little_room, says=["File too large"])
+        file = self.job + "/shard_0001_of_0001.trials"
+        kept = open(file, "rb").read()
+        self.assertGreater(len(kept), 10000)
+        self.shard(1, 1, *job)
+        self.assertEqual(open(file, "rb").read(len(kept)), kept)
+        self.assertEqual(self.done("merge", self.job, "--json").stdout, self.done(*job, "--json").stdout)
 
     def test_a_watch_waits_until_all_are_whole(self):
         job = (*JOB, "--trials", 40)

@@ -139,6 +139,22 @@ TEST(Draw, PartsThatCannotBeTogetherAreInfeasible) {
   EXPECT_NEAR(infeasible, kDraws / 4.0, 5 * std::sqrt(kDraws * 3.0 / 16));
 }
 
+// In the middle fibre and bore are both 126 um wide.
+TEST(Draw, CentresThatCannotBeTogetherGiveWayToATrialThatCan) {
+  const Scene scene =
+      testing::bare({"fibre.diameter_um=125..127", "ferrule.bore_diameter_um=125.5..126.5"});
+  const WorldParameters& p = scene.parameters;
+  EXPECT_LT(p.fibre.diameter_um, p.ferrule.bore_diameter_um);
+  EXPECT_GE(p.fibre.diameter_um, 125);
+  EXPECT_LE(p.ferrule.bore_diameter_um, 126.5);
+  std::size_t feasible = 0;
+  for (std::uint64_t trial = 0; trial < kDraws; ++trial)
+    feasible += draw_scene(scene, 1, trial) != nullptr;
+  EXPECT_NEAR(static_cast<double>(feasible) / kDraws, 0.5, 0.04);  // half of the rectangle
+  EXPECT_THROW(testing::bare({"fibre.diameter_um=127..128", "ferrule.bore_diameter_um=126..126.9"}),
+               BadInput);
+}
+
 TEST(Draw, AFibreBetweenTwoDiametersIsUniform) {
   const std::vector<double> um = fibres("124.25..125");
   EXPECT_GE(um.front(), 124.25 - 1e-9);
