@@ -217,11 +217,11 @@ class Shards(Case):
 
     # As on a full disk: what was written before it was full is good.
     def test_a_full_disk_loses_nothing(self):
-        job = (*JOB, "--trials", 6000)
+        job = (*JOB, "--trials", 20000)
 
         def little_room():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (300000, resource.RLIM_INFINITY))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (1500000, resource.RLIM_INFINITY))
 
         self.refused(3, *job, "--shard", "1/1", "--out", self.job, preexec_fn=little_room, says=["File too large"])
         file = self.job + "/shard_0001_of_0001.trials"
