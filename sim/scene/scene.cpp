@@ -394,7 +394,7 @@ bool consistent(const Json& document, const std::string& file) {
 Json without_chance(const Json& document, const std::vector<DrawnNumber>& drawn,
                     const std::string& file) {
   constexpr std::uint64_t kMost = 1000;
-  const Json centre = at_centre(document, drawn);
+  Json centre = at_centre(document, drawn);
   if (drawn.empty() || consistent(centre, file)) return centre;
   for (std::uint64_t trial = 0; trial < kMost; ++trial) {
     Json numbers = document;
