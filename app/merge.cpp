@@ -72,21 +72,26 @@ int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling)
   expect_whole(a.folder);
   std::vector<std::string> words = job.arguments;
   words.insert(words.end(), telling.begin(), telling.end());
-  return run_command(words);
+  const int code = run_command(words);
+  if (const std::size_t twice = shared_trials()->progress().twice; twice > 0)
+    fmt::print(stderr, "note: {}: {} trials are there twice, and count once\n", a.folder, twice);
+  return code;
 }
 
 }  // namespace
 
 void add_merge(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
-      "merge", "Bring the shards of a job together: prints what one process would have printed");
+      "merge", "Print what one process would have printed, from the shards of a job");
   auto a = std::make_shared<MergeArguments>();
-  verb->add_option("folder", a->folder, "That was --out of the shards")
+  verb->add_option(
+          "folder", a->folder,
+          "That was --out of the shards; after it --json, --csv, --report FILE and what else "
+          "the job's verb can write")
       ->required()
       ->type_name("DIR");
   verb->add_flag("--watch", a->watch, "Show how far they are, and wait until all are whole");
   verb->allow_extras();
-  verb->footer("and --json, --csv, --report, --plot, --trials-out as the job's verb has them");
   add_examples(*verb, {"merge job", "merge job --watch --json", "merge job --report page.html"});
   verb->callback([a, verb, &run] {
     run = [a, telling = verb->remaining()] { return merge_verb(*a, telling); };

@@ -62,7 +62,7 @@ class Running {
     const auto ahead = ahead_.find(found.trial);
     const TrialResult* before = ahead != ahead_.end() ? &ahead->second : nullptr;
     if (found.trial < results_.size()) before = &results_[found.trial];
-    if (before) shared_->again(found, kept_trial(*before));
+    shared_->again(found, before ? kept_trial(*before) : found.result);  // else it is not kept
   }
 
   // Of a shared one: the trials that are not there and would count.

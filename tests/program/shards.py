@@ -141,6 +141,14 @@ class Shards(Case):
         self.assertEqual(merged.stdout, self.done(*job, "--json").stdout)
         self.assertIn("a part of it is damaged", merged.stderr)
 
+    def test_trials_that_are_there_twice_are_told_and_count_once(self):
+        job = (*JOB, "--trials", 12)
+        for index, count in ((1, 1), (2, 3)):
+            self.shard(index, count, *job)
+        merged = self.done("merge", self.job, "--json")
+        self.assertIn("4 trials are there twice, and count once", merged.stderr)
+        self.assertEqual(merged.stdout, self.done(*job, "--json").stdout)
+
     def test_gaps_are_named(self):
         job = (*JOB, "--trials", 30)
         self.refused(3, "merge", self.job, says=["job.json"])
