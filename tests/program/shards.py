@@ -111,7 +111,7 @@ class Shards(Case):
     # Killed, interrupted and begun again at random; damaged once. Nothing that was whole is run twice.
     def test_nothing_is_lost_by_kills(self):
         chance = random.Random(45)
-        kills, trials = (500, 60000) if os.environ.get("FERRULE_LONG") else (30, 4000)
+        kills, trials = (500, 1000000) if os.environ.get("FERRULE_LONG") else (15, 30000)
         job = (*JOB, "--trials", trials, "--threads", 1)
         shards = {1, 2, 3}
         kept = dict.fromkeys(shards, 0)
@@ -120,7 +120,7 @@ class Shards(Case):
                 break
             index = chance.choice(sorted(shards))
             process = self.start(index, 3, *job)
-            time.sleep(chance.uniform(0.05, 0.4))
+            time.sleep(chance.uniform(0.05, 1.5))  # a block is written every second
             process.send_signal(chance.choice((signal.SIGKILL, signal.SIGKILL, signal.SIGTERM)))
             if process.wait() == 0:
                 shards.remove(index)
