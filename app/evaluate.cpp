@@ -44,9 +44,8 @@ constexpr std::size_t kKept = 1 << 16;
 std::string kept_note(std::size_t trials) {
   if (trials <= kKept) return "";
   return fmt::format(
-      "note: the first {} trials are mated, paired and shown; all are counted, and quantiles of "
-      "more "
-      "than {} numbers known to 1 in {:.0f}\n",
+      "note: the first {} trials are mated, paired and shown; all are counted, and quantiles "
+      "of more than {} numbers known to 1 in {:.0f}\n",
       kKept, Quantiles::kExact, 1 / Quantiles::kWithin);
 }
 

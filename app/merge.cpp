@@ -27,8 +27,7 @@ std::string how_far(const SharedTrials::Progress& p, double rate) {
 }
 
 // Until all shards are whole.
-void watch(const std::string& folder, const Job& job) {
-  SharedTrials trials(folder, job.hash, std::nullopt, false);
+void watch(SharedTrials& trials) {
   SharedTrials::Progress p = trials.progress();
   const std::size_t before = p.trials;
   const auto begin = Clock::now();
@@ -67,8 +66,8 @@ int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling)
       throw BadInput("merge: " + word +
                      ": takes --json, --csv and the files that the job's verb can write");
   const Job job = read_job(a.folder);
-  if (a.watch) watch(a.folder, job);
   share_all(a.folder, job);
+  if (a.watch) watch(*shared_trials());
   expect_whole(a.folder);
   std::vector<std::string> words = job.arguments;
   words.insert(words.end(), telling.begin(), telling.end());

@@ -202,16 +202,28 @@ std::vector<std::pair<std::string, std::string>> Provenance::columns() const {
   return all;
 }
 
+std::string shell_words(const std::vector<std::string>& words) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : " ") + shell_word(word);
+  return text;
+}
+
+std::vector<std::string> without_option(std::vector<std::string> words, const std::string& option) {
+  for (auto word = words.begin(); word != words.end();)
+    if (*word == option)
+      word = words.erase(word, word + std::min<std::ptrdiff_t>(2, words.end() - word));
+    else if (word->starts_with(option + "="))
+      word = words.erase(word);
+    else
+      ++word;
+  return words;
+}
+
 void remember_command(const std::vector<std::string>& words) {
   g_words = words;
-  g_command = "ferrule";
-  for (std::size_t i = 0; i < words.size(); ++i) {
-    if (words[i] == "--threads") {
-      ++i;
-    } else if (!words[i].starts_with("--threads=")) {
-      g_command += " " + shell_word(words[i]);
-    }
-  }
+  std::vector<std::string> shown = without_option(words, "--threads");
+  shown.insert(shown.begin(), "ferrule");
+  g_command = shell_words(shown);
 }
 
 const std::vector<std::string>& command_words() noexcept {

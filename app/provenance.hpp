@@ -75,8 +75,11 @@ class Provenance {
   std::string partial_;
 };
 
-// As a shell takes it, on one line.
+// As a shell takes them, on one line.
 std::string shell_word(const std::string& argument);
+std::string shell_words(const std::vector<std::string>& words);
+// Words of a command line without this option and its value.
+std::vector<std::string> without_option(std::vector<std::string> words, const std::string& option);
 
 // The program's command line, which Provenance states without --threads: the result does not depend
 // on it.

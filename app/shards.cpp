@@ -86,12 +86,6 @@ Json job_json(const std::vector<std::string>& words, const std::string& folder) 
           {"read", hashes(words, folder)}};
 }
 
-std::string command_text(const Json& words) {
-  std::string text = "ferrule";
-  for (const Json& word : words) text += " " + word.get<std::string>();
-  return printable(text, 300);
-}
-
 // A job.json. Throws FileTrouble, BadInput.
 Json read_job_file(const std::string& file) {
   Json job = parse_json(read_text(file), file);
@@ -113,8 +107,8 @@ void refuse_other(const std::string& file, const Json& there, const Json& here) 
                                  there.at("build").get<std::string>(), program_version(),
                                  program_build()));
   if (there.at("command") != here.at("command"))
-    throw BadInput(fmt::format("{}: is another job, {}: give another --out", file,
-                               command_text(there.at("command"))));
+    throw BadInput(fmt::format("{}: is another job, ferrule {}: give another --out", file,
+                               printable(shell_words(there.at("command")), 300)));
   for (const auto& [name, hash] : there.at("read").items())
     if (here.at("read").value(name, "") != hash)
       throw BadInput(file + ": " + name + " has changed since the job was begun");
@@ -122,17 +116,9 @@ void refuse_other(const std::string& file, const Json& there, const Json& here) 
 
 // The command without what it says about the shard.
 std::vector<std::string> job_words(std::vector<std::string> words) {
-  std::vector<std::string> options = {"--shard", "--threads"};
-  if (words.front() != "record") options.emplace_back("--out");  // its episodes are there too
-  for (const std::string& option : options)
-    for (auto word = words.begin(); word != words.end();)
-      if (*word == option)
-        word = words.erase(word, std::min(word + 2, words.end()));
-      else if (word->starts_with(option + "="))
-        word = words.erase(word);
-      else
-        ++word;
-  return words;
+  for (const char* option : {"--shard", "--threads"}) words = without_option(words, option);
+  return words.front() == "record" ? words  // its episodes are there too
+                                   : without_option(words, "--out");
 }
 
 // Begins the job in its folder, or goes on with it. The hash of the job.
@@ -202,13 +188,12 @@ int run_shard(const CLI::App& app, const Run& run) {
   const ShardArguments& a = arguments();
   if (a.shard.empty()) return run();
   const Shard shard = shard_of(a.shard);
-  const std::string folder = app.get_subcommands().front()->get_option("--out")->as<std::string>();
+  const CLI::App& verb = *app.get_subcommands().front();
+  const std::string folder = verb.get_option("--out")->as<std::string>();
   for (const std::string telling : kTellingOptions)
-    for (const CLI::App* verb : app.get_subcommands())
-      if (const CLI::Option* option = verb->get_option_no_throw(telling);
-          option && option->count() > 0 && telling != "--out")
-        throw BadInput(
-            fmt::format("{}: is for ferrule merge {}, not for a shard", telling, folder));
+    if (const CLI::Option* option = verb.get_option_no_throw(telling);
+        option && option->count() > 0 && telling != "--out")
+      throw BadInput(fmt::format("{}: is for ferrule merge {}, not for a shard", telling, folder));
   const std::string job = begin_job(folder);
   g_folder = folder;
   g_shared = std::make_unique<SharedTrials>(folder, job, shard, a.waits);

@@ -88,12 +88,6 @@ Work measured(const Words& job, const std::string& out) {
           std::max(0.0, took - empty) / static_cast<double>(std::max<std::size_t>(1, done.trials))};
 }
 
-std::string shell_words(const Words& words) {
-  std::string text;
-  for (const std::string& word : words) text += (text.empty() ? "" : " ") + shell_word(word);
-  return text;
-}
-
 // Splits off what merge is told.
 std::pair<Words, Words> split_telling(const Words& words) {
   Words job, telling;

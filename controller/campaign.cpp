@@ -109,7 +109,7 @@ void on_all_cores(int threads, const std::function<void()>& work) {
   });
 }
 
-// Does what comes next depend on what other shards run?
+// A shard for which it makes no difference what the others run.
 bool stands_alone(const SharedTrials& shared, const std::vector<Campaign>& campaigns) {
   return !shared.merges() && !shared.waits() &&
          std::none_of(campaigns.begin(), campaigns.end(),
@@ -183,7 +183,7 @@ std::vector<std::vector<TrialResult>> run_campaigns(
   if (all.empty()) return {};
   std::atomic<std::size_t> count = 0;
   if (shared) {
-    shared->look_around();
+    if (!shared->merges()) shared->look_around();  // a merge has read all
     count += take_found(*shared, all);
   }
   on_all_cores(threads, [&] {

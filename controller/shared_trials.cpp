@@ -38,11 +38,10 @@ SharedTrials::SharedTrials(std::string folder, std::string job, std::optional<Sh
   if (shard_) {
     own_ = fmt::format("{}/shard_{:04}_of_{:04}{}", folder_, shard_->index, shard_->count, kEnding);
     writer_ = std::make_unique<BlockWriter>(own_);
-  }
-  if (shard_)
     read(own_);
-  else
+  } else {
     look_around();
+  }
 }
 
 void SharedTrials::read(const std::string& file) {

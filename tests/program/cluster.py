@@ -3,12 +3,10 @@
 import os
 import random
 import re
-import signal
 import socket
 import subprocess
 import sys
 import time
-import unittest
 
 from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
 
