@@ -29,7 +29,7 @@ NamedHistory forces_of(const DemonstrationSet& set) {
   std::vector<InsertionForces> forces;
   for (const Demonstration& d : set.demonstrations) {
     const Episode episode = read_episode(d.file);
-    forces.emplace_back(episode, recorded_scene(episode, d.file));
+    forces.emplace_back(episode, recorded_scene(episode.info, d.file));
   }
   return {fmt::format("{} demonstrations", forces.size()), force_history(std::move(forces))};
 }

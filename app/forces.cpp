@@ -120,7 +120,7 @@ RecordedInsertion read_insertion(const std::string& file) {
   if (std::filesystem::is_directory(file, error))
     throw BadInput(file + ": is a folder; name one recording of it");
   Episode episode = read_episode(file);
-  Scene scene = recorded_scene(episode, file);
+  Scene scene = recorded_scene(episode.info, file);
   if (episode.rows.rows() == 0) throw BadInput(file + ": has no rows");
   return {std::move(episode), std::move(scene)};
 }

@@ -136,7 +136,7 @@ Provenance& Provenance::seed(const std::string& of, std::uint64_t value) {
 }
 
 Provenance& Provenance::read(const std::string& file) {
-  return read(file, sha1(read_text(file)));
+  return read(file, sha1_of_file(file));
 }
 
 Provenance& Provenance::read(const std::string& file, const std::string& hash) {

@@ -270,7 +270,8 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
 void expect_same_scaling(const std::string& folder, const Scaling& now) {
   const std::vector<std::string> files = episode_files(folder);
   if (files.empty()) return;
-  const Scaling its = scene_scaling(recorded_scene(read_episode(files.back()), files.back()));
+  const Scaling its =
+      scene_scaling(recorded_scene(open_episode(files.back()).info(), files.back()));
   if (its != now)
     throw BadInput(fmt::format(
         "{}: was recorded with another scaling (motion x{:.6g}, force x{:.6g}) than this scene's "

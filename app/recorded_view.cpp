@@ -20,7 +20,7 @@ constexpr double kFileRate = 100;  // frames a second in a file
 ReplayRun run_of(const std::string& file) {
   const Episode episode = read_episode(file);
   if (episode.rows.rows() == 0) throw BadInput(file + ": an episode without rows");
-  return replay_of(episode, recorded_scene(episode, file), file_name(file));
+  return replay_of(episode, recorded_scene(episode.info, file), file_name(file));
 }
 
 MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,

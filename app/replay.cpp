@@ -5,6 +5,7 @@
 #include <fmt/ranges.h>
 
 #include <array>
+#include <cmath>
 #include <filesystem>
 
 #include "app/demonstration_plot.hpp"
@@ -44,17 +45,17 @@ std::string makers(const EpisodeInfo& info) {
 }
 
 // What the comparison says of the recording, at length.
-std::string verdict(const Verification& c, const Episode& episode) {
-  const EpisodeInfo& info = episode.info;
+std::string verdict(const Verification& c, const EpisodeRows& episode) {
+  const EpisodeInfo& info = episode.info();
   std::string text;
   if (c.first)
     text = "differs first at " + told(*c.first, info.period);
   else if (c.largest)
     text = fmt::format("within {:g}: {} rows, and all that is beside them", c.tolerance,
-                       episode.rows.rows());
+                       episode.count());
   else
-    text = fmt::format("identical: {} rows, every bit, and all that is beside them",
-                       episode.rows.rows());
+    text =
+        fmt::format("identical: {} rows, every bit, and all that is beside them", episode.count());
   if (c.tolerance > 0 && c.largest)
     text += fmt::format("; the largest difference is {:.2g} of the largest number, at {}",
                         c.largest->relative, told(*c.largest, info.period));
@@ -77,8 +78,9 @@ constexpr std::array<const char*, 10> kRowNames = {
     "t_s", "x_um", "y_um", "z_um", "vx_um_s", "vy_um_s", "vz_um_s", "Fx_uN", "Fy_uN", "Fz_uN"};
 
 // Row n at the tip's scale, in the order of the names.
-std::array<double, kRowNames.size()> row_of(const Episode& episode, Eigen::Index n, double motion) {
-  const auto row = episode.rows.row(n);
+std::array<double, kRowNames.size()> row_of(const EpisodeRows& episode, Eigen::Index n,
+                                            double motion) {
+  const auto row = episode.row(n);
   const auto um = [&](int column) { return 1e6 * row[column]; };
   return {row[kTime.begin],
           um(kStates.begin),
@@ -93,20 +95,20 @@ std::array<double, kRowNames.size()> row_of(const Episode& episode, Eigen::Index
 }
 
 // Some forty rows.
-void print_rows(const Episode& episode, double motion) {
+void print_rows(const EpisodeRows& episode, double motion) {
   for (const char* name : kRowNames) fmt::print(" {:>11}", name);
   fmt::print("\n");
-  const Eigen::Index stride = std::max<Eigen::Index>(1, episode.rows.rows() / 40);
-  for (Eigen::Index n = 0; n < episode.rows.rows(); n += stride) {
+  const Eigen::Index stride = std::max<Eigen::Index>(1, episode.count() / 40);
+  for (Eigen::Index n = 0; n < episode.count(); n += stride) {
     for (const double x : row_of(episode, n, motion)) fmt::print(" {:>11.6g}", x);
     fmt::print("\n");
   }
 }
 
 // All of them.
-Json rows_json(const Episode& episode, double motion) {
+Json rows_json(const EpisodeRows& episode, double motion) {
   Json list = Json::array();
-  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n) {
+  for (Eigen::Index n = 0; n < episode.count(); ++n) {
     Json& row = list.emplace_back();
     const auto values = row_of(episode, n, motion);
     for (std::size_t i = 0; i < values.size(); ++i) row[kRowNames[i]] = values[i];
@@ -117,46 +119,45 @@ Json rows_json(const Episode& episode, double motion) {
 // One recording, and what verifying it found.
 struct Replayed {
   std::string file;
-  Episode episode;
+  EpisodeRows episode;
   Scene scene;
-  double time;  // that the task took, as record and score say it [s]
+  double time = 0;      // that the task took, as record and score say it [s]
+  double recorded = 0;  // to the end [s]
   Verification compared{};
 };
 
-double recorded_time(const Episode& episode) {
-  const Eigen::Index rows = episode.rows.rows();
-  return rows ? episode.rows(rows - 1, kStates.begin + 10) : 0.0;  // the time of the state
-}
-
-// Until the success depth was reached, or else to the end.
-double task_time(const Episode& episode, const Scene& scene) {
-  const Rows& rows = episode.rows;
-  for (Eigen::Index n = 0; n < rows.rows(); ++n)
-    if (-rows(n, kStates.begin) >= scene.success.depth) return rows(n, kStates.begin + 10);
-  return recorded_time(episode);
+// The time of the task until the success depth was reached, or else to the end.
+void take_times(Replayed& r) {
+  bool reached = false;
+  for (Eigen::Index n = 0; n < r.episode.count(); ++n) {
+    const auto row = r.episode.row(n);
+    r.recorded = row[kStates.begin + 10];  // the time of the state
+    if (!reached) r.time = r.recorded;
+    reached |= -row[kStates.begin] >= r.scene.success.depth;
+  }
 }
 
 Replayed replayed(const ReplayArguments& a, const std::string& file) {
-  Replayed r{file, read_episode(file), {}, 0};
+  const EpisodeRows episode = open_episode(file);
+  Replayed r{file, episode, recorded_scene(episode.info(), file)};
   r.compared.tolerance = a.tolerance;
-  r.scene = recorded_scene(r.episode, file);
-  r.time = task_time(r.episode, r.scene);
+  take_times(r);
   if (a.verify) verify(r.episode, r.compared);
-  if (a.verify && !r.compared.over()) compare_file(file, r.episode, r.compared);
+  if (a.verify && !r.compared.over()) compare_file(file, r.compared);
   return r;
 }
 
 Json to_json(const ReplayArguments& a, const Replayed& r) {
-  const EpisodeInfo& info = r.episode.info;
+  const EpisodeInfo& info = r.episode.info();
   Json json = {{"file", r.file},
                {"scene", r.scene.name},
                {"operator", info.operator_},
                {"seed", info.seed},
                {"trial", info.trial},
                {"outcome", name(info.outcome)},
-               {"rows", r.episode.rows.rows()},
+               {"rows", r.episode.count()},
                {"time_s", r.time},
-               {"recorded_s", recorded_time(r.episode)},
+               {"recorded_s", r.recorded},
                {"version", info.version},
                {"build", info.build}};
   const Verification& compared = r.compared;
@@ -172,10 +173,10 @@ Json to_json(const ReplayArguments& a, const Replayed& r) {
 }
 
 void print(const ReplayArguments& a, const Replayed& r) {
-  const EpisodeInfo& info = r.episode.info;
+  const EpisodeInfo& info = r.episode.info();
   fmt::print("{}: scene {}, {}, {}, {} rows, {:.2f} s of {:.2f} s\n", printable(r.file),
              printable(r.scene.name, 60), printable(info.operator_, 100), name(info.outcome),
-             r.episode.rows.rows(), r.time, recorded_time(r.episode));
+             r.episode.count(), r.time, r.recorded);
   if (a.verify) fmt::print("{}\n", verdict(r.compared, r.episode));
 }
 
@@ -184,18 +185,17 @@ constexpr std::array<const char*, 4> kStatusNames = {"ok", "not converged", "bad
 
 constexpr const char* kCostliest = "costliest";
 
-TracedStep traced_step(const Episode& episode, const std::string& which) {
+TracedStep traced_step(const EpisodeRows& episode, const std::string& which) {
   if (which == kCostliest) return trace_step(episode, std::nullopt);
   double time = 0;
   if (!CLI::detail::lexical_cast(which, time))
     throw BadInput("--trace " + printable(which, 40) + ": expected a time [s], or " + kCostliest);
-  const Eigen::VectorXd times = episode.rows.col(kTime.begin);
-  if (!(time >= 0 && time <= times[times.size() - 1] + 0.5 * episode.info.period))
-    throw BadInput(
-        fmt::format("--trace {:g}: the episode ends at {:.3f} s", time, times[times.size() - 1]));
-  Eigen::Index n = 0;
-  (times.array() - time).abs().minCoeff(&n);
-  return trace_step(episode, n);
+  const double period = episode.info().period;
+  const Eigen::Index last = episode.count() - 1;
+  if (!(time >= 0 && time <= (static_cast<double>(last) + 0.5) * period))
+    throw BadInput(fmt::format("--trace {:g}: the episode ends at {:.3f} s", time,
+                               static_cast<double>(last) * period));
+  return trace_step(episode, std::min<Eigen::Index>(last, std::lround(time / period)));
 }
 
 Json trace_json(const TracedStep& traced) {
@@ -268,9 +268,9 @@ int replay_file(const ReplayArguments& a) {
   const Replayed r = replayed(a, a.path);
   std::optional<TracedStep> traced;
   if (!a.trace.empty()) traced = traced_step(r.episode, a.trace);
-  if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(r.episode, r.scene));
+  if (!a.plot.empty()) write_plot(a.plot, demonstration_plot(read_episode(a.path), r.scene));
   Provenance provenance;
-  provenance.in({r.scene, "", ", as recorded"}).seed("start and operator", r.episode.info.seed);
+  provenance.in({r.scene, "", ", as recorded"}).seed("start and operator", r.episode.info().seed);
   provenance.read(a.path);
   if (a.output.text()) {
     fmt::print("{}", provenance.head());

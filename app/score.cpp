@@ -101,10 +101,10 @@ Scores scored(const ScoreArguments& a, Provenance& provenance) {
   Progress progress("reading", files.size());
   for (const std::string& file : files) {
     if (interrupted()) break;
-    const Episode episode = read_episode(file);
+    const EpisodeRows episode = open_episode(file);
     provenance.read(file);
-    const Scene scene = recorded_scene(episode, file);
-    const EpisodeInfo& info = episode.info;
+    const EpisodeInfo& info = episode.info();
+    const Scene scene = recorded_scene(info, file);
     Scored& now =
         session.all.emplace_back(Scored{file, person(info), scene.name, info.date, info.session,
                                         info.rating, measure(episode, scene)});

@@ -56,7 +56,7 @@ std::string folder_hash(const std::string& name) {
   std::sort(files.begin(), files.end());
   std::string all;
   for (const std::string& file : files)
-    all += fs::path(file).filename().string() + " " + sha1(read_text(file)) + "\n";
+    all += fs::path(file).filename().string() + " " + sha1_of_file(file) + "\n";
   return sha1(all);
 }
 
@@ -70,7 +70,7 @@ Json hashes(const std::vector<std::string>& words, const std::string& folder) {
     if (fs::is_directory(word, error) && !fs::equivalent(word, folder, error))
       all[word] = folder_hash(word);
     for (const std::string& part : CLI::detail::split(word, ' '))
-      if (fs::is_regular_file(part, error)) all[part] = sha1(read_text(part));
+      if (fs::is_regular_file(part, error)) all[part] = sha1_of_file(part);
   }
   return all;
 }

@@ -1,6 +1,6 @@
 """Time and memory against trials, episodes, rows and learners: the table of docs/scale.md.
 
-usage: scale.py PROGRAM [WHAT ...]
+usage: scale.py PROGRAM [WHAT | WHAT=N,N ...]
 """
 
 import glob
@@ -35,8 +35,14 @@ class Tasks:
     def run(self, *words):
         return run(self.program, *words)
 
+    def recording(self, episodes, *more, out="episodes"):
+        return "record", "--scene", "bench", "--episodes", episodes, "--out", f"{self.folder}/{out}", *more
+
     def record(self, episodes, *more):
-        return self.run("record", "--scene", "bench", "--episodes", episodes, "--out", self.folder + "/episodes", *more)
+        return self.run(*self.recording(episodes, *more))
+
+    def slow(self, n):
+        return "--set", f"limits.speed_um_s={10 / n}", "--set", "limits.time_s=3600"
 
     def trials_in_one_process(self, n):
         return n, self.run("evaluate", *STRAIGHT, "--trials", n)
@@ -61,13 +67,31 @@ class Tasks:
 
     # One episode, n times as long.
     def rows_recorded(self, n):
-        used = self.record(1, "--set", f"limits.speed_um_s={10 / n}", "--set", "limits.time_s=3600")
+        used = self.record(1, *self.slow(n))
         return self.rows(), used
 
-    def rows_replayed(self, n):
+    # With the verb: on one episode.
+    def on_one_episode(self, n, *words):
         self.rows_recorded(n)
-        (file,) = glob.glob(self.folder + "/episodes/*.h5")
-        return self.rows(), self.run("replay", file)
+        return self.rows(), self.run(words[0], self.folder + "/episodes", *words[1:])
+
+    def rows_replayed_and_verified(self, n):
+        return self.on_one_episode(n, "replay", "--verify")
+
+    def rows_scored(self, n):
+        return self.on_one_episode(n, "score")
+
+    def rows_recovered(self, n):
+        self.rows_recorded(n)
+        rows = self.rows()
+        journal = self.folder + "/killed/episode_0001.part"
+        process = subprocess.Popen([self.program, *map(str, self.recording(1, *self.slow(2 * n), out="killed"))],
+                                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        while not os.path.exists(journal) or os.path.getsize(journal) < 776 * rows:
+            time.sleep(0.01)
+        process.kill()
+        process.wait()
+        return rows, self.run("recover", self.folder + "/killed")
 
     def rows(self):
         import h5py
@@ -82,21 +106,24 @@ class Tasks:
         return n, self.run("compare", self.folder + "/episodes", "--trials", 100, "--learners", ",".join(LEARNERS[:n]))
 
 
-SIZES = {"trials_in_one_process": (1000, 10000, 100000), "trials_in_a_shard": (1000, 10000, 100000),
-         "trials_merged": (1000, 10000, 100000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (4, 16, 64),
-         "episodes_scored": (4, 16, 64), "rows_recorded": (1, 2, 4), "rows_replayed": (1, 2, 4),
-         "learners_compared": (1, 2, 4)}
+SIZES = {"trials_in_one_process": (10000, 100000, 1000000), "trials_in_a_shard": (10000, 100000, 1000000),
+         "trials_merged": (10000, 100000, 1000000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (4, 16, 64),
+         "episodes_scored": (4, 16, 64), "rows_recorded": (1, 4, 16), "rows_recovered": (1, 4, 16),
+         "rows_replayed_and_verified": (1, 4, 16), "rows_scored": (1, 4, 16), "learners_compared": (1, 2, 4)}
 
 
 def exponent(sizes, values):
+    if len(sizes) < 2:
+        return "-"
     return f"{math.log(values[-1] / values[-2]) / math.log(sizes[-1] / sizes[-2]):.2f}"
 
 
 def main(program, chosen):
     print("| what | how many | time [s] | memory [MB] | grows with the power |\n|---|---|---|---|---|")
-    for name in chosen or SIZES:
+    for what in chosen or SIZES:
+        name, _, given = what.partition("=")
         sizes, times, memories = [], [], []
-        for n in SIZES[name]:
+        for n in map(int, given.split(",")) if given else SIZES[name]:
             with tempfile.TemporaryDirectory() as folder:
                 size, (seconds, memory) = getattr(Tasks(program, folder), name)(n)
             sizes.append(size)

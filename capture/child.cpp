@@ -4,25 +4,29 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
 #include <utility>
-
-#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {
 
-// What a child sends first.
-enum Answer : char { kDone = 'D', kBadInput = 'B', kFileTrouble = 'F' };
+// What a child sends before each piece.
+enum Answer : char { kPiece = 'P', kBadInput = 'B', kFileTrouble = 'F' };
 
-void run(int fd, const std::function<void(Child::Parent&)>& work) {
+void run(int fd, Child::Work kind, const std::function<void(Child::Parent&)>& work) {
   be_quiet();
-  only_read_files();
   Child::Parent sender(fd);
   try {
-    Child::Parent::allow(0, 0);
+    if (kind == Child::Work::reads) {
+      only_read_files();
+      Child::Parent::allow(0, 0);
+    } else {
+      ::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of write()
+    }
     work(sender);
   } catch (const BadInput& error) {
     sender.refuse(kBadInput, error.what());
@@ -41,13 +45,19 @@ const char* ended(int status) {
 }  // namespace
 
 void Child::Parent::send(const void* data, std::size_t size) noexcept {
-  const char done = kDone;
-  if (!std::exchange(began_, true) && write_all(fd_, &done, 1)) ::_exit(1);
-  if (write_all(fd_, static_cast<const char*>(data), size)) ::_exit(1);
+  const char piece = kPiece;
+  if (write_all(fd_, &piece, 1) || write_all(fd_, static_cast<const char*>(data), size)) ::_exit(1);
+}
+
+void Child::Parent::send_json(const Json& json) noexcept {
+  const auto bytes = Json::to_cbor(json);
+  const std::uint64_t size = bytes.size();
+  send(&size, sizeof size);
+  send(bytes.data(), bytes.size());
 }
 
 void Child::Parent::refuse(char answer, const std::string& why) noexcept {
-  if (began_ || write_all(fd_, &answer, 1) || write_all(fd_, why.data(), why.size())) ::_exit(1);
+  if (write_all(fd_, &answer, 1) || write_all(fd_, why.data(), why.size())) ::_exit(1);
 }
 
 void Child::Parent::allow(std::size_t memory, std::size_t time) noexcept {
@@ -55,35 +65,23 @@ void Child::Parent::allow(std::size_t memory, std::size_t time) noexcept {
   limit_time(kTime + time);
 }
 
-Child::Child(std::string file, const std::function<void(Parent&)>& work) : file_(std::move(file)) {
+Child::Child(std::string file, Work kind, const std::function<void(Parent&)>& work)
+    : file_(std::move(file)), kind_(kind) {
+  const auto trouble = [&](const char* why) {
+    return FileTrouble(file_ + ": cannot be " + (kind_ == Work::reads ? "read: " : "written: ") +
+                       why);
+  };
   int ends[2];
-  if (::pipe2(ends, O_CLOEXEC) != 0)
-    throw FileTrouble(file_ + ": cannot be read: " + std::strerror(errno));
+  if (::pipe2(ends, O_CLOEXEC) != 0) throw trouble(std::strerror(errno));
   fd_ = ends[0];
   try {
-    process_.emplace(std::vector{ends[1]}, [&] { run(ends[1], work); });
+    process_.emplace(std::vector{ends[1]}, [&] { run(ends[1], kind, work); });
   } catch (const FileTrouble& error) {
     ::close(ends[0]);
     ::close(ends[1]);
-    throw FileTrouble(file_ + ": cannot be read: " + error.what());
+    throw trouble(error.what());
   }
   ::close(ends[1]);
-  try {
-    first_answer();
-  } catch (...) {
-    ::close(fd_);
-    throw;
-  }
-}
-
-void Child::first_answer() {
-  char answer = 0;
-  if (take(&answer, 1) == 0) damaged();
-  if (answer == kDone) return;
-  std::string why(1 << 16, '\0');
-  why.resize(take(why.data(), why.size()));
-  if (answer == kBadInput) throw BadInput(why);
-  throw FileTrouble(why);
 }
 
 Child::~Child() {
@@ -102,11 +100,34 @@ std::size_t Child::take(void* data, std::size_t size) noexcept {
 }
 
 void Child::receive(void* data, std::size_t size) {
-  if (take(data, size) != size) damaged();
+  char answer = 0;
+  if (take(&answer, 1) == 0) broken();
+  if (answer == kPiece) {
+    if (take(data, size) != size) broken();
+    return;
+  }
+  std::string why(1 << 16, '\0');
+  why.resize(take(why.data(), why.size()));
+  if (answer == kBadInput) throw BadInput(why);
+  throw FileTrouble(why);
 }
 
-void Child::damaged() {
-  throw FileTrouble(file_ + ": damaged: " + ended(process_->wait()));
+Json Child::receive_json() {
+  std::uint64_t size = 0;
+  receive(&size, sizeof size);
+  // No more than its file has texts.
+  std::vector<std::uint8_t> bytes(
+      std::min<std::uint64_t>(size, std::filesystem::file_size(file_) + (1 << 20)));
+  receive(bytes.data(), bytes.size());
+  Json json = Json::from_cbor(bytes, true, false);
+  if (json.is_discarded()) throw FileTrouble(file_ + ": damaged: reading it fails");
+  return json;
+}
+
+void Child::broken() {
+  const int status = process_->wait();
+  if (kind_ == Work::writes) throw FileTrouble(file_ + ": cannot be written: writing it fails");
+  throw FileTrouble(file_ + ": damaged: " + ended(status));
 }
 
 }  // namespace ferrule

@@ -42,17 +42,16 @@ struct Verification {
 Eigen::RowVectorXd largest_by_unit(const Eigen::Ref<const Eigen::MatrixXd>& values,
                                    const std::string& units);
 
-// Adds what of a row differs by a single bit or more, until the comparison is over. `column(c)` is
-// the name of column c.
-template <class Column>
+// Adds what of a row differs by a single bit or more, until the comparison is over. `scale(c)` is
+// the largest number of the unit of column c, `column(c)` its name.
+template <class Scale, class Column>
 void compare_numbers(const Eigen::Ref<const Eigen::RowVectorXd>& recorded,
-                     const Eigen::Ref<const Eigen::RowVectorXd>& expected,
-                     const Eigen::RowVectorXd& scale, std::size_t row, const Column& column,
-                     Verification& comparison) {
+                     const Eigen::Ref<const Eigen::RowVectorXd>& expected, const Scale& scale,
+                     std::size_t row, const Column& column, Verification& comparison) {
   for (Eigen::Index c = 0; c < recorded.size() && !comparison.over(); ++c) {
     const double a = recorded[c], b = expected[c], difference = std::abs(a - b);
     if (std::bit_cast<std::uint64_t>(a) != std::bit_cast<std::uint64_t>(b))
-      comparison.add({row, column(c), a, b, difference == 0 ? 0 : difference / scale[c]});
+      comparison.add({row, column(c), a, b, difference == 0 ? 0 : difference / scale(c)});
   }
 }
 

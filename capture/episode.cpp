@@ -5,9 +5,9 @@
 #include <ctime>
 #include <filesystem>
 
-#include "capture/episode_layout.hpp"
-#include "insertion/scene_scaling.hpp"
-#include "insertion/sensed_wrench.hpp"
+#include "capture/child.hpp"
+#include "capture/stored_episode.hpp"
+#include "sim/base/written_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -39,18 +39,86 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t
   return info;
 }
 
-Scene recorded_scene(const Episode& episode, const std::string& file) {
-  return parse_scene(parse_json(episode.info.scene, file), file);
+Scene recorded_scene(const EpisodeInfo& info, const std::string& file) {
+  return parse_scene(parse_json(info.scene, file), file);
 }
 
-void write_episode(const std::string& file, const Episode& episode, const WriteProgress& progress) {
-  const Scene scene = recorded_scene(episode, file);
-  write_text(file, hdf5::image(file, content_of(episode, scene), progress), false);
+EpisodeRows::EpisodeRows(EpisodeInfo info, Eigen::Index count, Read read)
+    : info_(std::move(info)), count_(count), read_(std::move(read)) {}
+
+EpisodeRows::EpisodeRows(const Episode& episode)
+    : EpisodeRows(episode.info, episode.rows.rows(), [&](Eigen::Index first, Eigen::Index count) {
+        Part part;
+        part.rows = episode.rows.middleRows(first, count);
+        if (episode.counts.rows() > 0) part.counts = episode.counts.middleRows(first, count);
+        return part;
+      }) {}
+
+const EpisodeRows::Part& EpisodeRows::part_of(Eigen::Index n) const {
+  const Eigen::Index first = n / kBlock * kBlock;
+  if (const auto known = parts_.find(first); known != parts_.end()) return known->second;
+  if (parts_.size() == kKept) parts_.erase(std::prev(parts_.end()));
+  return parts_[first] = read_(first, std::min(kBlock, count_ - first));
 }
 
-void write_episode_again(const std::string& file, const Episode& episode) {
-  const Scene scene = recorded_scene(episode, file);
-  write_text(file, hdf5::image(file, content_of(episode, scene), {}));
+namespace {
+
+struct Written {
+  std::size_t done, all;  // rows
+};
+
+// Writes rows to `path`, in a child; `name` is for messages. The last that it sends is that all are
+// on the disk.
+void write_rows(const std::string& path, const std::string& name, const EpisodeRows& rows,
+                Child::Parent& parent) {
+  EpisodeTables tables(rows, recorded_scene(rows.info(), name));
+  hdf5::Content content = tables.content();
+  content.attributes["/"][kInputsHash] =
+      inputs_sha1(content, [&](const std::string& of, auto first, auto) -> hdf5::Matrix {
+        const EpisodeRows::Part& part = rows.part_of(first);
+        if (of == kCountsPath) return part.counts.cast<double>();
+        return part.rows.middleCols<kPose>(kCommand.begin);
+      });
+  Written written{0, static_cast<std::size_t>(rows.count())};
+  hdf5::write(path, name, content, [&] {
+    if (written.done > 0) parent.send(&written, sizeof written);
+    std::vector<hdf5::Matrix> values = tables.next();
+    written.done += static_cast<std::size_t>(values.front().rows());
+    return values;
+  });
+  parent.send(&written, sizeof written);
+}
+
+// Lets a child write a file beside its name.
+WrittenFile write_in_child(
+    const std::string& file, const WriteProgress& progress,
+    const std::function<void(const std::string& path, Child::Parent& parent)>& work) {
+  return WrittenFile(file, [&](const std::string& path) {
+    Child child(file, Child::Work::writes, [&](Child::Parent& parent) { work(path, parent); });
+    Written written{};
+    do {
+      child.receive(&written, sizeof written);
+      if (progress) progress(written.done, written.all);
+    } while (written.done < written.all);
+  });
+}
+
+}  // namespace
+
+void write_episode(const std::string& file, const EpisodeRows& rows,
+                   const WriteProgress& progress) {
+  write_in_child(file, progress, [&](const std::string& path, Child::Parent& parent) {
+    write_rows(path, file, rows, parent);
+  }).commit(false);
+}
+
+void rate_episode(const std::string& file, int stars) {
+  write_in_child(file, {}, [&](const std::string& path, Child::Parent& parent) {
+    const StoredEpisode stored(file);
+    EpisodeInfo info = stored.info();
+    info.rating = stars;
+    write_rows(path, file, stored.rows(info), parent);
+  }).commit();
 }
 
 std::string date_now() {
@@ -62,17 +130,23 @@ std::string date_now() {
   return text.data();
 }
 
+RecordedSensor::RecordedSensor(const EpisodeInfo& info, const Scene& scene)
+    : SensedWrench(scene_scaling(scene), ForceSensor(scene.sensor, info.seed, info.trial),
+                   info.period, scene_tare(scene)) {}
+
+void RecordedSensor::read(const RowVector& row) noexcept {
+  SensedWrench::read(row.segment<5>(kHolder.begin).transpose(),
+                     row[kStates.begin + 5]);  // of the holder at the tip's scale
+}
+
 SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {
-  const EpisodeInfo& info = episode.info;
-  SensedWrench sensed(scene_scaling(scene), ForceSensor(scene.sensor, info.seed, info.trial),
-                      info.period, scene_tare(scene));
+  RecordedSensor sensed(episode.info, scene);
   const Eigen::Index count = episode.rows.rows();
   SensedRows all;
   all.absolute.resize(count, Eigen::NoChange);
   all.relative.resize(count, Eigen::NoChange);
   for (Eigen::Index n = 0; n < count; ++n) {
-    sensed.read(episode.rows.row(n).segment<5>(kHolder.begin).transpose(),
-                episode.rows(n, kStates.begin + 5));  // of the holder at the tip's scale
+    sensed.read(episode.rows.row(n));
     all.absolute.row(n) = sensed.absolute().transpose();
     all.relative.row(n) = sensed.relative().transpose();
   }

@@ -29,6 +29,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,6 +39,7 @@
 #include "haptic/device.hpp"
 #include "haptic/stability.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "insertion/sensed_wrench.hpp"
 #include "insertion/watch.hpp"
 #include "sim/base/json_fields.hpp"
 
@@ -70,6 +72,38 @@ struct Episode {
   CountRows counts;  // as many as rows where there is a mapping, and else none
 };
 
+// The rows of an episode one after the other, wherever they are: in memory, in a journal, in a
+// file. Of a long one the first blocks and that of the last row asked for are in memory, so that an
+// hour takes no more of it than a minute, and a minute is read once. For one thread.
+class EpisodeRows {
+ public:
+  static constexpr Eigen::Index kBlock = 8192;
+  static constexpr std::size_t kKept = 8;  // blocks, 51 MB
+  struct Part {
+    Rows rows;
+    CountRows counts;
+  };
+  // Rows [first, first + count): a block from a multiple of kBlock on.
+  using Read = std::function<Part(Eigen::Index first, Eigen::Index count)>;
+
+  EpisodeRows(EpisodeInfo info, Eigen::Index count, Read read);
+  // `episode` must outlive it.
+  EpisodeRows(const Episode& episode);
+
+  const EpisodeInfo& info() const noexcept { return info_; }
+  Eigen::Index count() const noexcept { return count_; }
+  // Row n, and all of its block: until a row of another block is asked for. Throws what reading it
+  // throws.
+  auto row(Eigen::Index n) const { return part_of(n).rows.row(n % kBlock); }
+  const Part& part_of(Eigen::Index n) const;
+
+ private:
+  EpisodeInfo info_;
+  Eigen::Index count_;
+  Read read_;
+  mutable std::map<Eigen::Index, Part> parts_;  // by their first row
+};
+
 // The attribute `mapping`: how counts become the hand's pose (haptic/device.hpp), in JSON.
 std::string mapping_text(const Mapping& mapping);
 // The attribute `coupling`: {"stiffness_N_m", "damping_N_s_m"}.
@@ -86,23 +120,29 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t
 std::string program_version();
 std::string program_build();
 
-// The holder's wrench in each row (N, 5) as the scene's force sensor read it, and the same relative
-// to that at rest (insertion/sensed_wrench.hpp), in the hand's world [N, N m]. The sensor's errors
-// follow from the episode's seed and trial.
+// The holder's wrench in one row after the other, as the scene's force sensor read it, absolute and
+// relative to that at rest (insertion/sensed_wrench.hpp), in the hand's world [N, N m]. The
+// sensor's errors follow from the episode's seed and trial.
+class RecordedSensor : public SensedWrench {
+ public:
+  RecordedSensor(const EpisodeInfo& info, const Scene& scene);
+  void read(const RowVector& row) noexcept;
+};
+// In each row (N, 5).
 struct SensedRows {
   Eigen::Matrix<double, Eigen::Dynamic, 5> absolute, relative;
 };
 SensedRows sensed_wrench(const Episode& episode, const Scene& scene);
 
 // Writes beside `file` and gives it its name when whole. Throws FileTrouble, also if there is a
-// file of that name: an episode never replaces another. `progress` is called with the numbers
-// compressed so far, and all.
+// file of that name: an episode never replaces another. `progress` is called with the rows written
+// so far, and all.
 using WriteProgress = std::function<void(std::size_t done, std::size_t all)>;
-void write_episode(const std::string& file, const Episode& episode,
+void write_episode(const std::string& file, const EpisodeRows& rows,
                    const WriteProgress& progress = {});
 
-// The same in the place of the file that is there.
-void write_episode_again(const std::string& file, const Episode& episode);
+// The file again with another rating (1 to 5). Throws FileTrouble.
+void rate_episode(const std::string& file, int stars);
 
 // Now, as an episode says it.
 std::string date_now();
@@ -111,16 +151,18 @@ std::string date_now();
 // can, the first damaged row). The file may be anybody's: it is read in a child process with limits
 // (capture/child.hpp), and a row is believed only where its time is that of its number.
 Episode read_episode(const std::string& file);
+// The same, a block of rows at a time. Reading a row throws as well.
+EpisodeRows open_episode(const std::string& file);
 
 // The scene that the episode in `file` was recorded in. Throws BadInput.
-Scene recorded_scene(const Episode& episode, const std::string& file);
+Scene recorded_scene(const EpisodeInfo& info, const std::string& file);
 
-// Compares every object and attribute of `file` with what an episode of these rows and this info
-// has, and nothing else: data sets that follow from the rows, units, columns, types, and the hash
-// of what does not follow from anything (`inputs_sha1`).
-void compare_file(const std::string& file, const Episode& episode, Verification& comparison);
+// Compares every object and attribute of `file` with what an episode of its rows and its info has,
+// and nothing else: data sets that follow from the rows, units, columns, types, and the hash of
+// what does not follow from anything (`inputs_sha1`).
+void compare_file(const std::string& file, Verification& comparison);
 // The first difference.
-std::optional<Difference> file_difference(const std::string& file, const Episode& episode);
+std::optional<Difference> file_difference(const std::string& file);
 
 // The episode files of a folder, sorted. Throws FileTrouble if there is no such folder.
 std::vector<std::string> episode_files(const std::string& folder);

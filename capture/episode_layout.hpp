@@ -3,8 +3,10 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "capture/episode.hpp"
 #include "capture/hdf5.hpp"
@@ -35,11 +37,42 @@ auto optional_texts(Info& info) {
                     std::pair{"session", &info.session}};
 }
 
-// All that a file holds.
-hdf5::Content content_of(const Episode& episode, const Scene& scene,
-                         std::uint64_t version = kFormatVersion);
+// All that a file holds of an episode: what it says, but for the hash of its inputs, and block by
+// block the numbers of its tables.
+class EpisodeTables {
+ public:
+  // `rows` must outlive it.
+  EpisodeTables(const EpisodeRows& rows, const Scene& scene,
+                std::uint64_t version = kFormatVersion);
 
-// The hash of what cannot be computed again from the rest: all attributes, and what the hand did.
-std::string inputs_sha1(const hdf5::Content& content);
+  const hdf5::Content& content() const noexcept { return content_; }
+  // The next block of each table, in their order; none after the last.
+  std::vector<hdf5::Matrix> next();
+
+  // A block of rows and the one after it, which is the last again at the end.
+  struct TableRows {
+    Eigen::Index first, count;
+    Rows rows;              // count + 1
+    CountRows counts;       // count
+    hdf5::Matrix wrenches;  // as the sensor read them, count + 1
+  };
+  using Values = std::function<hdf5::Matrix(const TableRows&)>;
+
+ private:
+  TableRows next_rows();
+
+  const EpisodeRows& rows_;
+  RecordedSensor sensor_;
+  Eigen::Index next_ = 0;
+  hdf5::Content content_;
+  std::vector<Values> values_;  // of each table
+};
+
+// The hash of what cannot be computed again from the rest: all attributes, and what the hand did,
+// the numbers of the tables at rows_path(kCommand) and kCountsPath.
+std::string inputs_sha1(
+    const hdf5::Content& content,
+    const std::function<hdf5::Matrix(const std::string& path, Eigen::Index first,
+                                     Eigen::Index count)>& numbers);
 
 }  // namespace ferrule

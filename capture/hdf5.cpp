@@ -4,16 +4,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
-#include <mutex>
 
 namespace ferrule::hdf5 {
 namespace {
 
-// Of one column: the bytes of its numbers side by side compress better than those of whole rows.
-constexpr hsize_t kChunk = 8192;            // rows
 constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
 constexpr hsize_t kMostChunk = 1 << 22;     // numbers
 constexpr hsize_t kMostDeflated = 1032;     // bytes from one
@@ -27,14 +25,13 @@ void silence() {
   H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
 }
 
-hid_t create_in_memory(const std::string& name) {
+hid_t create(const std::string& path, const std::string& trouble) {
   silence();
-  const std::string trouble = name + ": cannot be built";
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose, trouble);
-  check(H5Pset_fapl_core(access, 1 << 22, false), trouble);
+  check(H5Pset_file_locking(access, false, true), trouble);  // whoever made it holds its lock
   const Handle how(H5Pcreate(H5P_FILE_CREATE), H5Pclose, trouble);
   check(H5Pset_obj_track_times(how, false), trouble);
-  return H5Fcreate(name.c_str(), H5F_ACC_TRUNC, how, access);
+  return H5Fcreate(path.c_str(), H5F_ACC_TRUNC, how, access);
 }
 
 // Nothing of another file or library comes in: no filter, no link, no data from there.
@@ -53,6 +50,11 @@ hid_t stored_type(Table::Stored stored) {
 
 std::string cannot_be_built(const std::string& name, const std::string& path) {
   return name + ": cannot be built (at " + path + ")";
+}
+
+// What an attempt to write to the disk came to.
+void check_written(herr_t status, const std::string& name) {
+  if (status < 0) throw FileTrouble(name + ": cannot be written: " + std::strerror(errno));
 }
 
 // Texts as HDF5 holds them: one after the other, each as long as the longest.
@@ -103,11 +105,9 @@ void write_attribute(hid_t where, const std::string& key, const Json& value,
   }
 }
 
-Handle write_table(hid_t file, const Table& t, const std::string& trouble) {
-  const auto rows = static_cast<hsize_t>(t.values.rows());
-  const auto width = static_cast<hsize_t>(t.values.cols());
-  const hsize_t size[2] = {rows, width};
-  const hsize_t chunk[2] = {std::min(kChunk, std::max<hsize_t>(1, rows)), 1};
+Handle create_table(hid_t file, const Table& t, Eigen::Index count, const std::string& trouble) {
+  const hsize_t size[2] = {static_cast<hsize_t>(count), static_cast<hsize_t>(t.width)};
+  const hsize_t chunk[2] = {std::clamp<hsize_t>(size[0], 1, kChunk), 1};
   const int rank = t.flat ? 1 : 2;
   const Handle space(H5Screate_simple(rank, size, nullptr), H5Sclose, trouble);
   const Handle how(H5Pcreate(H5P_DATASET_CREATE), H5Pclose, trouble);
@@ -115,11 +115,25 @@ Handle write_table(hid_t file, const Table& t, const std::string& trouble) {
   check(H5Pset_chunk(how, rank, chunk), trouble);
   check(H5Pset_shuffle(how), trouble);
   check(H5Pset_deflate(how, 1), trouble);  // more takes longer and gains a hundredth
-  Handle set(
+  return Handle(
       H5Dcreate2(file, t.path.c_str(), stored_type(t.stored), space, H5P_DEFAULT, how, H5P_DEFAULT),
       H5Dclose, trouble);
-  check(H5Dwrite(set, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, t.values.data()), trouble);
-  return set;
+}
+
+// Selects `rows` rows from `first` on in a table's space; where they are in memory.
+Handle select_rows(hid_t space, Eigen::Index first, Eigen::Index rows, Eigen::Index width,
+                   const std::string& trouble) {
+  const hsize_t start[2] = {static_cast<hsize_t>(first), 0};
+  const hsize_t extent[2] = {static_cast<hsize_t>(rows), static_cast<hsize_t>(width)};
+  check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, extent, nullptr), trouble);
+  return Handle(H5Screate_simple(H5Sget_simple_extent_ndims(space), extent, nullptr), H5Sclose,
+                trouble);
+}
+
+void write_rows(hid_t set, Eigen::Index first, const Matrix& values, const std::string& name) {
+  const Handle space(H5Dget_space(set), H5Sclose, name);
+  const Handle memory = select_rows(space, first, values.rows(), values.cols(), name);
+  check_written(H5Dwrite(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()), name);
 }
 
 void write_labels(hid_t file, const Labels& labels, const std::string& trouble) {
@@ -144,15 +158,6 @@ void attach_scales(hid_t file, const Content& content, const std::string& name) 
         check(H5DSset_scale(scale, path.substr(path.rfind('/') + 1).c_str()), trouble);
       check(H5DSattach_scale(set, scale, static_cast<unsigned>(dimension)), trouble);
     }
-}
-
-std::string image_of(hid_t file, const std::string& trouble) {
-  check(H5Fflush(file, H5F_SCOPE_GLOBAL), trouble);
-  const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-  if (size < 0) throw FileTrouble(trouble);
-  std::string bytes(static_cast<std::size_t>(size), '\0');
-  if (H5Fget_file_image(file, bytes.data(), bytes.size()) < 0) throw FileTrouble(trouble);
-  return bytes;
 }
 
 hsize_t size_of(const std::string& name) {
@@ -184,40 +189,42 @@ herr_t add_object(hid_t root, const char* name, const H5O_info_t*, void* names) 
 
 }  // namespace
 
-std::string image(const std::string& name, const Content& content,
-                  const std::function<void(std::size_t, std::size_t)>& progress) {
-  static std::mutex one_at_a_time;  // HDF5 is not made for threads
-  const std::lock_guard lock(one_at_a_time);
-  const Handle file(create_in_memory(name), H5Fclose, cannot_be_built(name, "/"));
-  const auto is_table = [&](const std::string& path) {
-    const auto at = [&](const auto& t) { return t.path == path; };
+void write(const std::string& path, const std::string& name, const Content& content,
+           const std::function<std::vector<Matrix>()>& next) {
+  const hid_t created = create(path, cannot_be_built(name, "/"));
+  check_written(created < 0 ? -1 : 0, name);
+  Handle file(created, H5Fclose, name);
+  const auto is_table = [&](const std::string& place) {
+    const auto at = [&](const auto& t) { return t.path == place; };
     return std::any_of(content.tables.begin(), content.tables.end(), at) ||
            std::any_of(content.labels.begin(), content.labels.end(), at);
   };
-  for (const auto& [path, _] : content.attributes) {
-    if (path == "/" || is_table(path)) continue;
-    const std::string trouble = cannot_be_built(name, path);
+  for (const auto& [place, _] : content.attributes) {
+    if (place == "/" || is_table(place)) continue;
+    const std::string trouble = cannot_be_built(name, place);
     const Handle how(H5Pcreate(H5P_GROUP_CREATE), H5Pclose, trouble);
     check(H5Pset_obj_track_times(how, false), trouble);
-    const Handle group(H5Gcreate2(file, path.c_str(), H5P_DEFAULT, how, H5P_DEFAULT), H5Gclose,
+    const Handle group(H5Gcreate2(file, place.c_str(), H5P_DEFAULT, how, H5P_DEFAULT), H5Gclose,
                        trouble);
   }
-  std::size_t done = 0, all = 0;
-  for (const Table& table : content.tables) all += static_cast<std::size_t>(table.values.size());
-  for (const Table& table : content.tables) {
-    write_table(file, table, cannot_be_built(name, table.path));
-    done += static_cast<std::size_t>(table.values.size());
-    if (progress) progress(done, all);
-  }
+  std::vector<Handle> tables;
+  for (const Table& table : content.tables)
+    tables.push_back(create_table(file, table, content.rows, cannot_be_built(name, table.path)));
   for (const Labels& labels : content.labels)
     write_labels(file, labels, cannot_be_built(name, labels.path));
   attach_scales(file, content, name);
-  for (const auto& [path, attributes] : content.attributes) {
-    const std::string trouble = cannot_be_built(name, path);
-    const Handle object(H5Oopen(file, path.c_str(), H5P_DEFAULT), H5Oclose, trouble);
+  for (const auto& [place, attributes] : content.attributes) {
+    const std::string trouble = cannot_be_built(name, place);
+    const Handle object(H5Oopen(file, place.c_str(), H5P_DEFAULT), H5Oclose, trouble);
     for (const auto& [key, value] : attributes) write_attribute(object, key, value, trouble);
   }
-  return image_of(file, cannot_be_built(name, "/"));
+  for (Eigen::Index first = 0; first < content.rows; first += kChunk) {
+    const std::vector<Matrix> values = next();
+    for (std::size_t i = 0; i < tables.size(); ++i) write_rows(tables[i], first, values[i], name);
+  }
+  check_written(H5Fflush(file, H5F_SCOPE_GLOBAL), name);
+  tables.clear();
+  file.close(name + ": cannot be written");
 }
 
 Reader::Reader(const std::string& name, std::string what)
@@ -333,41 +340,53 @@ hsize_t Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::s
   return layout == H5D_CHUNKED ? chunk[0] : std::max<hsize_t>(1, rows);
 }
 
-Table Reader::table(const std::string& path, Eigen::Index width, Eigen::Index count) const {
+StoredTable Reader::table(const std::string& path, Eigen::Index width, Eigen::Index count) const {
   const std::string damaged = name_ + ": damaged: " + path;
-  const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing");
-  const Handle space(H5Dget_space(set), H5Sclose, damaged);
-  const Handle type(H5Dget_type(set), H5Tclose, damaged);
-  Table table;
+  StoredTable stored(
+      Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing"),
+      damaged);
+  Table& table = stored.table_;
   table.path = path;
-  const int rank = H5Sget_simple_extent_ndims(space);
+  table.width = width;
+  const int rank = H5Sget_simple_extent_ndims(stored.space_);
   hsize_t size[2] = {0, 1};
-  if (rank < 1 || rank > 2 || H5Sget_simple_extent_dims(space, size, nullptr) < 0 ||
+  if (rank < 1 || rank > 2 || H5Sget_simple_extent_dims(stored.space_, size, nullptr) < 0 ||
       size[1] != static_cast<hsize_t>(width) || size[0] > kMostRows)
     throw FileTrouble(damaged + " has the wrong shape");
   if (count >= 0 && static_cast<Eigen::Index>(size[0]) != count)
     throw FileTrouble(damaged + " has " + std::to_string(size[0]) + " rows, not " +
                       std::to_string(count));
   constexpr Table::Stored kinds[] = {Table::exact, Table::single, Table::whole};
-  const auto* const kind = std::find_if(std::begin(kinds), std::end(kinds), [&](auto stored) {
-    return H5Tequal(type, stored_type(stored)) > 0;
+  const auto* const kind = std::find_if(std::begin(kinds), std::end(kinds), [&](auto of) {
+    return H5Tequal(stored.type_, stored_type(of)) > 0;
   });
   if (kind == std::end(kinds)) throw FileTrouble(damaged + " has numbers of another type");
   table.stored = *kind;
   table.flat = rank == 1;
-  const hsize_t rows = expect_room(set, size[0], size[1], path);
-  table.values.resize(static_cast<Eigen::Index>(size[0]), width);
+  stored.rows_ = static_cast<Eigen::Index>(size[0]);
+  stored.chunk_ = static_cast<Eigen::Index>(expect_room(stored.set_, size[0], size[1], path));
+  return stored;
+}
+
+StoredTable::StoredTable(Handle set, const std::string& damaged)
+    : set_(std::move(set)),
+      space_(H5Dget_space(set_), H5Sclose, damaged),
+      type_(H5Dget_type(set_), H5Tclose, damaged),
+      damaged_(damaged) {}
+
+Matrix StoredTable::read(Eigen::Index first, Eigen::Index count) const {
+  Matrix values(count, table_.width);
   // Chunk by chunk, so that damage is found where it is.
-  for (hsize_t from = 0; from < size[0]; from += rows) {
-    const hsize_t start[2] = {from, 0};
-    const hsize_t extent[2] = {std::min(rows, size[0] - from), size[1]};
-    const Handle memory(H5Screate_simple(rank, extent, nullptr), H5Sclose, damaged);
-    check(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, extent, nullptr), damaged);
-    check(H5Dread(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT,
-                  table.values.row(static_cast<Eigen::Index>(from)).data()),
-          damaged + " cannot be read at row " + std::to_string(from));
+  for (Eigen::Index from = first; from < first + count;) {
+    const Eigen::Index rows = std::min(chunk_ - from % chunk_, first + count - from);
+    const std::string damaged = damaged_ + " cannot be read at row " + std::to_string(from);
+    const Handle memory = select_rows(space_, from, rows, table_.width, damaged);
+    check(H5Dread(set_, H5T_NATIVE_DOUBLE, memory, space_, H5P_DEFAULT,
+                  values.row(from - first).data()),
+          damaged);
+    from += rows;
   }
-  return table;
+  return values;
 }
 
 std::vector<std::string> Reader::labels(const std::string& path) const {

@@ -1,6 +1,6 @@
 // HDF5's C library with handles that close themselves and errors that are FileTrouble.
-// Files are built in memory, so that a disk that fills up meets plain writes and not HDF5 half way
-// through a file. HDF5's own messages on stderr are off.
+// To be used in a Child (capture/child.hpp): HDF5 may fail on a file that is damaged, and cannot
+// close one whose disk is full. HDF5's own messages on stderr are off.
 #pragma once
 
 // HDF5 1.12 and later keep the functions of 1.10 under this name.
@@ -31,6 +31,10 @@ class Handle {
     if (id_ >= 0) close_(id_);
   }
   operator hid_t() const noexcept { return id_; }
+  // Where closing may fail.
+  void close(const std::string& what) {
+    if (close_(std::exchange(id_, -1)) < 0) throw FileTrouble(what);
+  }
 
  private:
   hid_t id_;
@@ -39,10 +43,10 @@ class Handle {
 
 using Matrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// One data set.
+// A data set of numbers, which come in blocks of rows.
 struct Table {
   std::string path;
-  Matrix values;
+  Eigen::Index width;
   enum Stored { exact, single, whole } stored = exact;  // float64, float32, int64
   bool flat = false;                                    // (N) and not (N, 1)
   // Of each dimension the path of its scale, a table or labels; none where it has none.
@@ -55,24 +59,46 @@ struct Labels {
   std::vector<std::string> texts;
 };
 
-// All that is in a file. An attribute is a text, a list of texts, a double, or a whole number of 64
-// bits.
+// All that is in a file but the numbers. An attribute is a text, a list of texts, a double, or a
+// whole number of 64 bits.
 struct Content {
   // Of every group and data set, by its path; "/" is the root.
   std::map<std::string, std::map<std::string, Json>> attributes;
+  Eigen::Index rows = 0;      // of every table
   std::vector<Table> tables;  // compressed column by column
   std::vector<Labels> labels;
 };
 
-// The bytes of a file with this content, always the same ones; for any thread, one after another.
-// `name` is that of the file, for messages. `progress` is called with the numbers compressed so
-// far, and all. Throws FileTrouble.
-std::string image(const std::string& name, const Content& content,
-                  const std::function<void(std::size_t, std::size_t)>& progress = {});
+// Rows of one column that are compressed together: the bytes of its numbers side by side compress
+// better than those of whole rows.
+inline constexpr Eigen::Index kChunk = 8192;
+
+// Writes a file to `path`, always the same bytes; `name` is for messages. `next` is asked for the
+// next kChunk rows of every table, in the order of content.tables, until there are all. Throws
+// FileTrouble.
+void write(const std::string& path, const std::string& name, const Content& content,
+           const std::function<std::vector<Matrix>()>& next);
+
+// A table of a file that is being read.
+class StoredTable {
+ public:
+  const Table& table() const noexcept { return table_; }
+  Eigen::Index rows() const noexcept { return rows_; }
+  // Rows [first, first + count). Throws FileTrouble.
+  Matrix read(Eigen::Index first, Eigen::Index count) const;
+
+ private:
+  friend class Reader;
+  StoredTable(Handle set, const std::string& damaged);
+
+  Handle set_, space_, type_;
+  std::string damaged_;
+  Table table_{};
+  Eigen::Index rows_ = 0, chunk_ = 1;
+};
 
 // A file on disk that anybody may have written: everything is checked before it is read, and no
-// size is believed that the file cannot hold. HDF5 itself may still fail on what is damaged: to be
-// used in a Child (capture/child.hpp). Throws FileTrouble, naming what is damaged.
+// size is believed that the file cannot hold. Throws FileTrouble, naming what is damaged.
 class Reader {
  public:
   // `what` the file should be: "an episode".
@@ -85,7 +111,7 @@ class Reader {
   double number(const char* key) const;
   std::uint64_t whole(const char* key) const;
   // A data set of `width` columns and `count` rows, or any number of rows where `count` is -1.
-  Table table(const std::string& path, Eigen::Index width, Eigen::Index count) const;
+  StoredTable table(const std::string& path, Eigen::Index width, Eigen::Index count) const;
   std::vector<std::string> labels(const std::string& path) const;
   // Of every group and data set by its path, the names of its attributes, but for those by which
   // dimensions know their scales.

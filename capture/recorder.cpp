@@ -12,6 +12,7 @@
 #include <cmath>
 #include <cstring>
 #include <filesystem>
+#include <fstream>
 
 #include "sim/base/written_file.hpp"
 
@@ -81,94 +82,123 @@ int lock_journal(const std::string& journal, int flags) {
   return -1;
 }
 
-// What a journal holds.
-struct Journal {
-  Episode episode;
-  std::size_t damaged = 0;  // rows from the first that is damaged on
+// What a journal begins with, and how many rows follow it.
+struct JournalStart {
+  EpisodeInfo info;
+  std::size_t size;  // of its first line [bytes]; 0: it has no end
+  Eigen::Index rows;
 };
+
+JournalStart read_start(const std::string& journal) {
+  std::ifstream in = open_file(journal);
+  std::string line;
+  std::getline(in, line);
+  if (in.eof()) return {{}, 0, 0};
+  JournalStart start{parse_header(line, journal), line.size() + 1, 0};
+  const auto bytes = static_cast<Eigen::Index>(fs::file_size(journal) - start.size);
+  start.rows = bytes / (row_size(start.info) * static_cast<Eigen::Index>(sizeof(double)));
+  return start;
+}
 
 using Numbers = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// How many rows from the start on can be rows of `info`.
-Eigen::Index sound_rows(const EpisodeInfo& info, const Numbers& numbers) {
-  for (Eigen::Index n = 0; n < numbers.rows(); ++n) {
-    const auto row = numbers.row(n);
-    const auto counts = row.tail(row.size() - kRowSize).array();
-    if (!row.allFinite() || row[kTime.begin] != static_cast<double>(n) * info.period ||
-        !(counts == counts.rint() && counts.abs() <= INT32_MAX).all())
-      return n;
-  }
-  return numbers.rows();
+// Rows [first, first + count) of a journal that follow its first line of `start` bytes.
+Numbers read_numbers(const std::string& journal, std::size_t start, Eigen::Index width,
+                     Eigen::Index first, Eigen::Index count) {
+  Numbers numbers(count, width);
+  std::ifstream in = open_file(journal);
+  in.seekg(static_cast<std::streamoff>(start) +
+           first * width * static_cast<std::streamoff>(sizeof(double)));
+  in.read(reinterpret_cast<char*>(numbers.data()),
+          numbers.size() * static_cast<std::streamsize>(sizeof(double)));
+  if (!in) throw FileTrouble(journal + ": cannot be read");
+  return numbers;
 }
 
-// Of the rows that are whole in the `text` of a journal after its header, which ends at `line`.
-Journal parse_journal(const std::string& text, std::size_t line, const std::string& file) {
-  Journal journal;
-  EpisodeInfo& info = journal.episode.info;
-  info = parse_header(text.substr(0, line), file);
-  const Eigen::Index width = row_size(info);
-  const std::size_t rows =
-      (text.size() - line - 1) / (static_cast<std::size_t>(width) * sizeof(double));
-  Numbers numbers(static_cast<Eigen::Index>(rows), width);
-  text.copy(reinterpret_cast<char*>(numbers.data()),
-            static_cast<std::size_t>(numbers.size()) * sizeof(double), line + 1);
-  const Eigen::Index sound = sound_rows(info, numbers);
-  journal.damaged = rows - static_cast<std::size_t>(sound);
-  journal.episode.rows = numbers.topRows(sound).leftCols<kRowSize>();
-  if (width > kRowSize)
-    journal.episode.counts = numbers.topRows(sound).rightCols<kRawAxes>().cast<std::int32_t>();
-  return journal;
+// Of a journal of `claim`, under whatever name it has by then.
+EpisodeRows journal_rows(const EpisodeClaim& claim, const EpisodeInfo& info, std::size_t start,
+                         Eigen::Index rows) {
+  return {info, rows, [&claim, start, width = row_size(info)](auto first, auto count) {
+            const Numbers numbers = read_numbers(claim.journal(), start, width, first, count);
+            EpisodeRows::Part part;
+            part.rows = numbers.leftCols<kRowSize>();
+            if (width > kRowSize)
+              part.counts = numbers.rightCols<kRawAxes>().template cast<std::int32_t>();
+            return part;
+          }};
+}
+
+// How many rows from the start on can be rows of the episode.
+Eigen::Index sound_rows(const std::string& journal, const JournalStart& start) {
+  for (Eigen::Index first = 0; first < start.rows; first += EpisodeRows::kBlock) {
+    const Numbers numbers = read_numbers(journal, start.size, row_size(start.info), first,
+                                         std::min(EpisodeRows::kBlock, start.rows - first));
+    for (Eigen::Index n = 0; n < numbers.rows(); ++n) {
+      const auto row = numbers.row(n);
+      const auto counts = row.tail(row.size() - kRowSize).array();
+      if (!row.allFinite() ||
+          row[kTime.begin] != static_cast<double>(first + n) * start.info.period ||
+          !(counts == counts.rint() && counts.abs() <= INT32_MAX).all())
+        return first + n;
+    }
+  }
+  return start.rows;
 }
 
 // Whether `whole` has all that a journal has.
-bool agrees(const Episode& whole, const Episode& journal) {
-  const Eigen::Index rows = journal.rows.rows();
-  return header(whole.info) == header(journal.info) && whole.rows.rows() >= rows &&
-         whole.rows.topRows(rows) == journal.rows &&
-         whole.counts.topRows(journal.counts.rows()) == journal.counts;
+bool agrees(const EpisodeRows& whole, const EpisodeRows& journal) {
+  if (header(whole.info()) != header(journal.info()) || whole.count() < journal.count())
+    return false;
+  for (Eigen::Index first = 0; first < journal.count(); first += EpisodeRows::kBlock) {
+    const EpisodeRows::Part &there = whole.part_of(first), &here = journal.part_of(first);
+    if (there.rows.topRows(here.rows.rows()) != here.rows ||
+        there.counts.topRows(here.counts.rows()) != here.counts)
+      return false;
+  }
+  return true;
 }
 
 // How the insertion ended, where its rows say so.
-Outcome outcome_of(const Episode& episode, const std::string& file) {
-  const Scene scene = recorded_scene(episode, file);
-  InsertionWatch watch(scene, step_of(episode.rows.row(0)).result.state);
-  for (Eigen::Index n = 0; n < episode.rows.rows(); ++n)
-    if (const auto seen = watch.after(step_of(episode.rows.row(n)).result, nullptr)) return *seen;
+Outcome outcome_of(const EpisodeRows& rows, const std::string& file) {
+  const Scene scene = recorded_scene(rows.info(), file);
+  InsertionWatch watch(scene, step_of(rows.row(0)).result.state);
+  for (Eigen::Index n = 0; n < rows.count(); ++n)
+    if (const auto seen = watch.after(step_of(rows.row(n)).result, nullptr)) return *seen;
   return Outcome::interrupted;
 }
 
 void recover_claimed(EpisodeClaim& claim, Recovered& result) {
-  const std::string text = read_text(claim.journal());
-  if (text.empty()) {
+  const auto size = fs::file_size(claim.journal());
+  if (size == 0) {
     claim.remove();
     result.remark = "is empty: removed";
     return;
   }
-  const auto line = text.find('\n');
-  if (line == std::string::npos) throw FileTrouble("its first line has no end");
-  Journal journal = parse_journal(text, line, claim.journal());
-  const Eigen::Index rows = journal.episode.rows.rows();
-  if (journal.damaged > 0) {
+  JournalStart start = read_start(claim.journal());
+  if (start.size == 0) throw FileTrouble("its first line has no end");
+  const Eigen::Index sound = sound_rows(claim.journal(), start);
+  const auto rows = [&] { return journal_rows(claim, start.info, start.size, sound); };
+  if (sound < start.rows) {
     const std::string kept = claim.journal() + ".damaged";
     fs::copy_file(claim.journal(), kept, fs::copy_options::overwrite_existing);
     result.damaged = true;
-    result.remark = fmt::format("row {} is damaged; the journal is kept as {}", rows, kept);
-  } else if (fs::exists(claim.file()) && agrees(read_episode(claim.file()), journal.episode)) {
+    result.remark = fmt::format("row {} is damaged; the journal is kept as {}", sound, kept);
+  } else if (fs::exists(claim.file()) && agrees(open_episode(claim.file()), rows())) {
     claim.remove();
     result.remark = "was already whole as " + file_name(claim.file()) + ": journal removed";
     return;
   }
-  if (rows == 0) {
-    if (!result.damaged && line + 1 < text.size())
+  if (sound == 0) {
+    if (!result.damaged && start.size < size)
       throw FileTrouble(
-          fmt::format("it ends within its first row, after {} bytes", text.size() - line - 1));
+          fmt::format("it ends within its first row, after {} bytes", size - start.size));
     claim.remove();
     if (!result.damaged) result.remark = "holds no rows: removed";
     return;
   }
-  result.outcome = journal.episode.info.outcome = outcome_of(journal.episode, claim.journal());
-  claim.write(journal.episode);
-  result.rows = static_cast<std::size_t>(rows);
+  result.outcome = start.info.outcome = outcome_of(rows(), claim.journal());
+  claim.write(rows());
+  result.rows = static_cast<std::size_t>(sound);
   result.file = claim.file();
 }
 
@@ -262,12 +292,12 @@ void EpisodeClaim::append(const void* data, std::size_t size) const {
     throw FileTrouble(journal() + ": cannot be written: " + std::strerror(error));
 }
 
-void EpisodeClaim::write(const Episode& episode, const WriteProgress& progress) {
+void EpisodeClaim::write(const EpisodeRows& rows, const WriteProgress& progress) {
   std::error_code error;
   for (;; move_on()) {
     if (fs::exists(file(), error)) continue;
     try {
-      write_episode(file(), episode, progress);
+      write_episode(file(), rows, progress);
       return remove();
     } catch (const FileTrouble&) {
       if (!fs::exists(file(), error)) throw;  // else somebody has just taken the name
@@ -289,48 +319,32 @@ void EpisodeClaim::remove() noexcept {
   ::close(std::exchange(fd_, -1));
 }
 
-Recorder::Recorder(EpisodeClaim claim, const EpisodeInfo& info) : claim_(std::move(claim)) {
-  episode_.info = info;
+Recorder::Recorder(EpisodeClaim claim, const EpisodeInfo& info)
+    : claim_(std::move(claim)), info_(info) {
   const std::string start = header(info);
+  start_ = start.size();
   claim_.append(start.data(), start.size());
 }
 
 void Recorder::add(const RowVector& row, const RawCounts& counts) {
-  rows_.push_back(row);
-  if (!episode_.info.mapping.empty()) counts_.push_back(counts);
+  ++rows_;
+  unwritten_.insert(unwritten_.end(), row.begin(), row.end());
+  if (!info_.mapping.empty()) unwritten_.insert(unwritten_.end(), counts.begin(), counts.end());
   const auto per_flush =
-      static_cast<std::size_t>(std::max(1.0, std::floor(kFlushEvery / episode_.info.period)));
-  if (rows_.size() - flushed_ >= per_flush) flush();
+      static_cast<std::size_t>(std::max(1.0, std::floor(kFlushEvery / info_.period)));
+  if (unwritten_.size() >= per_flush * static_cast<std::size_t>(row_size(info_))) flush();
 }
 
 void Recorder::flush() {
-  const Eigen::Index width = row_size(episode_.info);
-  std::vector<double> numbers;
-  numbers.reserve((rows_.size() - flushed_) * static_cast<std::size_t>(width));
-  for (std::size_t n = flushed_; n < rows_.size(); ++n) {
-    numbers.insert(numbers.end(), rows_[n].begin(), rows_[n].end());
-    if (width > kRowSize) numbers.insert(numbers.end(), counts_[n].begin(), counts_[n].end());
-  }
-  claim_.append(numbers.data(), numbers.size() * sizeof(double));
-  flushed_ = rows_.size();
+  claim_.append(unwritten_.data(), unwritten_.size() * sizeof(double));
+  unwritten_.clear();
 }
 
 std::string Recorder::finish(Outcome outcome, const WriteProgress& progress) {
   flush();
-  episode_.info.outcome = outcome;
-  episode_.rows.resize(static_cast<Eigen::Index>(rows_.size()), Eigen::NoChange);
-  for (std::size_t n = 0; n < rows_.size(); ++n)
-    episode_.rows.row(static_cast<Eigen::Index>(n)) = rows_[n];
-  episode_.counts.resize(static_cast<Eigen::Index>(counts_.size()), Eigen::NoChange);
-  for (std::size_t n = 0; n < counts_.size(); ++n)
-    episode_.counts.row(static_cast<Eigen::Index>(n)) = counts_[n].transpose();
-  claim_.write(episode_, progress);
+  info_.outcome = outcome;
+  claim_.write(journal_rows(claim_, info_, start_, static_cast<Eigen::Index>(rows_)), progress);
   return claim_.file();
-}
-
-void Recorder::rate(int stars) {
-  episode_.info.rating = stars;
-  write_episode_again(claim_.file(), episode_);
 }
 
 void Recorder::discard() noexcept {

@@ -3,7 +3,7 @@
 // The running episode is a journal, FOLDER/episode_NNNN.part: a line of JSON (what is known at the
 // start) and then the rows as they come, flushed to the operating system every 100 ms of recording.
 // Appending to a plain file cannot damage what is in it; an HDF5 file that is killed while it grows
-// can be. When the episode ends, the whole HDF5 file is written beside its name, renamed to
+// can be. When the episode ends, the HDF5 file is made of the journal beside its name, renamed to
 // episode_NNNN.h5, and the journal is removed. A journal that is left behind is an episode that was
 // killed; `recover` makes a file of it up to the last flush.
 #pragma once
@@ -38,9 +38,9 @@ class EpisodeClaim {
 
   // Throws FileTrouble.
   void append(const void* data, std::size_t size) const;
-  // Writes `episode` to `file()`, and removes the journal. Where another has taken that name
+  // Writes an episode to `file()`, and removes the journal. Where another has taken that name
   // meanwhile, the journal moves on to the next free number first. Throws FileTrouble.
-  void write(const Episode& episode, const WriteProgress& progress = {});
+  void write(const EpisodeRows& rows, const WriteProgress& progress = {});
   // Removes the journal.
   void remove() noexcept;
 
@@ -73,25 +73,21 @@ class Recorder {
   void flush();
 
   // What only the end of the episode tells (why, loop, rating) may be added until `finish`.
-  EpisodeInfo& info() noexcept { return episode_.info; }
-  std::size_t rows() const noexcept { return rows_.size(); }
+  EpisodeInfo& info() noexcept { return info_; }
+  std::size_t rows() const noexcept { return rows_; }
 
   // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
   std::string finish(Outcome outcome, const WriteProgress& progress = {});
-  // The episode, and its file written again with another rating (1 to 5); once it is finished.
-  // Throws FileTrouble.
-  const Episode& episode() const noexcept { return episode_; }
   std::string file() const { return claim_.file(); }
-  void rate(int stars);
   // Removes the journal: the episode never was.
   void discard() noexcept;
 
  private:
   EpisodeClaim claim_;
-  Episode episode_;
-  std::vector<RowVector> rows_;
-  std::vector<RawCounts> counts_;
-  std::size_t flushed_ = 0;
+  EpisodeInfo info_;
+  std::size_t start_ = 0;          // of the journal's first line [bytes]
+  std::size_t rows_ = 0;           // so far
+  std::vector<double> unwritten_;  // as in the journal
 };
 
 // Records one insertion from `start` with `device`, as fast as it goes, and past success until the

@@ -13,26 +13,23 @@ namespace {
 // The recorded hand as a device.
 class RecordedHand : public Device {
  public:
-  explicit RecordedHand(const Episode& episode)
-      : rows_(episode.rows), period_(episode.info.period) {
-    if (episode.info.outcome == Outcome::gave_up) gave_up_ = episode.info.why.c_str();
+  explicit RecordedHand(const EpisodeRows& episode) : rows_(episode) {
+    const EpisodeInfo& info = episode.info();
+    if (info.outcome == Outcome::gave_up) gave_up_ = info.why.c_str();
   }
 
   HandSample read(double) override {
     const Eigen::Index n = next_++;
-    if (n < rows_.rows()) return {rows_.row(n).segment<kPose>(kHandPose.begin).transpose(), false};
+    if (n < rows_.count()) return {rows_.row(n).segment<kPose>(kHandPose.begin).transpose(), false};
     // The pose after the last row is not recorded; its command says where it was.
-    const Eigen::Index last = rows_.rows() - 1;
-    return {(rows_.row(last).segment<kPose>(kHandPose.begin) +
-             period_ * rows_.row(last).segment<kPose>(kCommand.begin))
-                .transpose(),
+    const RowVector last = rows_.row(rows_.count() - 1);
+    return {(block(last, kHandPose) + rows_.info().period * block(last, kCommand)).transpose(),
             true, gave_up_};
   }
   void render(const HandWrench&) override {}
 
  private:
-  const Rows& rows_;
-  double period_;
+  const EpisodeRows& rows_;
   const char* gave_up_ = nullptr;  // the operator's decision, and not a result
   Eigen::Index next_ = 0;
 };
@@ -44,22 +41,25 @@ std::string column_name(Eigen::Index column) {
 }
 
 // Of each column the largest number of its unit in its block.
-Eigen::RowVectorXd row_scale(const Rows& rows) {
+Eigen::RowVectorXd row_scale(const EpisodeRows& rows) {
   const std::string contact = " 1 m m m m 1", pose = " m m m rad rad";
   const std::string rates = " m/s m/s m/s rad/s rad/s";
-  Eigen::RowVectorXd scale(kRowSize);
-  for (const Block& b : kBlocks)
-    scale.segment(b.begin, b.width) = largest_by_unit(
-        rows.middleCols(b.begin, b.width),
-        b.begin == kStates.begin
-            ? pose + pose + " s 1 1" + contact + contact + rates + pose + rates + " s J"
-            : b.unit);
+  Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(kRowSize);
+  for (Eigen::Index n = 0; n < rows.count(); n += EpisodeRows::kBlock)
+    for (const Block& b : kBlocks) {
+      const Eigen::RowVectorXd largest = largest_by_unit(
+          rows.part_of(n).rows.middleCols(b.begin, b.width),
+          b.begin == kStates.begin
+              ? pose + pose + " s 1 1" + contact + contact + rates + pose + rates + " s J"
+              : b.unit);
+      scale.segment(b.begin, b.width) = scale.segment(b.begin, b.width).cwiseMax(largest);
+    }
   return scale;
 }
 
 // The recorded insertion again, tick by tick.
-InsertionEnd insert_again(const Scene& scene, const Episode& episode, const OnTick& on_tick) {
-  const EpisodeInfo& info = episode.info;
+InsertionEnd insert_again(const Scene& scene, const EpisodeRows& episode, const OnTick& on_tick) {
+  const EpisodeInfo& info = episode.info();
   RecordedHand hand(episode);
   return run_insertion(scene, draw_start(scene, info.seed, info.trial), hand,
                        ForceSensor(scene.sensor, info.seed, info.trial),
@@ -72,18 +72,22 @@ InsertionEnd insert_again(const Scene& scene, const Episode& episode, const OnTi
 
 }  // namespace
 
-void verify(const Episode& episode, Verification& comparison) {
-  const Scene scene = recorded_scene(episode, "the episode's scene");
-  const Rows& rows = episode.rows;
-  const EpisodeInfo& info = episode.info;
-  const Eigen::RowVectorXd scale = row_scale(rows);
+void verify(const EpisodeRows& episode, Verification& comparison) {
+  const EpisodeInfo& info = episode.info();
+  const Scene scene = recorded_scene(info, "the episode's scene");
+  std::optional<Eigen::RowVectorXd> scales;  // once something differs
+  const auto scale = [&](Eigen::Index column) {
+    if (!scales) scales = row_scale(episode);
+    return (*scales)[column];
+  };
   Eigen::Index n = 0;
   const InsertionEnd end = insert_again(scene, episode, [&](const Tick& tick) {
     RowVector recomputed = make_row(tick);
     // The last command is what the recorded hand was built from, not a result.
-    if (n == rows.rows() - 1)
-      recomputed.segment<kPose>(kCommand.begin) = rows.row(n).segment<kPose>(kCommand.begin);
-    compare_numbers(rows.row(n), recomputed, scale, static_cast<std::size_t>(n), column_name,
+    const RowVector recorded = episode.row(n);
+    if (n == episode.count() - 1)
+      recomputed.segment<kPose>(kCommand.begin) = block(recorded, kCommand);
+    compare_numbers(recorded, recomputed, scale, static_cast<std::size_t>(n), column_name,
                     comparison);
     ++n;
     return !comparison.over();
@@ -92,20 +96,21 @@ void verify(const Episode& episode, Verification& comparison) {
   // Recordings of before called a failure past the success depth their outcome.
   const bool same = end.outcome == info.outcome || info.outcome == Outcome::interrupted ||
                     end.afterwards == info.outcome;
-  if (n != rows.rows() || !same)
+  if (n != episode.count() || !same)
     comparison.add({static_cast<std::size_t>(std::max<Eigen::Index>(0, n - 1)), "outcome",
                     name(info.outcome), name(end.outcome)});
 }
 
-std::optional<Difference> verify(const Episode& episode) {
+std::optional<Difference> verify(const EpisodeRows& episode) {
   Verification comparison;
   verify(episode, comparison);
   return comparison.first;
 }
 
-TracedStep trace_step(const Episode& episode, std::optional<Eigen::Index> at) {
-  const Scene scene = recorded_scene(episode, "the episode's scene");
-  StepResult last(draw_start(scene, episode.info.seed, episode.info.trial)), before;
+TracedStep trace_step(const EpisodeRows& episode, std::optional<Eigen::Index> at) {
+  const EpisodeInfo& info = episode.info();
+  const Scene scene = recorded_scene(info, "the episode's scene");
+  StepResult last(draw_start(scene, info.seed, info.trial)), before;
   Pose command;
   TracedStep traced;
   Eigen::Index row = 0;
@@ -115,7 +120,7 @@ TracedStep trace_step(const Episode& episode, std::optional<Eigen::Index> at) {
       most = tick.result.evaluations;
       before = last;
       command = tick.result.state.command;
-      traced.dt = row == 0 ? 0 : episode.info.period;
+      traced.dt = row == 0 ? 0 : info.period;
     }
     last = tick.result;
     return row++ != at;

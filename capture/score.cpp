@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <numbers>
 #include <unsupported/Eigen/FFT>
+#include <utility>
+#include <vector>
 
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
@@ -46,23 +50,63 @@ bool about_contact(std::size_t part) {
          part == static_cast<std::size_t>(Part::contact_time);
 }
 
-// Where movements begin: rows.
-std::vector<Eigen::Index> movement_begins(const Eigen::VectorXd& velocity, double limit,
-                                          double period) {
-  const auto width = std::max<Eigen::Index>(1, std::lround(kAverage / period));
-  std::vector<Eigen::Index> begins;
-  int direction = 0;
-  double sum = 0;
-  for (Eigen::Index n = 0; n < velocity.size(); ++n) {
-    sum += velocity[n] - (n >= width ? velocity[n - width] : 0.0);
-    const double v = sum / static_cast<double>(width);
-    if (direction != 0 && v * direction < kEnds * limit) direction = 0;
-    if (direction == 0 && std::abs(v) > kBegins * limit) {
-      direction = v > 0 ? 1 : -1;
-      begins.push_back(n);
-    }
+// Sees where movements begin (capture/score.hpp).
+class MovementWatch {
+ public:
+  MovementWatch(double limit, double period)
+      : limit_(limit), window_(std::max<std::size_t>(1, std::lround(kAverage / period)), 0.0) {}
+
+  // Whether one begins with the next velocity.
+  bool begins(double velocity) {
+    double& oldest = window_[seen_++ % window_.size()];
+    sum_ += velocity - std::exchange(oldest, velocity);
+    const double v = sum_ / static_cast<double>(window_.size());
+    if (direction_ != 0 && v * direction_ < kEnds * limit_) direction_ = 0;
+    if (direction_ != 0 || !(std::abs(v) > kBegins * limit_)) return false;
+    direction_ = v > 0 ? 1 : -1;
+    return true;
   }
-  return begins;
+
+ private:
+  double limit_, sum_ = 0;
+  std::vector<double> window_;
+  std::size_t seen_ = 0;
+  int direction_ = 0;
+};
+
+using Spectrum = std::vector<std::complex<double>>;
+
+// The first `count` numbers of the spectrum of `speed`, padded to kPadding times the next power of
+// two. Of every kPadding-th number from one on, and of every so many samples from one on, there is
+// a transform of its own, so that a long recording takes no more memory than these numbers:
+//   X[k] = sum over r of exp(-2 pi i r k / (P N)) X_r[k],  X_r[P q + s] =
+//   sum over m of (x[m D + r] exp(-2 pi i s m D / (P N))) exp(-2 pi i q m D / N)
+// with N the padded length over P = kPadding, and D the samples, so few that the frequency at which
+// X_r repeats is above the cut-off.
+Spectrum begin_of_spectrum(const Eigen::Ref<const Eigen::VectorXd>& speed, double period,
+                           std::size_t count) {
+  const auto size = static_cast<std::size_t>(speed.size());
+  const std::size_t n = std::bit_ceil(size);
+  const std::size_t repeats = std::max<std::size_t>(1, std::size_t(1 / (kCutOff * period)));
+  const std::size_t every = std::min(n, std::bit_floor(repeats)), length = n / every;
+  const auto turn = [](std::size_t part, std::size_t whole) {
+    return std::polar(1.0, -2 * std::numbers::pi * double(part % whole) / double(whole));
+  };
+  Eigen::FFT<double> fft;
+  Spectrum all(count), samples(length), transformed;
+  for (std::size_t s = 0; s < kPadding; ++s)
+    for (std::size_t r = 0; r < every; ++r) {
+      for (std::size_t m = 0; m < length; ++m) {
+        const std::size_t at = m * every + r;
+        samples[m] =
+            at < size ? speed[static_cast<Eigen::Index>(at)] * turn(s * m, kPadding * length) : 0.0;
+      }
+      transformed = samples;  // of a single number
+      if (length > 1) fft.fwd(transformed, samples);
+      for (std::size_t k = s; k < count; k += kPadding)
+        all[k] += turn(r * k, kPadding * n) * transformed[k / kPadding];
+    }
+  return all;
 }
 
 // What a hand did in a phase that cost most of a part, and what it should do instead.
@@ -90,91 +134,118 @@ std::string advice(const Measures& m, Part part, std::size_t phase) {
 
 }  // namespace
 
-double spectral_arc_length(const Eigen::VectorXd& speed, double period) {
+double spectral_arc_length(const Eigen::Ref<const Eigen::VectorXd>& speed, double period) {
   const auto size = static_cast<std::size_t>(speed.size());
   if (size == 0 || !(speed.cwiseAbs().maxCoeff() > 0)) return 0;
   const std::size_t padded = kPadding * std::bit_ceil(size);
-  std::vector<double> profile(padded, 0.0);
-  std::copy(speed.begin(), speed.end(), profile.begin());
-  std::vector<std::complex<double>> spectrum;
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  fft.fwd(spectrum, profile);
   const double step = 1 / (static_cast<double>(padded) * period);  // [Hz]
   const auto in_band = static_cast<std::size_t>(std::floor(kCutOff / step)) + 1;
-  std::vector<double> height(std::min(in_band, spectrum.size()));
-  for (std::size_t i = 0; i < height.size(); ++i)
-    height[i] = std::abs(spectrum[i]) / std::abs(spectrum[0]);
-  std::size_t last = height.size() - 1;
-  while (last > 0 && height[last] < kThreshold) --last;
+  const Spectrum spectrum = begin_of_spectrum(speed, period, std::min(in_band, padded / 2 + 1));
+  const auto height = [&](std::size_t i) { return std::abs(spectrum[i]) / std::abs(spectrum[0]); };
+  std::size_t last = spectrum.size() - 1;
+  while (last > 0 && height(last) < kThreshold) --last;
   double length = 0;
   for (std::size_t i = 0; i < last; ++i)
-    length += std::hypot(1 / static_cast<double>(last), height[i + 1] - height[i]);
+    length += std::hypot(1 / static_cast<double>(last), height(i + 1) - height(i));
   return -length;
 }
 
 int movements(const Eigen::VectorXd& velocity, double limit, double period) {
-  return static_cast<int>(movement_begins(velocity, limit, period).size());
+  MovementWatch watch(limit, period);
+  return static_cast<int>(
+      std::count_if(velocity.begin(), velocity.end(), [&](double v) { return watch.begins(v); }));
 }
 
-Measures measure(const Episode& episode, const Scene& scene) {
-  const Rows& rows = episode.rows;
-  const double period = episode.info.period;
-  InsertionWatch watch(scene, step_of(rows.row(0)).result.state);
-  PhaseWatch phases;
-  Measures m{};
-  m.clearance = scene.world.annulus.clearance();
-  const auto at = [&m](Part part, Phase phase) -> double& {
-    return m.by_phase[static_cast<std::size_t>(part)][place(phase)];
-  };
-  double depth = 0, contact = 0, force = 0, deepest = rows(0, kStates.begin), work = 0;
-  std::vector<Phase> phase_of;
-  Eigen::Index arrived = rows.rows();  // rows until the goal
-  for (Eigen::Index n = 0; n < rows.rows(); ++n) {
-    const auto [result, forces] = step_of(rows.row(n));
-    const std::optional<Outcome> seen = watch.after(result, &forces[Term::friction]);
-    // The row that reaches the goal is on the way to it.
-    const bool arrives = watch.summary().reached == result.state.time;
-    if (arrives) arrived = n + 1;
-    const Phase phase =
-        phase_of.emplace_back(phases.after(result.state, arrives ? std::nullopt : seen));
-    depth = std::max(depth, watch.summary().depth);
-    deepest = std::min(deepest, result.state.tip[0]);
-    const double now = holder_force(scene.world, result.holder).norm();
-    if (now > at(Part::peak_force, phase)) {
-      at(Part::peak_force, phase) = now;
-      m.off_axis[place(phase)] = way_to_axis(scene.world, result.state).norm();
-    }
-    at(Part::friction_work, phase) += watch.summary().friction_work - work;
-    work = watch.summary().friction_work;
-    if (watch.summary().reached < 0) at(Part::time, phase) += period;
-    const bool touches = result.state.contact[kEnd].closed || result.state.contact[kSide].closed;
-    if (!touches) continue;
-    at(Part::contact_time, phase) += period;
-    at(Part::mean_force, phase) += period * now;
-    contact += period;
-    force += period * now;
+namespace {
+
+// Measures an insertion as its rows come; of each it keeps the speed alone.
+class MeasuredInsertion {
+ public:
+  MeasuredInsertion(const Scene& scene, double period)
+      : scene_(scene),
+        period_(period),
+        movement_(scene_scaling(scene).motion * scene.limits.speed, period) {
+    m_.clearance = scene.world.annulus.clearance();
   }
-  const double motion = scene_scaling(scene).motion;
-  const Eigen::VectorXd speed =
-      rows.topRows(arrived).middleCols<3>(kCommand.begin).rowwise().norm();
-  const auto begins =
-      movement_begins(rows.col(kCommand.begin), motion * scene.limits.speed, period);
-  for (std::size_t i = 1; i < begins.size(); ++i)
-    ++at(Part::corrections, phase_of[static_cast<std::size_t>(begins[i])]);
-  const InsertionSummary& summary = watch.summary();
-  m.parts = {summary.task_time(),
-             summary.peak_force,
-             contact > 0 ? force / contact : 0,
-             summary.friction_work,
-             -spectral_arc_length(speed, period),
-             begins.empty() ? 0.0 : static_cast<double>(begins.size() - 1),
-             contact};
-  m.outcome = episode.info.outcome;
-  m.completion = std::min(1.0, depth / scene.success.depth);
-  const double from = rows(0, kStates.begin);
-  m.progress = std::clamp((from - deepest) / (from + scene.success.depth), 0.0, 1.0);
-  return m;
+
+  void add(const RowVector& row);
+  Measures result(Outcome outcome);
+
+ private:
+  double& at(Part part, Phase phase) {
+    return m_.by_phase[static_cast<std::size_t>(part)][place(phase)];
+  }
+  void add_force(const StepResult& result, Phase phase);
+
+  const Scene& scene_;
+  double period_;
+  std::optional<InsertionWatch> watch_;  // from the first row on
+  PhaseWatch phases_;
+  MovementWatch movement_;
+  Measures m_{};
+  double start_ = 0, deepest_ = 0, depth_ = 0, contact_ = 0, impulse_ = 0, work_ = 0;
+  int moved_ = 0;
+  std::vector<double> speed_;  // until the goal
+};
+
+void MeasuredInsertion::add(const RowVector& row) {
+  const auto [result, forces] = step_of(row);
+  if (!watch_) {
+    watch_.emplace(scene_, result.state);
+    start_ = deepest_ = result.state.tip[0];
+  }
+  const bool before = watch_->summary().reached < 0;
+  if (before) speed_.push_back(row.segment<3>(kCommand.begin).norm());
+  const std::optional<Outcome> seen = watch_->after(result, &forces[Term::friction]);
+  const InsertionSummary& summary = watch_->summary();
+  // The row that reaches the goal is on the way to it.
+  const bool arrives = summary.reached == result.state.time;
+  const Phase phase = phases_.after(result.state, arrives ? std::nullopt : seen);
+  if (movement_.begins(row[kCommand.begin]) && moved_++ > 0) ++at(Part::corrections, phase);
+  depth_ = std::max(depth_, summary.depth);
+  deepest_ = std::min(deepest_, result.state.tip[0]);
+  at(Part::friction_work, phase) += summary.friction_work - work_;
+  work_ = summary.friction_work;
+  if (summary.reached < 0) at(Part::time, phase) += period_;
+  add_force(result, phase);
+}
+
+void MeasuredInsertion::add_force(const StepResult& result, Phase phase) {
+  const double now = holder_force(scene_.world, result.holder).norm();
+  if (now > at(Part::peak_force, phase)) {
+    at(Part::peak_force, phase) = now;
+    m_.off_axis[place(phase)] = way_to_axis(scene_.world, result.state).norm();
+  }
+  if (!result.state.contact[kEnd].closed && !result.state.contact[kSide].closed) return;
+  at(Part::contact_time, phase) += period_;
+  at(Part::mean_force, phase) += period_ * now;
+  contact_ += period_;
+  impulse_ += period_ * now;
+}
+
+Measures MeasuredInsertion::result(Outcome outcome) {
+  const InsertionSummary& summary = watch_->summary();
+  const Eigen::Map<const Eigen::VectorXd> speed(speed_.data(),
+                                                static_cast<Eigen::Index>(speed_.size()));
+  m_.parts = {summary.task_time(),
+              summary.peak_force,
+              contact_ > 0 ? impulse_ / contact_ : 0,
+              summary.friction_work,
+              -spectral_arc_length(speed, period_),
+              std::max(0.0, moved_ - 1.0),
+              contact_};
+  m_.outcome = outcome;
+  m_.completion = std::min(1.0, depth_ / scene_.success.depth);
+  m_.progress = std::clamp((start_ - deepest_) / (start_ + scene_.success.depth), 0.0, 1.0);
+  return m_;
+}
+
+}  // namespace
+
+Measures measure(const EpisodeRows& episode, const Scene& scene) {
+  MeasuredInsertion measured(scene, episode.info().period);
+  for (Eigen::Index n = 0; n < episode.count(); ++n) measured.add(episode.row(n));
+  return measured.result(episode.info().outcome);
 }
 
 std::optional<Yardstick> yardstick(const Scene& scene) {
@@ -183,23 +254,18 @@ std::optional<Yardstick> yardstick(const Scene& scene) {
   for (int trial = 1; trial <= kReferences; ++trial) {
     const FeasibleTrial drawn = feasible_trial(scene, kSeed, static_cast<std::uint64_t>(trial));
     const State start = draw_start(*drawn.scene, kSeed, drawn.trial);
-    Episode episode;
-    const auto hand =
-        simulated_operator(*drawn.scene, start, 1, episode.info.period, kSeed, drawn.trial);
-    std::vector<RowVector> rows;
+    const double period = EpisodeInfo().period;
+    const auto hand = simulated_operator(*drawn.scene, start, 1, period, kSeed, drawn.trial);
+    MeasuredInsertion measured(*drawn.scene, period);
     const InsertionEnd end = run_insertion(
         *drawn.scene, start, *hand, ForceSensor(drawn.scene->sensor, kSeed, drawn.trial),
-        {.scaling = scene_scaling(scene), .period = episode.info.period, .past_success = true},
+        {.scaling = scene_scaling(scene), .period = period, .past_success = true},
         [&](const Tick& tick) {
-          rows.push_back(make_row(tick));
+          measured.add(make_row(tick));
           return true;
         });
     if (end.outcome != Outcome::inserted) continue;
-    episode.info.outcome = end.outcome;
-    episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
-    for (std::size_t n = 0; n < rows.size(); ++n)
-      episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
-    const Measures m = measure(episode, *drawn.scene);
+    const Measures m = measured.result(end.outcome);
     for (std::size_t part = 0; part < kParts; ++part) all[part].push_back(m.parts[part]);
   }
   if (all[0].empty()) return std::nullopt;

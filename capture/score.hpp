@@ -45,7 +45,7 @@ struct Measures {
 };
 
 // Of an episode recorded in `scene`.
-Measures measure(const Episode& episode, const Scene& scene);
+Measures measure(const EpisodeRows& episode, const Scene& scene);
 
 // Spectral arc length SPARC of a speed profile sampled every `period` [s] (Balasubramanian,
 // Melendez-Calderon, Roby-Brami and Burdet 2015, "On the analysis of movement smoothness"):
@@ -56,7 +56,7 @@ Measures measure(const Episode& episode, const Scene& scene);
 // decides whether a hand's tremor counts; with 20 Hz all of it counts where it is above the
 // threshold. The result is < 0, or 0 where nothing moves. It does not depend on the profile's
 // amplitude, nor on its duration while the spectrum stays below 20 Hz.
-double spectral_arc_length(const Eigen::VectorXd& speed, double period);
+double spectral_arc_length(const Eigen::Ref<const Eigen::VectorXd>& speed, double period);
 
 // Movements of an axial velocity [m/s] sampled every `period` [s]: averaged over 0.2 s, which takes
 // tremor out; one begins when the speed exceeds a fifth of `limit` [m/s] and ends when it falls

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "insertion/scene_scaling.hpp"
 #include "sim/base/content_hash.hpp"
@@ -10,23 +11,35 @@
 
 namespace ferrule {
 
-Demonstration demonstration(const Episode& episode, const Scene& scene, const std::string& file) {
-  const Rows& rows = episode.rows;
+Eigen::Index rows_per_step(double period) noexcept {
+  return std::max<Eigen::Index>(1, std::lround(kStep / period));
+}
+
+Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
+                            const std::string& file) {
+  const EpisodeInfo& info = episode.info();
+  const Eigen::Index stride = rows_per_step(info.period);
   Demonstration d;
   d.file = file;
-  d.operator_ = episode.info.operator_;
-  d.seed = episode.info.seed;
-  d.trial = episode.info.trial;
-  d.outcome = episode.info.outcome;
-  d.period = episode.info.period;
+  d.operator_ = info.operator_;
+  d.seed = info.seed;
+  d.trial = info.trial;
+  d.outcome = info.outcome;
+  d.period = static_cast<double>(stride) * info.period;
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
-  const auto wrench = sensed_wrench(episode, scene).relative;
-  d.velocity = rows.middleCols<3>(kCommand.begin);
+  const Eigen::Index rows = (episode.count() + stride - 1) / stride;
+  d.velocity.resize(rows, Eigen::NoChange);
+  d.observations.reserve(static_cast<std::size_t>(rows));
+  RecordedSensor sensor(info, scene);
   const double entrance = registered_entrance(scene);
-  for (Eigen::Index n = 0; n < rows.rows(); ++n)
-    d.observations.push_back({wrench.row(n).transpose(),
-                              std::max(0.0, entrance - rows(n, kHandPose.begin)),
-                              rows(n, kTime.begin)});
+  for (Eigen::Index n = 0; n < episode.count(); ++n) {
+    const RowVector row = episode.row(n);
+    sensor.read(row);
+    if (n % stride != 0) continue;
+    d.velocity.row(n / stride) = row.segment<3>(kCommand.begin);
+    d.observations.push_back(
+        {sensor.relative(), std::max(0.0, entrance - row[kHandPose.begin]), row[kTime.begin]});
+  }
   return d;
 }
 
@@ -40,9 +53,9 @@ bool add_new(std::vector<Json>& documents, const Json& document) {
 
 }  // namespace
 
-void DemonstrationSet::add(const Episode& episode, const std::string& file,
+void DemonstrationSet::add(const EpisodeRows& episode, const std::string& file,
                            const std::string& hash) {
-  const Scene scene = recorded_scene(episode, file);
+  const Scene scene = recorded_scene(episode.info(), file);
   const Scaling its = scene_scaling(scene);
   if (!scaling) {
     scaling = its;
@@ -59,8 +72,8 @@ void DemonstrationSet::add(const Episode& episode, const std::string& file,
   speed_scale = std::max(speed_scale, its.motion * scene.limits.speed);
   speed_limit = std::max(speed_limit, scene.limits.speed);
   force_limit = std::min(force_limit, scene.limits.force);
-  operators.push_back(episode.info.operator_);
-  if (episode.info.outcome != Outcome::inserted) {
+  operators.push_back(episode.info().operator_);
+  if (episode.info().outcome != Outcome::inserted) {
     ++unsuccessful;
     return;
   }
@@ -80,7 +93,7 @@ DemonstrationSet load_demonstrations(
   std::size_t read = 0;
   for (const std::string& file : files) {
     if (progress) progress(read++, files.size());
-    set.add(read_episode(file), file, sha1(read_text(file)));
+    set.add(open_episode(file), file, sha1_of_file(file));
   }
   return set;
 }

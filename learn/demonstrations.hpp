@@ -12,7 +12,11 @@
 
 namespace ferrule {
 
-// One demonstration, all rows of it.
+inline constexpr double kStep = 0.01;  // between the rows that are learned from [s]
+// Every how manieth row that is, of those `period` [s] apart.
+Eigen::Index rows_per_step(double period) noexcept;
+
+// One demonstration, in rows of kStep.
 struct Demonstration {
   std::string file, sha1;  // and the hash of its bytes
   std::string operator_;
@@ -43,11 +47,12 @@ struct DemonstrationSet {
   std::vector<std::string> operators{};  // of all episodes, the unsuccessful ones too
 
   // Throws BadInput where the episode was recorded with another scaling than those before.
-  void add(const Episode& episode, const std::string& file, const std::string& hash);
+  void add(const EpisodeRows& episode, const std::string& file, const std::string& hash);
 };
 
 // From the row layout of one episode.
-Demonstration demonstration(const Episode& episode, const Scene& scene, const std::string& file);
+Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
+                            const std::string& file);
 
 // All episodes of a folder. Throws FileTrouble, and BadInput if they were recorded with different
 // scalings. `progress` is called with the number of episodes read, and of all; what it throws ends

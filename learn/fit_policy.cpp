@@ -37,7 +37,7 @@ RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy
   RawRows rows{Eigen::MatrixXd(policy.inputs(), most), Eigen::MatrixXd(kVelocity, most)};
   Eigen::Index count = 0;
   for (const Demonstration* d : set) {
-    const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d->period));
+    const Eigen::Index stride = rows_per_step(d->period);
     const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d->period));
     const auto spacing =
         static_cast<Eigen::Index>(std::lround(policy.spacing * policy.period / d->period));

@@ -22,8 +22,10 @@ Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, do
   traits.delay = reaction;
   Trainee trainee(traits, trainee_task(scene, start, policy.period, seed, trial),
                   [] { return 0.5; });
+  const Eigen::Index stride = rows_per_step(policy.period);
+  Eigen::Index n = 0;
   Demonstration d;
-  d.period = policy.period;
+  d.period = static_cast<double>(stride) * policy.period;
   d.speed_limit = scaling.motion * scene.limits.speed;
   std::vector<Eigen::Vector3d> answers;
   d.outcome =
@@ -31,15 +33,17 @@ Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, do
           scene, start, hand, ForceSensor(scene.sensor, seed, trial),
           {.scaling = scaling, .period = policy.period, .past_success = true},
           [&](const Tick& tick) {
+            const HandTwist answer = trainee.answer(tick.time, tick.hand, tick.relative);
+            if (n++ % stride != 0) return true;
             d.observations.push_back(
                 {tick.relative, hand_depth(tick.hand, registered_entrance(scene)), tick.time});
-            answers.push_back(trainee.answer(tick.time, tick.hand, tick.relative).head<3>());
+            answers.push_back(answer.head<3>());
             return true;
           })
           .outcome;
   d.velocity.resize(static_cast<Eigen::Index>(answers.size()), Eigen::NoChange);
-  for (std::size_t n = 0; n < answers.size(); ++n)
-    d.velocity.row(static_cast<Eigen::Index>(n)) = answers[n].transpose();
+  for (std::size_t i = 0; i < answers.size(); ++i)
+    d.velocity.row(static_cast<Eigen::Index>(i)) = answers[i].transpose();
   return d;
 }
 

@@ -20,7 +20,7 @@ Eigen::Index stride(const Recording& r) {
 }  // namespace
 
 Recording recording(const Episode& episode, const std::string& file) {
-  const Scaling scaling = scene_scaling(recorded_scene(episode, file));
+  const Scaling scaling = scene_scaling(recorded_scene(episode.info, file));
   Recording r{file, episode.info.period, episode.rows.middleCols<kPose>(kHandPose.begin),
               episode.rows.middleCols<kPose>(kHolder.begin)};
   for (Eigen::Index n = 0; n < r.hand.rows(); ++n)

@@ -47,7 +47,7 @@ bool cut_to_limit(const Demonstration& d, Eigen::Index n) noexcept {
 }
 
 Samples samples(const Demonstration& d, double reaction) {
-  const auto stride = std::max<Eigen::Index>(1, std::lround(kStep / d.period));
+  const Eigen::Index stride = rows_per_step(d.period);
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d.period));
   Samples all;
   for (Eigen::Index n = 0; n < d.rows(); n += stride) {

@@ -8,7 +8,6 @@
 
 namespace ferrule {
 
-inline constexpr double kStep = 0.01;            // between rows used [s]
 inline constexpr std::size_t kFewestRows = 300;  // that a fit needs
 
 // What was observed, the wrench of one reaction time before, and the velocity that answers it.

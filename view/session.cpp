@@ -320,14 +320,14 @@ void Session::start_try(bool (*stopped)() noexcept) {
   const std::string file = recorder.finish(timed.end.outcome);
   Json ended = ended_json(now, timed, info.period);
   ended["file"] = file_name(file);
-  const Measures measures = measure(recorder.episode(), scene);
+  const Measures measures = measure(open_episode(file), scene);
   measure_yardstick();
   if (yardstick_) {
     const Score scored = score(measures, *yardstick_);
     ended["score"] = score_json(scored);
     ended["hint"] = hint(measures, scored);
   }
-  list(recorder.episode(), file, scene);
+  list(recorder.info(), measures, file, scene);
   ended["what"] = "try";
   say("ended", ended);
   say_episodes();

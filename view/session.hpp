@@ -100,7 +100,8 @@ class Session {
   void rate(int stars);
   void discard_last();
   void read_one_more();
-  void list(const Episode& episode, const std::string& file, const Scene& scene);
+  void list(const EpisodeInfo& info, const Measures& m, const std::string& file,
+            const Scene& scene);
   Json ended_json(const Insertion& insertion, const TimedEpisode& timed, double period) const;
 
   void show_at_rest(const Insertion& insertion);

@@ -26,7 +26,7 @@ std::string free_controller(const std::string& folder) {
 
 void Session::rate(int stars) {
   if (!kept_) throw BadInput("there is no try to rate");
-  kept_->rate(stars);
+  rate_episode(kept_->file(), stars);
   const std::string& file = kept_->file();
   {
     const std::lock_guard lock(mutex_);
@@ -96,17 +96,17 @@ void Session::read_one_more() {
   const std::string file = unread_.front();
   unread_.pop_front();
   try {
-    const Episode episode = read_episode(file);
-    list(episode, file, recorded_scene(episode, file));
+    const EpisodeRows episode = open_episode(file);
+    const Scene scene = recorded_scene(episode.info(), file);
+    list(episode.info(), measure(episode, scene), file, scene);
   } catch (const std::exception& error) {  // is not ours to mend
     complain(error.what());
   }
   say_episodes();
 }
 
-void Session::list(const Episode& episode, const std::string& file, const Scene& scene) {
-  const EpisodeInfo& info = episode.info;
-  const Measures m = measure(episode, scene);
+void Session::list(const EpisodeInfo& info, const Measures& m, const std::string& file,
+                   const Scene& scene) {
   const bool same = undrawn(scene.document) == undrawn(settings_.scene.document);
   Json json = {{"file", file_name(file)},
                {"outcome", name(info.outcome)},

@@ -12,7 +12,7 @@ struct ReadEpisode {
   explicit ReadEpisode(const std::string& file) {
     const nb::gil_scoped_release release;
     episode = read_episode(file);
-    const Scene scene = recorded_scene(episode, file);
+    const Scene scene = recorded_scene(episode.info, file);
     sensed = sensed_wrench(episode, scene);
     const double entrance = registered_entrance(scene);
     depth = (entrance - episode.rows.col(kHandPose.begin).array()).max(0.0);

@@ -20,14 +20,17 @@
 namespace ferrule {
 namespace {
 
-// Those from `from` on, but for `keep`, which is sorted.
+// Those from `from` on, but for `keep`, which is sorted. The usual ones one by one: what stands
+// between a program and the kernel (a simulated device of a test) follows close(), not more.
 void close_files(unsigned from, const std::vector<int>& keep) noexcept {
-  for (const int fd : keep) {
-    const auto kept = static_cast<unsigned>(fd);
-    if (kept > from) ::close_range(from, kept - 1, 0);
-    from = std::max(from, kept + 1);
-  }
-  ::close_range(from, ~0U, 0);
+  constexpr unsigned kUsual = 256;
+  const auto close_until = [&](unsigned end) {
+    for (; from < std::min(end, kUsual); ++from) ::close(static_cast<int>(from));
+    if (from < end) ::close_range(from, end - 1, 0);
+    from = std::max(from, end + 1);
+  };
+  for (const int fd : keep) close_until(static_cast<unsigned>(fd));
+  close_until(~0U);
 }
 
 void forget_signals() noexcept {

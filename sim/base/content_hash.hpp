@@ -2,11 +2,28 @@
 // someone who wants to deceive.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <string>
 
 namespace ferrule {
 
-// SHA-1 as 40 hexadecimal digits, as sha1sum prints it.
+// SHA-1 of bytes that come in pieces.
+class Sha1 {
+ public:
+  Sha1();
+  ~Sha1();
+  void add(const void* bytes, std::size_t size);
+  // 40 hexadecimal digits, as sha1sum prints them. The last call.
+  std::string text();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
 std::string sha1(const std::string& bytes);
+// Of a file, a piece of which is in memory at a time. Throws FileTrouble as read_text.
+std::string sha1_of_file(const std::string& file);
 
 }  // namespace ferrule

@@ -113,7 +113,7 @@ Json parse_json(const std::string& text, const std::string& file) {
   }
 }
 
-std::string read_text(const std::string& file) {
+std::ifstream open_file(const std::string& file) {
   std::error_code error;  // says no more than opening it will
   const std::filesystem::file_status there = std::filesystem::status(file, error);
   if (std::filesystem::is_directory(there)) throw FileTrouble(file + ": is a directory");
@@ -121,6 +121,11 @@ std::string read_text(const std::string& file) {
     throw FileTrouble(file + ": is a device or a pipe, not a file");  // some never end
   std::ifstream in(file, std::ios::binary);
   if (!in) throw FileTrouble(file + ": cannot be read: " + std::strerror(errno));
+  return in;
+}
+
+std::string read_text(const std::string& file) {
+  const std::ifstream in = open_file(file);
   std::ostringstream text;
   text << in.rdbuf();
   if (in.bad() || text.bad()) throw FileTrouble(file + ": cannot be read");

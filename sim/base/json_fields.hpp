@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
@@ -25,6 +26,7 @@ Json::json_pointer pointer_to(const std::string& dotted_key);
 Json number_or_null(double x);
 // Throws FileTrouble if the file cannot be read.
 std::string read_text(const std::string& file);
+std::ifstream open_file(const std::string& file);
 // Writes beside `file` and renames when whole; a link is followed, a device or pipe written to.
 // With `replace` false an existing file is left alone. Throws FileTrouble.
 void write_text(const std::string& file, const std::string& text, bool replace = true);

@@ -45,8 +45,7 @@ int open_beside(std::string& beside, const std::string& file) {
 
 }  // namespace
 
-WrittenFile::WrittenFile(const std::string& name, std::string text)
-    : name_(name), text_(std::move(text)), file_(name) {
+WrittenFile::WrittenFile(const std::string& name) : name_(name), file_(name) {
   std::error_code ignored;
   if (fs::is_directory(name, ignored)) throw FileTrouble(name + ": is a directory");
   if (to_be_written_at_once(name)) return;
@@ -61,12 +60,25 @@ WrittenFile::WrittenFile(const std::string& name, std::string text)
   const mode_t mask = ::umask(0);
   ::umask(mask);
   ::fchmod(fd_, 0666 & ~mask);
-  int error = write_all(fd_, text_.data(), text_.size());
-  if (!error && ::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) error = errno;
-  if (!error) return;
-  ::unlink(beside_.c_str());
-  ::close(fd_);
-  cannot_write(name, error);
+}
+
+WrittenFile::WrittenFile(const std::string& name, std::string text) : WrittenFile(name) {
+  text_ = std::move(text);
+  if (fd_ < 0) return;
+  if (const int error = write_all(fd_, text_.data(), text_.size())) cannot_write(name, error);
+  keep();
+}
+
+WrittenFile::WrittenFile(const std::string& name,
+                         const std::function<void(const std::string& path)>& write)
+    : WrittenFile(name) {
+  if (fd_ < 0) throw FileTrouble(name + ": is a device or a pipe, not a file");
+  write(beside_);
+  keep();
+}
+
+void WrittenFile::keep() {
+  if (::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) cannot_write(name_, errno);
 }
 
 WrittenFile::~WrittenFile() {

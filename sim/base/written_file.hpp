@@ -11,6 +11,8 @@ class WrittenFile {
   // Writes `text` beside `name`; a link is followed. Also removes what killed runs left there
   // half-written. Throws FileTrouble.
   WrittenFile(const std::string& name, std::string text);
+  // The same where `write` fills the file whose path it is given; what it throws is thrown on.
+  WrittenFile(const std::string& name, const std::function<void(const std::string& path)>& write);
   WrittenFile(const WrittenFile&) = delete;
   WrittenFile& operator=(const WrittenFile&) = delete;
   // Removes what has not got its name.
@@ -21,6 +23,11 @@ class WrittenFile {
   void commit(bool replace = true);
 
  private:
+  // Open and empty, unless it is a device or a pipe.
+  explicit WrittenFile(const std::string& name);
+  // On the disk.
+  void keep();
+
   std::string name_, text_, file_, beside_;
   int fd_ = -1;  // locked while it is being written
 };

@@ -1,5 +1,6 @@
 #include "capture/score.hpp"
 
+#include <complex>
 #include <numeric>
 
 #include "controller/statistics.hpp"
@@ -41,6 +42,40 @@ TEST(Smoothness, OfAGaussianAndOfMinimumJerkIsThatOfTheirSpectra) {
       profile(2, 1e-3, [](double t) { return std::exp(-0.5 * std::pow((t - 1) / 0.1, 2)); });
   EXPECT_CLOSE(spectral_arc_length(long_after(gauss), 1e-3), -1.41645829, 5e-4);
   EXPECT_CLOSE(spectral_arc_length(long_after(minimum_jerk(1)), 1e-3), -1.40816574, 5e-4);
+}
+
+// The definition in the header, number by number.
+double arc_length_by_definition(const Eigen::VectorXd& v, double period) {
+  std::size_t padded = 16;
+  while (padded < 16 * static_cast<std::size_t>(v.size())) padded *= 2;
+  const auto height = [&](std::size_t k) {
+    std::complex<double> sum = 0;
+    for (Eigen::Index n = 0; n < v.size(); ++n)
+      sum += v[n] * std::polar(1.0, -2 * M_PI * static_cast<double>(k) * static_cast<double>(n) /
+                                        static_cast<double>(padded));
+    return std::abs(sum) / v.sum();
+  };
+  std::vector<double> heights;
+  for (std::size_t k = 0; k <= padded / 2; ++k)
+    if (static_cast<double>(k) <= 20 * period * static_cast<double>(padded))
+      heights.push_back(height(k));
+  std::size_t last = heights.size() - 1;
+  while (last > 0 && heights[last] < 0.05) --last;
+  double length = 0;
+  for (std::size_t k = 0; k < last; ++k)
+    length += std::hypot(1 / static_cast<double>(last), heights[k + 1] - heights[k]);
+  return -length;
+}
+
+TEST(Smoothness, IsThatOfItsDefinition) {
+  RandomStream random(3, 1, "speed");
+  for (const double period : {1e-4, 1e-3, 7e-3, 0.02, 0.3})
+    for (const Eigen::Index size : {1, 2, 33, 500}) {
+      Eigen::VectorXd v(size);
+      for (double& x : v) x = 0.2 + random.uniform();
+      EXPECT_CLOSE(spectral_arc_length(v, period), arc_length_by_definition(v, period), 1e-9)
+          << period << " " << size;
+    }
 }
 
 TEST(Smoothness, DependsNeitherOnAmplitudeNorOnDuration) {

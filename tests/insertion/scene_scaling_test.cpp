@@ -96,9 +96,9 @@ TEST(RegisteredEntrance, IsLearnedFromAsItWasObserved) {
   for (std::size_t n = 0; n < rows.size(); ++n)
     episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
   const Demonstration d = demonstration(episode, scene, "test");
-  ASSERT_EQ(d.observations.size(), controller.depths.size());
-  for (std::size_t n = 0; n < controller.depths.size(); ++n)
-    EXPECT_EQ(d.observations[n].depth, controller.depths[n]) << n;
+  ASSERT_EQ(d.observations.size(), (controller.depths.size() + 9) / 10);
+  for (std::size_t n = 0; n < d.observations.size(); ++n)
+    EXPECT_EQ(d.observations[n].depth, controller.depths[10 * n]) << n;
   EXPECT_GT(controller.depths.back(), 0);
 }
 

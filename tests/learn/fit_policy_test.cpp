@@ -160,12 +160,13 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   Policy p = testing::random_policy(1, {4}, 1, 1);
   p.velocity_scale.setZero();
   p.velocity_mean = {-4e-3, 0, 0};
+  p.period = kStep;
   const double reaction = 0.15;
   const Demonstration d = relabelled_trial(scene, p, 0.8, reaction, 1, 3);
   const double yield = trainee_traits(0.8).yield;
-  const auto delay = static_cast<Eigen::Index>(std::lround(1e3 * reaction));
+  const auto delay = static_cast<Eigen::Index>(std::lround(reaction / kStep));
   Eigen::Index compared = 0;
-  for (Eigen::Index n = 1000; n < d.rows(); ++n) {
+  for (Eigen::Index n = 100; n < d.rows(); ++n) {
     // To one tick of the ring that delays it.
     const double late = yield * d.observed(n - delay).wrench[2],
                  later = yield * d.observed(n - delay - 1).wrench[2];

@@ -351,6 +351,29 @@ class Recording(Case):
         self.assertEqual(first.returncode, 0)
         self.assertEqual(sorted(os.listdir(out)), ["episode_0001.h5", "episode_0002.h5"])
 
+    # 3 minutes and more at 1 kHz are 155 MB of rows.
+    def test_a_long_recording_takes_no_more_memory_than_a_short_one(self):
+        def within_memory(*words):
+            process = subprocess.Popen([PROGRAM, *words], stdout=subprocess.DEVNULL)
+            _, status, used = os.wait4(process.pid, 0)
+            self.assertEqual(status, 0, words)
+            self.assertLess(used.ru_maxrss / 1024, 150, words)
+        slow = ("--scene", "bench", "--set", "limits.speed_um_s=0.5", "--set", "limits.time_s=3600")
+        record = ("record", *slow, "--episodes", "1", "--out")
+        within_memory(*record, self.path("long"))
+        within_memory("replay", self.path("long"), "--verify")
+        within_memory("score", self.path("long"))
+        journal = self.path("killed") + "/episode_0001.part"
+        killed = subprocess.Popen([PROGRAM, *record, self.path("killed")], stdout=subprocess.DEVNULL)
+        while not (os.path.exists(journal) and os.path.getsize(journal) > 130e6):
+            self.assertIsNone(killed.poll())
+            time.sleep(0.02)
+        killed.kill()
+        killed.wait()
+        within_memory("recover", self.path("killed"))
+        with h5py.File(journal.replace(".part", ".h5")) as f:
+            self.assertGreater(f["data/demo_0"].attrs["num_samples"], 160000)
+
     def test_recover_keeps_a_journal_whose_episode_cannot_be_read(self):
         out = self.path("out")
         process = subprocess.Popen([PROGRAM, "record", "--scene", "paper", "--episodes", "1000",

@@ -187,7 +187,7 @@ TEST_F(ProgramWithDevice, WhereNobodyReadsItsWordsItLeavesNoForce) {
   for (const char* errors : {"2>&-", "2>/dev/full"}) {
     const Ran silent = record(node, SIGINT, hold, "", errors);
     EXPECT_TRUE(WIFEXITED(silent.status) && WEXITSTATUS(silent.status) == 130) << silent.output;
-    EXPECT_TRUE(silent.file) << silent.output;
+    EXPECT_TRUE(silent.file) << errors << " status " << silent.status << " " << silent.output;
     EXPECT_GT(silent.felt, 0.01);
     EXPECT_EQ(silent.left, 0);
     EXPECT_TRUE(node.with([](FakeFirmware& f) { return !f.actuators() && f.effects() == 0; }));

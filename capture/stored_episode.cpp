@@ -1,0 +1,119 @@
+#include "capture/stored_episode.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "capture/child.hpp"
+
+namespace ferrule {
+namespace {
+
+namespace fs = std::filesystem;
+using hdf5::Matrix;
+using hdf5::Reader;
+using hdf5::StoredTable;
+
+EpisodeInfo read_info(const Reader& in, const std::string& file) {
+  if (!in.has("format") || in.text("format") != kFormat)
+    throw FileTrouble(file + ": not a ferrule episode");
+  if (const auto version = in.whole("format_version"); version < 1 || version > kFormatVersion)
+    throw FileTrouble(file + ": episode format " + std::to_string(version) +
+                      "; this program reads format 1 to " + std::to_string(kFormatVersion));
+  EpisodeInfo info;
+  info.version = in.text("ferrule_version");
+  info.build = in.text("build");
+  info.scene = in.text("scene");
+  info.operator_ = in.text("operator");
+  info.seed = in.whole("seed");
+  info.trial = in.whole("trial");
+  info.period = in.number("period_s");
+  try {
+    info.outcome = outcome_from_name(in.text("outcome"));
+    parse_scene(parse_json(info.scene, "scene"), "scene");
+  } catch (const BadInput& error) {
+    throw FileTrouble(file + ": damaged: " + error.what());
+  }
+  for (const auto& [key, value] : optional_texts(info))
+    if (in.has(key)) *value = in.text(key);
+  if (in.has(kInputsHash)) info.inputs_sha1 = in.text(kInputsHash);
+  if (in.has("rating"))
+    info.rating = static_cast<int>(std::min<std::uint64_t>(in.whole("rating"), 6));
+  if (info.rating > 5) throw FileTrouble(file + ": damaged: rating must be from 1 to 5");
+  if (!period_rule().allows(info.period))
+    throw FileTrouble(
+        fmt::format("{}: damaged: period_s = {:g}: {}", file, info.period, period_rule().text));
+  return info;
+}
+
+// The rows' times, one after the other: that there are as many as the file says.
+Matrix read_times(const Reader& in, double period, const std::string& file) {
+  const StoredTable stored = in.table(rows_path(kTime), 1, -1);
+  Matrix times = stored.read(0, stored.rows());
+  for (Eigen::Index n = 0; n < times.rows(); ++n)
+    if (!(std::abs(times(n, 0) - static_cast<double>(n) * period) <= 0.5 * period))
+      throw FileTrouble(fmt::format("{}: damaged: {} at row {} is {:g}, with a period of {:g} s",
+                                    file, rows_path(kTime), n, times(n, 0), period));
+  if (times.rows() == 0) throw FileTrouble(file + ": damaged: it holds no rows");
+  return times;
+}
+
+// What a child may take: at first, and with so many rows, each of which is there.
+void allow_file(const std::string& file) {
+  constexpr std::size_t kMost = 512 << 20;
+  const std::size_t size = fs::file_size(file);
+  Child::Parent::allow(std::min(kMost, 16 * size), size >> 26);
+}
+void allow_rows(Eigen::Index rows) {
+  const auto count = static_cast<std::size_t>(rows);
+  Child::Parent::allow(std::size_t{512} << 20, count / 4000);
+}
+
+// Whose file it is, after it is known how large it is.
+const std::string& allowed(const std::string& file) {
+  allow_file(file);
+  return file;
+}
+
+}  // namespace
+
+StoredEpisode::StoredEpisode(const std::string& file)
+    : file_(allowed(file)), in_(file, "a ferrule episode"), info_(read_info(in_, file)) {
+  count_ = read_times(in_, info_.period, file).rows();
+  allow_rows(count_);
+  const auto open = [&](const std::string& path, Eigen::Index width) {
+    tables_.emplace(path, in_.table(path, width, count_));
+  };
+  const std::uint64_t version = in_.whole("format_version");
+  for (const Block& block : kBlocks) open(rows_path(block), block_of(block, version).width);
+  if (!info_.mapping.empty()) open(kCountsPath, kRawAxes);
+}
+
+Matrix StoredEpisode::numbers(const std::string& path, Eigen::Index first,
+                              Eigen::Index count) const {
+  Matrix values = tables_.at(path).read(first, count);
+  for (Eigen::Index n = 0; n < count; ++n)
+    if (!values.row(n).allFinite())
+      throw FileTrouble(
+          fmt::format("{}: damaged: {} at row {} is not a finite number", file_, path, first + n));
+  return values;
+}
+
+EpisodeRows::Part StoredEpisode::read(Eigen::Index first, Eigen::Index count) const {
+  EpisodeRows::Part part;
+  part.rows.setZero(count, kRowSize);
+  for (const Block& block : kBlocks) {
+    const Matrix values = numbers(rows_path(block), first, count);
+    part.rows.middleCols(block.begin, values.cols()) = values;
+  }
+  if (info_.mapping.empty()) return part;
+  const Matrix counts = numbers(kCountsPath, first, count);
+  if (!(counts.cwiseAbs().maxCoeff() <= INT32_MAX))
+    throw FileTrouble(file_ + ": damaged: " + kCountsPath + " is beyond what a device counts");
+  part.counts = counts.cast<std::int32_t>();
+  return part;
+}
+
+}  // namespace ferrule
