@@ -9,7 +9,6 @@
 #include <deque>
 #include <map>
 #include <mutex>
-#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -124,17 +123,20 @@ void run_alone(const std::vector<Campaign>& campaigns, std::uint64_t seed, std::
   for (const Campaign& campaign : campaigns)
     numbers.push_back(shared.begin(fingerprint(*campaign.scene, seed, trials), trials));
   if (campaigns.empty()) return;
-  std::set<std::pair<std::size_t, std::size_t>> kept;  // campaign and trial
-  shared.found(numbers.front(), [&](const SharedTrials::Found& found) {
-    kept.insert({found.campaign, found.trial});
-  });
   const std::size_t own = shared.own_of(trials);
-  std::atomic<std::size_t> next = 0, count = kept.size();
+  std::vector<bool> kept(own * campaigns.size());  // from before, one campaign after the other
+  std::atomic<std::size_t> next = 0, count = 0;
+  shared.found(numbers.front(), [&](const SharedTrials::Found& found) {
+    if (!shared.mine(found.trial) || found.trial >= trials) return;
+    const std::size_t i = (found.campaign - numbers.front()) * own + shared.own_place(found.trial);
+    count += !kept[i];
+    kept[i] = true;
+  });
   on_all_cores(threads, [&] {
     for (std::size_t i; (i = next++) < own * campaigns.size();) {
       const Campaign& campaign = campaigns[i / own];
       const std::size_t number = numbers[i / own], k = shared.own_trial(i % own);
-      if (kept.contains({number, k})) continue;
+      if (kept[i]) continue;
       if (stop && stop()) return;
       const TrialResult result =
           run_trial(*campaign.scene, *campaign.make(k), seed, k, 1e-3, {}, stop);

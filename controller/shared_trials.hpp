@@ -49,8 +49,8 @@ class SharedTrials {
   std::size_t begin(const std::string& what, std::size_t trials);
   bool waits() const noexcept { return shard_ && waits_; }
   bool merges() const noexcept { return !shard_; }
-  // Is the trial to be run here, unless somebody has it? How many of the first `trials` are, and
-  // the i-th of them; not of a merge.
+  // Is the trial to be run here, unless somebody has it? How many of the first `trials` are, the
+  // i-th of them, and which of them one is; not of a merge.
   bool mine(std::size_t trial) const noexcept { return shard_ && shard_->has(trial); }
   std::size_t own_of(std::size_t trials) const noexcept {
     return (trials + shard_->count - shard_->index) / shard_->count;
@@ -58,6 +58,7 @@ class SharedTrials {
   std::size_t own_trial(std::size_t i) const noexcept {
     return i * shard_->count + shard_->index - 1;
   }
+  std::size_t own_place(std::size_t trial) const noexcept { return trial / shard_->count; }
   // Reads what other shards have written since; that of this one, and of a merge all, was read at
   // the start. Throws FileTrouble, also for trials of another campaign than begun, which another
   // program ran.
