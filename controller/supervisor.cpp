@@ -29,6 +29,10 @@ HandTwist cut(const HandTwist& v, double length) noexcept {
   return norm > length ? HandTwist(v * (length / norm)) : v;
 }
 
+double largest_eigenvalue(const Eigen::MatrixXd& symmetric) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(symmetric).eigenvalues().maxCoeff();
+}
+
 // The part of `v` that does not relieve a felt `force`.
 HandTwist straining_part(const HandTwist& v, const Eigen::Vector3d& force) noexcept {
   const double f = force.norm();
@@ -45,21 +49,24 @@ SupervisorLimits supervisor_limits(const Scene& scene) {
   const Scaling scaling = scene_scaling(scene);
   const Holder& holder = scene.world.holder;
   Matrix5 stiffness = holder.stiffness;
-  stiffness.bottomRows<2>() /= holder.tilt_length;
-  stiffness.rightCols<2>() /= holder.tilt_length;
+  // At which a tilt strains the holder half as much as a motion that is stiffest, so that with both
+  // together, coupled as they are in a fibre, that motion stays the stiffest.
+  const double lever = std::sqrt(2 * largest_eigenvalue(stiffness.bottomRightCorner<2, 2>()) /
+                                 largest_eigenvalue(stiffness.topLeftCorner<3, 3>()));
+  stiffness.bottomRows<2>() /= lever;
+  stiffness.rightCols<2>() /= lever;
   SupervisorLimits limits;
   limits.speed = scaling.motion * scene.limits.speed;
   limits.force = scaling.force * scene.limits.force;
   limits.acceleration = limits.speed / kToFullSpeed;
-  limits.stiffness = Eigen::SelfAdjointEigenSolver<Matrix5>(stiffness).eigenvalues().maxCoeff() *
-                     scaling.force / scaling.motion;
+  limits.stiffness = largest_eigenvalue(stiffness) * scaling.force / scaling.motion;
   const ForceSensorModel& sensor = scene.sensor;
   limits.follows = -elementary::expm1(-2 * std::numbers::pi * sensor.bandwidth * limits.period);
   limits.misread =
       scaling.force * (kDeviations * sensor.deviation(scene.limits.force,
                                                       scene.limits.time) +
                        sensor.dead_band + sensor.resolution);  // half of it now, half in the tare
-  limits.lever = scaling.motion * holder.tilt_length;
+  limits.lever = scaling.motion * lever;
   limits.disagreement = 0.2 * limits.speed;
   limits.jam_force = 0.25 * limits.force;
   limits.retreat = scaling.motion * 20e-6;

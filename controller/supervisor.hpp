@@ -52,7 +52,7 @@ struct SupervisorLimits {
   double force = 0;         // observed, less that at rest [N], > 0
   double acceleration = 0;  // [m/s^2], > 0
   double stiffness = 0;     // k: the largest in the hand's world [N/m], > 0
-  double lever = 0;         // at which a tilt counts as a motion [m], > 0
+  double lever = 0;         // at which a tilt counts as a motion, by the force of both [m], > 0
   double margin = 0.1;      // of the force, kept free by braking [-], 0 to 1
   double follows = 1;  // of a step of the force, the sensor shows so much a period later, (0, 1]
   double misread = 0;  // by which the sensor errs beside its lag, hardly ever more [N], >= 0

@@ -5,6 +5,7 @@
 #include "controller/c_header.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/stepped_trial.hpp"
+#include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
 #include "sim/base/data_folder.hpp"
 #include "tests/refusal.hpp"
@@ -78,6 +79,20 @@ TEST(SearchLaw, IsNeededAtASharpBore) {
   for (std::uint64_t trial = 0; trial < 20; ++trial)
     inserted += run_trial(scene, straight, 11, trial).outcome == Outcome::inserted;
   EXPECT_LE(inserted, 2);
+}
+
+// Which lets it tilt in free air, where nothing is strained.
+TEST(SearchLaw, IsHardlySlowerUnderTheSupervisor) {
+  const Scene scene = load_scene("bench", sharp_with({}));
+  const MakeController alone = load_controller(shipped());
+  const MakeController watched = supervised(alone, supervisor_limits(scene));
+  for (const std::uint64_t trial : {1, 2, 3}) {
+    const TrialResult by_itself = run_trial(scene, *alone(trial), 11, trial);
+    const TrialResult with = run_trial(scene, *watched(trial), 11, trial);
+    EXPECT_EQ(with.outcome, Outcome::inserted);
+    EXPECT_LT(with.summary.time, 1.35 * by_itself.summary.time);
+    EXPECT_LT(with.summary.peak_force, scene.limits.force);
+  }
 }
 
 TEST(SearchLaw, InABoreThatHoldsATiltedFibreItStraightens) {

@@ -277,6 +277,21 @@ TEST(Supervisor, StopsBeforeTheLimitBehindASensorThatLags) {
   }
 }
 
+// So does a tilt, which counts by what it strains: it makes no motion stiffer.
+TEST(Supervisor, BrakesForTheStiffestMotionOfTheHolder) {
+  for (const char* gripper :
+       {"", "holder.gripper_stiffness_N_m=20", "holder.gripper_stiffness_N_m=1e6"}) {
+    const Scene scene = load_scene(
+        "bench", *gripper ? std::vector<std::string>{gripper} : std::vector<std::string>{});
+    const SupervisorLimits limits = supervisor_limits(scene);
+    const Scaling scaling = scene_scaling(scene);
+    const Matrix5& k = scene.world.holder.stiffness;
+    EXPECT_CLOSE(limits.stiffness, k(0, 0) * scaling.force / scaling.motion, 1e-12) << gripper;
+    const double lever = limits.lever / scaling.motion;
+    EXPECT_CLOSE(k(3, 3) / (lever * lever), 0.5 * k(0, 0), 1e-9) << gripper;
+  }
+}
+
 TEST(Supervisor, SaysWhatItCannotHold) {
   const Scene bench = load_scene("bench"),
               blind = load_scene("bench", {"sensor.noise_uN=10", "sensor.bias_uN=10"});
