@@ -48,16 +48,19 @@ EpisodeInfo read_info(const Reader& in, const std::string& file) {
   return info;
 }
 
-// The rows' times, one after the other: that there are as many as the file says.
-Matrix read_times(const Reader& in, double period, const std::string& file) {
+// How many rows there are: as many as have the time of their number.
+Eigen::Index count_rows(const Reader& in, double period, const std::string& file) {
   const StoredTable stored = in.table(rows_path(kTime), 1, -1);
-  Matrix times = stored.read(0, stored.rows());
-  for (Eigen::Index n = 0; n < times.rows(); ++n)
-    if (!(std::abs(times(n, 0) - static_cast<double>(n) * period) <= 0.5 * period))
-      throw FileTrouble(fmt::format("{}: damaged: {} at row {} is {:g}, with a period of {:g} s",
-                                    file, rows_path(kTime), n, times(n, 0), period));
-  if (times.rows() == 0) throw FileTrouble(file + ": damaged: it holds no rows");
-  return times;
+  for (Eigen::Index first = 0; first < stored.rows(); first += hdf5::kChunk) {
+    const Matrix times = stored.read(first, std::min(hdf5::kChunk, stored.rows() - first));
+    for (Eigen::Index i = 0; i < times.rows(); ++i)
+      if (const double n = static_cast<double>(first + i);
+          !(std::abs(times(i, 0) - n * period) <= 0.5 * period))
+        throw FileTrouble(fmt::format("{}: damaged: {} at row {} is {:g}, with a period of {:g} s",
+                                      file, rows_path(kTime), n, times(i, 0), period));
+  }
+  if (stored.rows() == 0) throw FileTrouble(file + ": damaged: it holds no rows");
+  return stored.rows();
 }
 
 // What a child may take: at first, and with so many rows, each of which is there.
@@ -81,7 +84,7 @@ const std::string& allowed(const std::string& file) {
 
 StoredEpisode::StoredEpisode(const std::string& file)
     : file_(allowed(file)), in_(file, "a ferrule episode"), info_(read_info(in_, file)) {
-  count_ = read_times(in_, info_.period, file).rows();
+  count_ = count_rows(in_, info_.period, file);
   allow_rows(count_);
   const auto open = [&](const std::string& path, Eigen::Index width) {
     tables_.emplace(path, in_.table(path, width, count_));
