@@ -106,10 +106,10 @@ class Tasks:
         return n, self.run("compare", self.folder + "/episodes", "--trials", 100, "--learners", ",".join(LEARNERS[:n]))
 
 
-SIZES = {"trials_in_one_process": (10000, 100000, 1000000), "trials_in_a_shard": (10000, 100000, 1000000),
-         "trials_merged": (10000, 100000, 1000000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (4, 16, 64),
-         "episodes_scored": (4, 16, 64), "rows_recorded": (1, 4, 16), "rows_recovered": (1, 4, 16),
-         "rows_replayed_and_verified": (1, 4, 16), "rows_scored": (1, 4, 16), "learners_compared": (1, 2, 4)}
+SIZES = {"trials_in_one_process": (1000, 10000, 100000), "trials_in_a_shard": (1000, 10000, 100000),
+         "trials_merged": (1000, 10000, 100000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (4, 16, 64),
+         "episodes_scored": (4, 16, 64), "rows_recorded": (1, 2, 4), "rows_recovered": (1, 2, 4),
+         "rows_replayed_and_verified": (1, 2, 4), "rows_scored": (1, 2, 4), "learners_compared": (1, 2, 4)}
 
 
 def exponent(sizes, values):
