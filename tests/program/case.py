@@ -20,6 +20,12 @@ QUICK = ["--set", "start.distance_um=10", "--set", "success.depth_um=8",
          "--set", "limits.speed_um_s=20", "--set", "start.lateral_sd_um=4"]
 
 
+def sanitized():
+    """Whether the program is built with sanitizers, which take memory of their own."""
+    with open(BUILD + "/CMakeCache.txt") as cache:
+        return "FERRULE_SANITIZE:BOOL=ON" in cache.read()
+
+
 def ferrule(*arguments, **options):
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
                           timeout=600, **options)

@@ -5,11 +5,12 @@ import pty
 import signal
 import subprocess
 import time
+import unittest
 
 import h5py
 import numpy
 
-from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
+from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main, sanitized
 
 
 class Recording(Case):
@@ -352,6 +353,7 @@ class Recording(Case):
         self.assertEqual(sorted(os.listdir(out)), ["episode_0001.h5", "episode_0002.h5"])
 
     # 3 minutes and more at 1 kHz are 155 MB of rows.
+    @unittest.skipIf(sanitized(), "sanitizers take memory")
     def test_a_long_recording_takes_no_more_memory_than_a_short_one(self):
         def within_memory(*words):
             process = subprocess.Popen([PROGRAM, *words], stdout=subprocess.DEVNULL)
