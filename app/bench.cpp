@@ -284,7 +284,7 @@ Columns<RecordingRow> recording_columns() {
 
 int recording(const BenchArguments& a) {
   return show(a, recording_columns(), bench_recording(watched("recording")),
-              "recorded: by the thread of the loop; written: by another one, afterwards\n",
+              "recorded: by the thread of the loop; written: by a child process, afterwards\n",
               provenance_of_bench());
 }
 

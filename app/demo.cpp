@@ -94,7 +94,6 @@ bool record_all(const DemoArguments& a, DemoReport& report) {
   for (const double skill : kSkills)
     for (int i = 0; i < kEpisodesPerSkill; ++i) {
       Recorded recorded = record(a, *report.scene, skill, ++number);
-      if (!report.recorded.empty()) report.recorded.back().recorded.wait();
       report.recorded.push_back({skill, std::move(recorded)});
       if (interrupted()) {
         tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
@@ -103,7 +102,6 @@ bool record_all(const DemoArguments& a, DemoReport& report) {
       }
       progress(static_cast<std::size_t>(number));
     }
-  report.recorded.back().recorded.wait();
   report.record_seconds = clock.seconds();
   return true;
 }

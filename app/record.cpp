@@ -176,12 +176,6 @@ void take_down(const RecordArguments& a, const Recorded& r, Recordings& all) {
 Recordings record_all(const RecordArguments& a, const Scene& toleranced, const Holding& holding,
                       int first, const std::string& head) {
   Recordings all;
-  std::optional<Recorded> before;  // the last one, while its file is written
-  const auto take_down_before = [&] {
-    if (!before) return;
-    before->wait();
-    take_down(a, *std::exchange(before, std::nullopt), all);
-  };
   std::optional<Keys> keys;
   if (holding.device) keys.emplace();
   std::optional<Progress> progress;  // where no keys are asked for
@@ -193,7 +187,7 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
-    if (all.list.empty() && !before) {
+    if (all.list.empty()) {
       fmt::print("{}", head);
       std::fflush(stdout);
     }
@@ -204,18 +198,14 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
       if (all.list.empty()) throw;
       all.trouble = std::current_exception();  // what there is already is printed first
     }
-    take_down_before();
     if (!r) break;
-    const bool last = r->last, discarded = r->discarded;
-    before = std::move(r);
-    if (holding.device) take_down_before();  // written already
-    if (last) break;
-    if (discarded) continue;  // the operator takes it again
+    take_down(a, *r, all);
+    if (r->last) break;
+    if (r->discarded) continue;  // the operator takes it again
     next = number + 1;
     ++i;
     if (progress) (*progress)(static_cast<std::size_t>(i));
   }
-  take_down_before();
   return all;
 }
 
@@ -248,8 +238,8 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
     const int number = static_cast<int>(k) + 1;
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-    auto recorded = record_episode(a, holding, drawn, claim_again(a.out, number), no_keys).value();
-    recorded.wait();
+    const Recorded recorded =
+        record_episode(a, holding, drawn, claim_again(a.out, number), no_keys).value();
     kept[k] = {{"row", episode_json(recorded)}, {"infeasible", drawn.infeasible}};
     if (recorded.end.outcome != Outcome::interrupted) shared.keep(recording, k, kept[k]);
     progress(k + 1);

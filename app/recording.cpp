@@ -70,14 +70,10 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = info_of(scene, device, place);
-  const auto recorder = std::make_shared<Recorder>(std::move(place.claim), info);
+  Recorder recorder(std::move(place.claim), info);
   const InsertionEnd end =
-      record_insertion(scene, start, device, *recorder, [] { return !interrupted(); });
-  Recorded recorded{{}, end, info.period};
-  recorded.written = std::async(std::launch::async, [recorder, outcome = end.outcome] {
-                       return recorder->finish(outcome);
-                     }).share();
-  return recorded;
+      record_insertion(scene, start, device, recorder, [] { return !interrupted(); });
+  return {recorder.finish(end.outcome), end, info.period};
 }
 
 std::string operator_name(const OpenDevice& device) {

@@ -1,7 +1,6 @@
 // Recording one episode into a folder: used by `record` and `demo`.
 #pragma once
 
-#include <future>
 #include <string>
 
 #include "app/keys.hpp"
@@ -12,20 +11,13 @@
 namespace ferrule {
 
 struct Recorded {
-  std::string file;  // empty: not written yet, the operator discarded it, or it has no row
+  std::string file;  // empty: the operator discarded it, or it has no row
   InsertionEnd end;
   double period = 1e-3;                // of the loop [s]
   std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;
   bool discarded = false;
   bool last = false;  // the operator ended the recording with it
-  // Of one that is written while the next is recorded: the name of its file.
-  std::shared_future<std::string> written{};
-
-  // Until it is written. Throws FileTrouble.
-  void wait() {
-    if (written.valid()) file = written.get();
-  }
 };
 
 // Which episode it is, and where it goes.
@@ -41,8 +33,7 @@ struct EpisodePlace {
   std::optional<Sitting> sitting{};
 };
 
-// With a simulated hand or a controller, as fast as it goes; its file is written by a thread of its
-// own. Throws FileTrouble.
+// With a simulated hand or a controller, as fast as it goes. Throws FileTrouble.
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place);
 
 // The operator of a recording with a device.
