@@ -54,36 +54,31 @@ Eigen::Index count_rows(const Reader& in, double period, const std::string& file
   for (Eigen::Index first = 0; first < stored.rows(); first += hdf5::kChunk) {
     const Matrix times = stored.read(first, std::min(hdf5::kChunk, stored.rows() - first));
     for (Eigen::Index i = 0; i < times.rows(); ++i)
-      if (const double n = static_cast<double>(first + i);
-          !(std::abs(times(i, 0) - n * period) <= 0.5 * period))
+      if (!(std::abs(times(i, 0) - static_cast<double>(first + i) * period) <= 0.5 * period))
         throw FileTrouble(fmt::format("{}: damaged: {} at row {} is {:g}, with a period of {:g} s",
-                                      file, rows_path(kTime), n, times(i, 0), period));
+                                      file, rows_path(kTime), first + i, times(i, 0), period));
   }
   if (stored.rows() == 0) throw FileTrouble(file + ": damaged: it holds no rows");
   return stored.rows();
 }
 
-// What a child may take: at first, and with so many rows, each of which is there.
-void allow_file(const std::string& file) {
+// What a child may take: at first, for a file that is returned, and with so many rows, each of
+// which is there.
+const std::string& allow_file(const std::string& file) {
   constexpr std::size_t kMost = 512 << 20;
   const std::size_t size = fs::file_size(file);
   Child::Parent::allow(std::min(kMost, 16 * size), size >> 26);
+  return file;
 }
 void allow_rows(Eigen::Index rows) {
   const auto count = static_cast<std::size_t>(rows);
   Child::Parent::allow(std::size_t{512} << 20, count / 4000);
 }
 
-// Whose file it is, after it is known how large it is.
-const std::string& allowed(const std::string& file) {
-  allow_file(file);
-  return file;
-}
-
 }  // namespace
 
 StoredEpisode::StoredEpisode(const std::string& file)
-    : file_(allowed(file)), in_(file, "a ferrule episode"), info_(read_info(in_, file)) {
+    : file_(allow_file(file)), in_(file, "a ferrule episode"), info_(read_info(in_, file)) {
   count_ = count_rows(in_, info_.period, file);
   allow_rows(count_);
   const auto open = [&](const std::string& path, Eigen::Index width) {

@@ -26,8 +26,8 @@ std::string free_controller(const std::string& folder) {
 
 void Session::rate(int stars) {
   if (!kept_) throw BadInput("there is no try to rate");
-  rate_episode(kept_->file(), stars);
-  const std::string& file = kept_->file();
+  const std::string file = kept_->file();
+  rate_episode(file, stars);
   {
     const std::lock_guard lock(mutex_);
     for (Listed& listed : episodes_)
