@@ -84,6 +84,11 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
                     {simulated_operator_name(skill), std::move(claim), a.seed, trial});
 }
 
+// Waits until the files of all but the last `but` are whole.
+void wait(DemoReport& report, std::size_t but) {
+  for (std::size_t i = 0; i + but < report.recorded.size(); ++i) report.recorded[i].recorded.wait();
+}
+
 // False where Ctrl-C ended it.
 bool record_all(const DemoArguments& a, DemoReport& report) {
   tell(fmt::format("1/4 recording {} episodes each of simulated trainees of skill {} and {}",
@@ -93,14 +98,18 @@ bool record_all(const DemoArguments& a, DemoReport& report) {
   int number = 0;
   for (const double skill : kSkills)
     for (int i = 0; i < kEpisodesPerSkill; ++i) {
-      report.recorded.push_back({skill, record(a, *report.scene, skill, ++number)});
+      Recorded recorded = record(a, *report.scene, skill, ++number);
+      report.recorded.push_back({skill, std::move(recorded)});
+      wait(report, kWriting);
       if (interrupted()) {
+        wait(report, 0);
         tell(fmt::format("stopped by {}; episodes so far are in {}", stopped_by(),
                          printable(episodes_folder(a))));
         return false;
       }
       progress(static_cast<std::size_t>(number));
     }
+  wait(report, 0);
   report.record_seconds = clock.seconds();
   return true;
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cstring>
+#include <deque>
 #include <exception>
 #include <filesystem>
 #include <utility>
@@ -180,6 +181,13 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   if (holding.device) keys.emplace();
   std::optional<Progress> progress;  // where no keys are asked for
   if (!keys || !keys->there()) progress.emplace("recording", static_cast<std::size_t>(a.episodes));
+  std::deque<Recorded> before;  // whose files are written while the next one is recorded
+  const auto take = [&](std::size_t but) {
+    for (; before.size() > but; before.pop_front()) {
+      before.front().wait();
+      take_down(a, before.front(), all);
+    }
+  };
   int next = first;
   for (int i = 0; i < a.episodes && !interrupted() && !all.lost;) {
     EpisodeClaim claim(a.out, next);
@@ -187,7 +195,7 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
-    if (all.list.empty()) {
+    if (i == 0 && all.list.empty()) {
       fmt::print("{}", head);
       std::fflush(stdout);
     }
@@ -197,15 +205,21 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
     } catch (const DeviceTrouble&) {
       if (all.list.empty()) throw;
       all.trouble = std::current_exception();  // what there is already is printed first
+    } catch (const FileTrouble&) {
+      take(0);
+      throw;
     }
     if (!r) break;
-    take_down(a, *r, all);
-    if (r->last) break;
-    if (r->discarded) continue;  // the operator takes it again
+    const bool last = r->last, discarded = r->discarded;
+    before.push_back(std::move(*r));
+    take(before.back().writing ? kWriting : 0);
+    if (last) break;
+    if (discarded) continue;  // the operator takes it again
     next = number + 1;
     ++i;
     if (progress) (*progress)(static_cast<std::size_t>(i));
   }
+  take(0);
   return all;
 }
 
@@ -231,6 +245,19 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
   std::vector<std::size_t> missing;
   std::optional<Keys> no_keys;
   Progress progress("recording", count);
+  struct Begun {
+    std::size_t k, infeasible;
+    Recorded recorded;
+  };
+  std::deque<Begun> before;  // whose files are written while the next one is recorded
+  const auto keep = [&](std::size_t but) {
+    for (; before.size() > but; before.pop_front()) {
+      auto& [k, infeasible, recorded] = before.front();
+      recorded.wait();
+      kept[k] = {{"row", episode_json(recorded)}, {"infeasible", infeasible}};
+      if (recorded.end.outcome != Outcome::interrupted) shared.keep(recording, k, kept[k]);
+    }
+  };
   for (std::size_t k = 0; k < count && !interrupted(); ++k) {
     if (!kept[k].is_null()) continue;
     if (shared.merges()) missing.push_back(k);
@@ -238,12 +265,13 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
     const int number = static_cast<int>(k) + 1;
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-    const Recorded recorded =
-        record_episode(a, holding, drawn, claim_again(a.out, number), no_keys).value();
-    kept[k] = {{"row", episode_json(recorded)}, {"infeasible", drawn.infeasible}};
-    if (recorded.end.outcome != Outcome::interrupted) shared.keep(recording, k, kept[k]);
+    before.push_back(
+        {k, drawn.infeasible,
+         record_episode(a, holding, drawn, claim_again(a.out, number), no_keys).value()});
+    keep(kWriting);
     progress(k + 1);
   }
+  keep(0);
   shared.flush();
   if (!missing.empty()) shared.refuse_missing(recording, missing);
   fmt::print("{}", head);

@@ -70,10 +70,18 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = info_of(scene, device, place);
-  Recorder recorder(std::move(place.claim), info);
+  auto recorder = std::make_unique<Recorder>(std::move(place.claim), info);
   const InsertionEnd end =
-      record_insertion(scene, start, device, recorder, [] { return !interrupted(); });
-  return {recorder.finish(end.outcome), end, info.period};
+      record_insertion(scene, start, device, *recorder, [] { return !interrupted(); });
+  recorder->end(end.outcome);
+  Recorded recorded{{}, end, info.period};
+  recorded.writing = std::move(recorder);
+  return recorded;
+}
+
+void Recorded::wait() {
+  if (writing) file = writing->written();
+  writing.reset();
 }
 
 std::string operator_name(const OpenDevice& device) {

@@ -1,6 +1,7 @@
 // Recording one episode into a folder: used by `record` and `demo`.
 #pragma once
 
+#include <memory>
 #include <string>
 
 #include "app/keys.hpp"
@@ -11,13 +12,17 @@
 namespace ferrule {
 
 struct Recorded {
-  std::string file;  // empty: the operator discarded it, or it has no row
+  std::string file;  // empty: the operator discarded it, it has no row, or it is not whole yet
   InsertionEnd end;
   double period = 1e-3;                // of the loop [s]
   std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;
   bool discarded = false;
   bool last = false;  // the operator ended the recording with it
+  std::unique_ptr<Recorder> writing{};  // of a file that is not whole yet
+
+  // Waits until it is. Throws FileTrouble.
+  void wait();
 };
 
 // Which episode it is, and where it goes.
@@ -33,7 +38,11 @@ struct EpisodePlace {
   std::optional<Sitting> sitting{};
 };
 
-// With a simulated hand or a controller, as fast as it goes. Throws FileTrouble.
+// Of so many episodes the files are written while the next one is recorded.
+inline constexpr std::size_t kWriting = 2;
+
+// With a simulated hand or a controller, as fast as it goes; the file is written while the caller
+// goes on. Throws FileTrouble.
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place);
 
 // The operator of a recording with a device.

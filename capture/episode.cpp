@@ -5,9 +5,7 @@
 #include <ctime>
 #include <filesystem>
 
-#include "capture/child.hpp"
-#include "capture/stored_episode.hpp"
-#include "sim/base/written_file.hpp"
+#include "sim/base/error.hpp"
 
 namespace ferrule {
 namespace {
@@ -59,66 +57,6 @@ const EpisodeRows::Part& EpisodeRows::part_of(Eigen::Index n) const {
   if (const auto known = parts_.find(first); known != parts_.end()) return known->second;
   if (parts_.size() == kKept) parts_.erase(std::prev(parts_.end()));
   return parts_[first] = read_(first, std::min(kBlock, count_ - first));
-}
-
-namespace {
-
-struct Written {
-  std::size_t done, all;  // rows
-};
-
-// Writes rows to `path`, in a child; `name` is for messages. The last that it sends is that all are
-// on the disk.
-void write_rows(const std::string& path, const std::string& name, const EpisodeRows& rows,
-                Child::Parent& parent) {
-  EpisodeTables tables(rows, recorded_scene(rows.info(), name));
-  hdf5::Content content = tables.content();
-  content.attributes["/"][kInputsHash] =
-      inputs_sha1(content, [&](const std::string& of, auto first, auto) -> hdf5::Matrix {
-        const EpisodeRows::Part& part = rows.part_of(first);
-        if (of == kCountsPath) return part.counts.cast<double>();
-        return part.rows.middleCols<kPose>(kCommand.begin);
-      });
-  Written written{0, static_cast<std::size_t>(rows.count())};
-  hdf5::write(path, name, content, [&] {
-    if (written.done > 0) parent.send(&written, sizeof written);
-    std::vector<hdf5::Matrix> values = tables.next();
-    written.done += static_cast<std::size_t>(values.front().rows());
-    return values;
-  });
-  parent.send(&written, sizeof written);
-}
-
-// Lets a child write a file beside its name.
-WrittenFile write_in_child(
-    const std::string& file, const WriteProgress& progress,
-    const std::function<void(const std::string& path, Child::Parent& parent)>& work) {
-  return WrittenFile(file, [&](const std::string& path) {
-    Child child(file, Child::Work::writes, [&](Child::Parent& parent) { work(path, parent); });
-    Written written{};
-    do {
-      child.receive(&written, sizeof written);
-      if (progress) progress(written.done, written.all);
-    } while (written.done < written.all);
-  });
-}
-
-}  // namespace
-
-void write_episode(const std::string& file, const EpisodeRows& rows,
-                   const WriteProgress& progress) {
-  write_in_child(file, progress, [&](const std::string& path, Child::Parent& parent) {
-    write_rows(path, file, rows, parent);
-  }).commit(false);
-}
-
-void rate_episode(const std::string& file, int stars) {
-  write_in_child(file, {}, [&](const std::string& path, Child::Parent& parent) {
-    const StoredEpisode stored(file);
-    EpisodeInfo info = stored.info();
-    info.rating = stars;
-    write_rows(path, file, stored.rows(info), parent);
-  }).commit();
 }
 
 std::string date_now() {

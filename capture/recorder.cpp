@@ -197,7 +197,8 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     return;
   }
   result.outcome = start.info.outcome = outcome_of(rows(), claim.journal());
-  claim.write(rows());
+  claim.begin(rows());
+  claim.finish(rows());
   result.rows = static_cast<std::size_t>(sound);
   result.file = claim.file();
 }
@@ -268,7 +269,8 @@ EpisodeClaim::EpisodeClaim(EpisodeClaim&& other) noexcept
     : folder_(std::move(other.folder_)),
       stem_(std::move(other.stem_)),
       number_(other.number_),
-      fd_(std::exchange(other.fd_, -1)) {}
+      fd_(std::exchange(other.fd_, -1)),
+      writing_(std::move(other.writing_)) {}
 
 EpisodeClaim::~EpisodeClaim() {
   if (fd_ < 0) return;
@@ -292,12 +294,17 @@ void EpisodeClaim::append(const void* data, std::size_t size) const {
     throw FileTrouble(journal() + ": cannot be written: " + std::strerror(error));
 }
 
-void EpisodeClaim::write(const EpisodeRows& rows, const WriteProgress& progress) {
+void EpisodeClaim::begin(const EpisodeRows& rows) {
   std::error_code error;
-  for (;; move_on()) {
-    if (fs::exists(file(), error)) continue;
+  while (fs::exists(file(), error)) move_on();
+  writing_ = std::make_unique<EpisodeWriting>(file(), rows);
+}
+
+void EpisodeClaim::finish(const EpisodeRows& rows, const WriteProgress& progress) {
+  std::error_code error;
+  for (;; begin(rows)) {
     try {
-      write_episode(file(), rows, progress);
+      writing_->finish(progress, false);
       return remove();
     } catch (const FileTrouble&) {
       if (!fs::exists(file(), error)) throw;  // else somebody has just taken the name
@@ -340,11 +347,24 @@ void Recorder::flush() {
   unwritten_.clear();
 }
 
-std::string Recorder::finish(Outcome outcome, const WriteProgress& progress) {
+EpisodeRows Recorder::journal() const {
+  return journal_rows(claim_, info_, start_, static_cast<Eigen::Index>(rows_));
+}
+
+void Recorder::end(Outcome outcome) {
   flush();
   info_.outcome = outcome;
-  claim_.write(journal_rows(claim_, info_, start_, static_cast<Eigen::Index>(rows_)), progress);
+  claim_.begin(journal());
+}
+
+std::string Recorder::written(const WriteProgress& progress) {
+  claim_.finish(journal(), progress);
   return claim_.file();
+}
+
+std::string Recorder::finish(Outcome outcome, const WriteProgress& progress) {
+  end(outcome);
+  return written(progress);
 }
 
 void Recorder::discard() noexcept {

@@ -8,11 +8,12 @@
 // killed; `recover` makes a file of it up to the last flush.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "capture/episode.hpp"
+#include "capture/episode_writing.hpp"
 #include "insertion/loop.hpp"
 
 namespace ferrule {
@@ -38,9 +39,11 @@ class EpisodeClaim {
 
   // Throws FileTrouble.
   void append(const void* data, std::size_t size) const;
-  // Writes an episode to `file()`, and removes the journal. Where another has taken that name
-  // meanwhile, the journal moves on to the next free number first. Throws FileTrouble.
-  void write(const EpisodeRows& rows, const WriteProgress& progress = {});
+  // Begins to write an episode to `file()`. Where another has taken that name, the journal moves on
+  // to the next free number first. Throws FileTrouble.
+  void begin(const EpisodeRows& rows);
+  // Waits until the same rows are written, and removes the journal. Throws FileTrouble.
+  void finish(const EpisodeRows& rows, const WriteProgress& progress = {});
   // Removes the journal.
   void remove() noexcept;
 
@@ -51,6 +54,7 @@ class EpisodeClaim {
   std::string folder_, stem_;
   int number_ = 0;  // 0: of a journal that has none
   int fd_ = -1;
+  std::unique_ptr<EpisodeWriting> writing_;
 };
 
 class Recorder {
@@ -62,7 +66,7 @@ class Recorder {
       : Recorder(EpisodeClaim(folder, number), info) {}
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
-  // Leaves the journal if `finish` was not called.
+  // Leaves the journal of an episode whose file was not waited for.
   ~Recorder() = default;
 
   // Throws FileTrouble when the disk is full; the rows flushed before stay recoverable.
@@ -72,17 +76,24 @@ class Recorder {
   // Brings the rows so far to the journal. Throws as `add`.
   void flush();
 
-  // What only the end of the episode tells (why, loop, rating) may be added until `finish`.
+  // What only the end of the episode tells (why, loop, rating) may be added until it ends.
   EpisodeInfo& info() noexcept { return info_; }
   std::size_t rows() const noexcept { return rows_; }
 
-  // Writes the episode file and removes the journal; returns the file's name. Throws FileTrouble.
+  // Ends the episode: a child process begins to write its file. Throws FileTrouble.
+  void end(Outcome outcome);
+  // Waits until the file is whole, and removes the journal; returns the file's name. Throws
+  // FileTrouble.
+  std::string written(const WriteProgress& progress = {});
+  // Both.
   std::string finish(Outcome outcome, const WriteProgress& progress = {});
   std::string file() const { return claim_.file(); }
   // Removes the journal: the episode never was.
   void discard() noexcept;
 
  private:
+  EpisodeRows journal() const;
+
   EpisodeClaim claim_;
   EpisodeInfo info_;
   std::size_t start_ = 0;          // of the journal's first line [bytes]

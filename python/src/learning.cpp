@@ -22,9 +22,11 @@ std::vector<std::string> record(const SharedScene& scene, const std::string& fol
   if (next_episode_number(folder) > 1)
     throw BadInput(folder + ": already holds episodes; choose another folder");
   std::vector<std::string> files;
+  std::unique_ptr<Recorder> before;  // whose file is written while the next one is recorded
   Interrupts interrupts;
   const nb::gil_scoped_release release;
-  for (int next = 1; files.size() < static_cast<std::size_t>(episodes); ++next) {
+  int next = 1;
+  for (int n = 0; n < episodes && !interrupts(); ++n, ++next) {
     EpisodeClaim claim(folder, next);
     const int number = next = claim.number();
     const FeasibleTrial drawn = feasible_trial(*scene, seed, static_cast<std::uint64_t>(number));
@@ -32,13 +34,16 @@ std::vector<std::string> record(const SharedScene& scene, const std::string& fol
     const auto hand = simulated_operator(*drawn.scene, start, skill, kPeriod, seed, drawn.trial);
     EpisodeInfo info = episode_info(*drawn.scene, *hand, seed, drawn.trial);
     info.operator_ = simulated_operator_name(skill);
-    Recorder recorder(std::move(claim), info);
+    auto recorder = std::make_unique<Recorder>(std::move(claim), info);
     int ticks = 0;
-    const InsertionEnd end = record_insertion(*drawn.scene, start, *hand, recorder,
+    const InsertionEnd end = record_insertion(*drawn.scene, start, *hand, *recorder,
                                               [&] { return ++ticks % 1000 != 0 || !interrupts(); });
-    files.push_back(recorder.finish(end.outcome));
-    interrupts.rethrow();  // the running episode was ended and kept
+    recorder->end(end.outcome);
+    if (before) files.push_back(before->written());
+    before = std::move(recorder);
   }
+  if (before) files.push_back(before->written());
+  interrupts.rethrow();  // the running episode was ended and kept
   return files;
 }
 

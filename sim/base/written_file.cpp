@@ -69,12 +69,9 @@ WrittenFile::WrittenFile(const std::string& name, std::string text) : WrittenFil
   keep();
 }
 
-WrittenFile::WrittenFile(const std::string& name,
-                         const std::function<void(const std::string& path)>& write)
-    : WrittenFile(name) {
-  if (fd_ < 0) throw FileTrouble(name + ": is a device or a pipe, not a file");
-  write(beside_);
-  keep();
+const std::string& WrittenFile::path() const {
+  if (fd_ < 0) throw FileTrouble(name_ + ": is a device or a pipe, not a file");
+  return beside_;
 }
 
 void WrittenFile::keep() {

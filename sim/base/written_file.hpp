@@ -11,23 +11,23 @@ class WrittenFile {
   // Writes `text` beside `name`; a link is followed. Also removes what killed runs left there
   // half-written. Throws FileTrouble.
   WrittenFile(const std::string& name, std::string text);
-  // The same where `write` fills the file whose path it is given; what it throws is thrown on.
-  WrittenFile(const std::string& name, const std::function<void(const std::string& path)>& write);
+  // An empty one, which others fill at path(). Throws FileTrouble.
+  explicit WrittenFile(const std::string& name);
   WrittenFile(const WrittenFile&) = delete;
   WrittenFile& operator=(const WrittenFile&) = delete;
   // Removes what has not got its name.
   ~WrittenFile();
+
+  // Beside its name. Throws FileTrouble where it is a device or a pipe.
+  const std::string& path() const;
+  // Brings what was written at path() to the disk. Throws FileTrouble.
+  void keep();
 
   // Gives it its name; to a device or a pipe of that name it is written now. With `replace` false
   // an existing file is left alone. Throws FileTrouble.
   void commit(bool replace = true);
 
  private:
-  // Open and empty, unless it is a device or a pipe.
-  explicit WrittenFile(const std::string& name);
-  // On the disk.
-  void keep();
-
   std::string name_, text_, file_, beside_;
   int fd_ = -1;  // locked while it is being written
 };
