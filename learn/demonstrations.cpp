@@ -45,10 +45,12 @@ Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
 
 namespace {
 
-bool add_new(std::vector<Json>& documents, const Json& document) {
-  const bool is_new = std::find(documents.begin(), documents.end(), document) == documents.end();
-  if (is_new) documents.push_back(document);
-  return is_new;
+constexpr std::size_t kFewest = 3;  // demonstrations that a fit needs
+
+template <class Document>
+void add_new(std::vector<Document>& documents, const Document& document) {
+  if (std::find(documents.begin(), documents.end(), document) == documents.end())
+    documents.push_back(document);
 }
 
 }  // namespace
@@ -66,8 +68,8 @@ void DemonstrationSet::add(const EpisodeRows& episode, const std::string& file,
                    ": was recorded with another scaling than the episodes before it; a law is "
                    "learned in one hand's world");
   add_new(undrawn_documents, undrawn(scene.document));
-  if (add_new(documents, scene.document) &&
-      std::find(scenes.begin(), scenes.end(), scene.name) == scenes.end())
+  if (documents.size() < kMostDocuments) add_new(documents, episode.info().scene);
+  if (std::find(scenes.begin(), scenes.end(), scene.name) == scenes.end())
     scenes.insert(std::upper_bound(scenes.begin(), scenes.end(), scene.name), scene.name);
   speed_scale = std::max(speed_scale, its.motion * scene.limits.speed);
   speed_limit = std::max(speed_limit, scene.limits.speed);
@@ -79,6 +81,18 @@ void DemonstrationSet::add(const EpisodeRows& episode, const std::string& file,
   }
   demonstrations.push_back(demonstration(episode, scene, file));
   demonstrations.back().sha1 = hash;
+  while (rows() > kMostRows && demonstrations.size() > kFewest) {
+    demonstrations.erase(
+        std::max_element(demonstrations.begin(), demonstrations.end(),
+                         [](const auto& a, const auto& b) { return a.sha1 < b.sha1; }));
+    ++beyond;
+  }
+}
+
+Eigen::Index DemonstrationSet::rows() const noexcept {
+  Eigen::Index sum = 0;
+  for (const Demonstration& d : demonstrations) sum += d.rows();
+  return sum;
 }
 
 DemonstrationSet load_demonstrations(
@@ -120,7 +134,6 @@ TrainedOn trained_on(const DemonstrationSet& set, const std::vector<const Demons
 }
 
 void refuse_too_few(const DemonstrationSet& set) {
-  constexpr std::size_t kFewest = 3;
   if (set.demonstrations.size() < kFewest)
     throw BadInput(fmt::format(
         "too few demonstrations: {} successful ({} unsuccessful left out); {} are needed",

@@ -34,12 +34,20 @@ struct Demonstration {
   }
 };
 
+// The successful demonstrations among episodes: all, or as many as have kMostRows rows, more than an
+// hour of them. Of more than that those stay whose hashes are smallest, drawn at random and yet
+// the same in whatever order they come, so that 10,000 episodes take no more memory than 150.
 struct DemonstrationSet {
-  std::vector<Demonstration> demonstrations;  // the successful ones
-  std::size_t unsuccessful = 0;               // left out
-  std::vector<std::string> scenes;            // names, sorted; more than one where they differ
-  std::vector<Json> documents;                // of the scenes that differ, with the parts as drawn
-  std::vector<Json> undrawn_documents;        // the same with the parts as they come
+  static constexpr Eigen::Index kMostRows = 400'000;
+  static constexpr std::size_t kMostDocuments = 1000;
+
+  std::vector<Demonstration> demonstrations;
+  std::size_t unsuccessful = 0;     // left out
+  std::size_t beyond = 0;           // successful and left out, as there were rows enough
+  std::vector<std::string> scenes;  // names, sorted; more than one where they differ
+  // Of the scenes that differ, with the parts as drawn, in JSON; the first kMostDocuments.
+  std::vector<std::string> documents;
+  std::vector<Json> undrawn_documents;  // of all of them, with the parts as they come
   double speed_scale = 0;  // of the hand: the scene's speed limit, scaled up, largest [m/s]
   std::optional<Scaling> scaling{};  // of all; empty where there is no episode
   double speed_limit = 0,
@@ -48,6 +56,7 @@ struct DemonstrationSet {
 
   // Throws BadInput where the episode was recorded with another scaling than those before.
   void add(const EpisodeRows& episode, const std::string& file, const std::string& hash);
+  Eigen::Index rows() const noexcept;
 };
 
 // From the row layout of one episode.

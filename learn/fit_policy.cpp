@@ -175,8 +175,9 @@ DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f,
                           std::vector<Demonstration>& met) {
   DaggerRound now;
   for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
+    const std::string what = "a scene of the episodes";
     const Scene scene =
-        parse_scene(set.documents[k % set.documents.size()], "a scene of the episodes");
+        parse_scene(parse_json(set.documents[k % set.documents.size()], what), what);
     const std::uint64_t trial = round * kTrialsPerRound + k;
     met.push_back(relabelled_trial(scene, f.policy, skills[trial % skills.size()], f.reaction_time,
                                    seed, kFirstTrial + trial));

@@ -75,8 +75,13 @@ std::vector<std::string> fit_warnings(const DemonstrationSet& set,
                                       const ControllerFile& controller) {
   std::vector<std::string> warnings;
   if (const auto* law = std::get_if<LawFile>(&controller)) warn_of_gains(set, *law, warnings);
-  for (const Json& document : set.documents) {
-    const Scene scene = parse_scene(document, "a scene of the episodes");
+  if (set.beyond > 0)
+    warnings.push_back(fmt::format(
+        "{} of {} successful episodes were left out, drawn at random: a fit takes {} rows of 10 ms",
+        set.beyond, set.beyond + set.demonstrations.size(), DemonstrationSet::kMostRows));
+  for (const std::string& document : set.documents) {
+    const std::string what = "a scene of the episodes";
+    const Scene scene = parse_scene(parse_json(document, what), what);
     if (time_without_force(maker(controller), scene) <= scene.limits.time) continue;
     warnings.push_back(fmt::format(
         "too slow for its trials: even where it feels nothing it does not reach {:g} um within the "

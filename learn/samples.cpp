@@ -50,6 +50,7 @@ Samples samples(const Demonstration& d, double reaction) {
   const Eigen::Index stride = rows_per_step(d.period);
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d.period));
   Samples all;
+  all.reserve(static_cast<std::size_t>((d.rows() + stride - 1) / stride));
   for (Eigen::Index n = 0; n < d.rows(); n += stride) {
     if (cut_to_limit(d, n)) continue;
     all.push_back({d.observed(n), d.velocity.row(n).transpose()});

@@ -5,11 +5,11 @@
 #include <algorithm>
 
 #include "learn/intervals.hpp"
+#include "learn/law_cost.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr double kVelocityHuber = 0.2;   // of the speed scale
 constexpr std::size_t kStartStride = 5;  // of rows that tell starts apart
 
 // Unit that a gain of order one is multiplied by, and bounds of the scaled gain. Slowing and
@@ -41,6 +41,12 @@ std::vector<Scaled> scaled_gains(LawKind kind, const LawScales& scales) {
                              {1, 0, 20}};
   all.resize(gain_table(kind).size());
   return all;
+}
+
+LawUnits units_of(const std::vector<Scaled>& gains, double speed) {
+  LawUnits units{{}, speed};
+  for (const Scaled& gain : gains) units.gains.push_back(gain.unit);
+  return units;
 }
 
 struct Start {
@@ -85,48 +91,6 @@ std::vector<Start> starts(LawKind kind, const std::vector<Samples>& episodes,
   return all;
 }
 
-template <LawKind kind>
-struct RowError {
-  static constexpr int kCount = static_cast<int>(gain_table(kind).size());
-  const Sample& sample;
-  const std::vector<Scaled>& gains;
-  double speed;
-
-  template <class T>
-  bool operator()(const T* scaled, T* residual) const {
-    T gain[kCount];
-    for (std::size_t i = 0; i < kCount; ++i) {
-      gain[i] = scaled[i] * gains[i].unit;
-      if (gain_table(kind)[i].range == Gain::positive && !(gain[i] > 0.0)) return false;
-    }
-    const Eigen::Matrix<T, 3, 1> v = law_velocity(kind, gain, sample);
-    for (int axis = 0; axis < 3; ++axis) residual[axis] = (v[axis] - sample.velocity[axis]) / speed;
-    return true;
-  }
-};
-
-// Keeps references to `sample` and `gains`.
-template <LawKind kind>
-ceres::CostFunction* cost_of(const Sample& sample, const std::vector<Scaled>& gains, double speed) {
-  using Error = RowError<kind>;
-  return new ceres::AutoDiffCostFunction<Error, 3, Error::kCount>(new Error{sample, gains, speed});
-}
-
-ceres::CostFunction* row_cost(LawKind kind, const Sample& sample, const std::vector<Scaled>& gains,
-                              double speed) {
-  switch (kind) {
-    case LawKind::linear:
-      return cost_of<LawKind::linear>(sample, gains, speed);
-    case LawKind::phased:
-      return cost_of<LawKind::phased>(sample, gains, speed);
-    case LawKind::saturated:
-      return cost_of<LawKind::saturated>(sample, gains, speed);
-    case LawKind::insertion:
-      break;
-  }
-  return cost_of<LawKind::insertion>(sample, gains, speed);
-}
-
 // Ends a solve where it is no longer wanted.
 class Watch : public ceres::IterationCallback {
  public:
@@ -144,10 +108,10 @@ LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
                        bool bounded, Effort effort, const std::function<bool()>& go_on) {
   LawSolution s{{}, start.scaled, INFINITY, {}, 0};
   ceres::Problem problem;
-  auto* loss = new ceres::HuberLoss(kVelocityHuber);
+  const LawUnits units = units_of(gains, speed);
   for (const Samples& episode : episodes)
-    for (const Sample& sample : episode)
-      problem.AddResidualBlock(row_cost(kind, sample, gains, speed), loss, s.scaled.data());
+    problem.AddResidualBlock(episode_cost(kind, episode, units).release(), nullptr,
+                             s.scaled.data());
   for (std::size_t i = 0; bounded && i < gains.size(); ++i) {
     problem.SetParameterLowerBound(s.scaled.data(), static_cast<int>(i), gains[i].low);
     problem.SetParameterUpperBound(s.scaled.data(), static_cast<int>(i), gains[i].high);
@@ -179,25 +143,6 @@ bool within_bounds(const std::vector<double>& scaled, const std::vector<Scaled>&
 bool at_bound(double scaled, const Scaled& gain) {
   return scaled - gain.low <= 1e-3 * std::abs(gain.low) + 1e-9 ||
          gain.high - scaled <= 1e-2 * gain.high;
-}
-
-// Sums of one episode at a solution.
-EpisodeSums sums(LawKind kind, const Samples& episode, const std::vector<Scaled>& gains,
-                 double speed, const std::vector<double>& scaled) {
-  const auto n = static_cast<Eigen::Index>(scaled.size());
-  EpisodeSums all(n);
-  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::RowMajor> jacobian(3, n);
-  Eigen::Vector3d residual;
-  for (const Sample& sample : episode) {
-    const std::unique_ptr<ceres::CostFunction> cost(row_cost(kind, sample, gains, speed));
-    const double* parameters[] = {scaled.data()};
-    double* jacobians[] = {jacobian.data()};
-    cost->Evaluate(parameters, residual.data(), jacobians);
-    const double weight = huber_weight(residual.norm(), kVelocityHuber);
-    all.information += weight * jacobian.transpose() * jacobian;
-    all.score += weight * jacobian.transpose() * residual;
-  }
-  return all;
 }
 
 }  // namespace
@@ -259,7 +204,8 @@ std::vector<FittedGain> law_gains(LawKind kind, const std::vector<Samples>& epis
     fixed.push_back(at_bound(solution.scaled[i], gains[i]));
   std::vector<EpisodeSums> each;
   for (const Samples& episode : episodes)
-    each.push_back(sums(kind, episode, gains, scales.speed, solution.scaled));
+    each.push_back(
+        episode_sums(kind, episode, units_of(gains, scales.speed), solution.scaled));
   const Eigen::VectorXd half = precision(each, fixed).half_width;
   std::vector<FittedGain> fitted;
   for (std::size_t i = 0; i < gains.size(); ++i) {
