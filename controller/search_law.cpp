@@ -27,6 +27,8 @@ constexpr double kGoalTime = 0.01;  // with which it settles at a place [s]
 constexpr double kTiltTime = 0.1;   // and at a tilt, inserting [s]
 
 // Of a hand that is late.
+constexpr double kLagTime = 0.25;  // so long it is measured [s]
+constexpr double kLagLags = 5;     // and at least so many times itself
 constexpr double kGoalLags = 2.7;  // it settles with at least: from e of them on without overshoot
 constexpr double kStopForce = 0.75;  // of the pushing force: so much may a touch with it add
 constexpr double kStopTime = 5e-3;   // of touching speed: what moves the end that far, unknown [s]
@@ -106,12 +108,15 @@ double SearchLaw::felt_moment() const noexcept {
   return std::max(n_.turn_moment, kSmoothNoises * std::sqrt(noise_.tail<2>().maxCoeff()));
 }
 
-// By how much the holder is late, on its way straight in at one speed since the start.
+// By how much the holder is late, on its way straight in at one speed since the start. The speed it
+// has reached is its mean over at least the last half of that time: a supervisor lets it go by fits
+// and starts where the sensor is noisy.
 void SearchLaw::measure_lag(const Observation& o) noexcept {
-  const double moved = last_x_ - o.displacement[0], period = o.time - last_time_;
-  if (moved > 0) lag_ = std::max(0.0, o.time - since_ + (o.displacement[0] / moved - 1) * period);
-  last_x_ = o.displacement[0];
-  last_time_ = o.time;
+  const double time = o.time - since_, x = o.displacement[0];
+  if (time > std::max(kLagTime, kLagLags * lag_)) return;
+  if (time >= 2 * marks_[1].time) marks_ = {marks_[1], {time, x}};
+  const auto [before, from] = marks_[0];
+  if (x < from) lag_ = std::max(0.0, time - x * (time - before) / (x - from));
 }
 
 // A speed from which the holder, late as it is, does not go on by more than `further`.
@@ -147,10 +152,8 @@ HandTwist SearchLaw::approach(const Observation& o) noexcept {
   ++free_;
   if (free_ > 1) noise_ += (o.wrench.cwiseAbs2() - noise_) / free_;
   tare_ += o.wrench / free_;
-  if (still) {
-    since_ = last_time_ = o.time;
-    return along(0);
-  }
+  if (still) return along(0);
+  if (since_ < n_.hold_time) since_ = o.time;
   if (o.height < n_.near_entrance) return along(-touching());
   if (!centred_ && rest_force_ == 0) measure_lag(o);
   if (!centred_ && lag_ > kLate && o.height < 0.5 * n_.lead_in_length) {

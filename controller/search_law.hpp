@@ -19,8 +19,8 @@
 //                other until the bore resists with a moment M_t, about each axis, and inserts on in
 //                the middle, with F_p larger by 15 %.
 //
-// A holder that moves later than it is told to shows that in free air: after T at a speed v, told
-// and reached, it has moved by v (T - d). With a delay or a lag d > 0 speeds are such that what it
+// A holder that moves later than it is told to shows that in free air: after T, on its way at one
+// speed that has become v, it has moved by v (T - d). With a delay or a lag d > 0 speeds are such that what it
 // goes on by after a touch, v d, adds to the force 3/4 F_p at most (k is taken as 1 N/um, as the
 // touching speed assumes, until it is known); and it keeps away from a cone until it is near the
 // axis:
@@ -123,7 +123,10 @@ class SearchLaw : public Controller {
   HandWrench noise_ = HandWrench::Zero();   // mean squares of what was read there
   int free_ = 0;                            // readings there
   double lag_ = 0;                          // by which the holder is late [s]
-  double last_x_ = 0, last_time_ = 0;       // of the last reading there [m, s]
+  struct Mark {
+    double time, x;  // since the start [s], [m]
+  };
+  std::array<Mark, 2> marks_{};             // of the way there
   HandWrench smooth_ = HandWrench::Zero();  // of the last readings, less the tare
 
   double sum_ = 0;                       // of the axial force at rest [N]
