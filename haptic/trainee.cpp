@@ -2,19 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "sim/base/elementary.hpp"
 #include "sim/base/minimum_jerk.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr double kRest = 0.3;            // the hand rests before it starts [s]
-constexpr double kAfterwards = 0.5;      // and after it has arrived [s]
-constexpr double kPressFrom = 0.7;       // phase at which it begins to press: well inside by then
-constexpr double kHesitationFade = 0.1;  // time constant of g [s]
-constexpr double kTau = 2 * std::numbers::pi;
+constexpr double kRest = 0.3;        // the hand rests before it starts [s]
+constexpr double kAfterwards = 0.5;  // and after it has arrived [s]
+constexpr double kPressFrom = 0.7;   // phase at which it begins to press: well inside by then
 
 // The phase at which part of the way is made.
 double phase_at(double part) noexcept {
@@ -40,9 +36,10 @@ TraineeTraits trainee_traits(double skill) noexcept {
 
 Trainee::Trainee(const TraineeTraits& traits, const TraineeTask& task,
                  std::function<double()> uniform)
-    : traits_(traits), task_(task), uniform_(std::move(uniform)), pose_(task.start) {
-  for (auto& axis : tremor_)
-    for (auto& s : axis) s = {8 + 4 * uniform_(), kTau * uniform_()};
+    : traits_(traits),
+      task_(task),
+      hand_(traits.tremor, traits.hesitation_rate, task.period, std::move(uniform)),
+      pose_(task.start) {
   const auto delayed = static_cast<std::size_t>(std::lround(traits_.delay / task_.period));
   forces_.assign(std::max<std::size_t>(1, delayed), Eigen::Vector3d::Zero());
 }
@@ -66,7 +63,7 @@ void Trainee::render(const HandWrench& wrench) {
   velocity_[1] -=
       traits_.yield * task_.press * std::max(0.0, (phase_ - kPressFrom) / (1 - kPressFrom));
   velocity_.segment<2>(1) += steering();
-  velocity_.head<3>() += tremor_velocity(time_);
+  velocity_.head<3>() += hand_.tremor_velocity(time_);
 }
 
 HandTwist Trainee::answer(double t, const HandPose& pose, const HandWrench& wrench) {
@@ -78,15 +75,11 @@ HandTwist Trainee::answer(double t, const HandPose& pose, const HandWrench& wren
 }
 
 void Trainee::advance_intention(double force) noexcept {
-  if (uniform_() < traits_.hesitation_rate * task_.period && time_ > pause_until_)
-    pause_until_ = time_ + 0.2 + 0.6 * uniform_();
-  const double wanted = time_ < pause_until_ ? 0.0 : 1.0;
-  drive_ += (wanted - drive_) * task_.period / kHesitationFade;
-
+  const double drive = hand_.drive(time_);
   // A minimum-jerk motion peaks at 15/8 of its mean speed.
   const double duration = kPeakOfMinimumJerk * task_.distance / (traits_.peak_speed * task_.speed);
   const double slowed = force / traits_.slowing_force;
-  const double rate = drive_ / (duration * (1 + slowed * slowed));
+  const double rate = drive / (duration * (1 + slowed * slowed));
   const double p = std::min(1.0, phase_ + rate * task_.period);
   speed_ = task_.distance * (minimum_jerk(p) - minimum_jerk(phase_)) / task_.period;
   phase_ = p;
@@ -102,17 +95,6 @@ Eigen::Vector2d Trainee::steering() const noexcept {
   const double made = minimum_jerk(now), more = minimum_jerk(std::min(1.0, next)) - made;
   const Eigen::Vector2d left = task_.aim->lateral - pose_.segment<2>(1);
   return std::min(1.0, more / (1 - made)) / task_.period * left;
-}
-
-Eigen::Vector3d Trainee::tremor_velocity(double t) const noexcept {
-  Eigen::Vector3d velocity;
-  for (int axis = 0; axis < 3; ++axis) {
-    velocity[axis] = 0;
-    for (const auto& [frequency, phase] : tremor_[static_cast<std::size_t>(axis)])
-      velocity[axis] += traits_.tremor / std::numbers::sqrt2 * kTau * frequency *
-                        elementary::cos(kTau * frequency * t + phase);
-  }
-  return velocity;
 }
 
 }  // namespace ferrule

@@ -12,16 +12,16 @@
 //                         dy = (y_aim - y) (m(s + ds) - m(s))/(1 - m(s)),  m(s) = 10 s^3 - ...,
 //                       s the part made of the way along -x up to there
 //   phase speed       dp/dt = g / (T (1 + |f|^2 / F_s^2))   slows down where the force is large
-// On top come physiological tremor (8 to 12 Hz, three axes) and hesitations, during which g falls
-// from 1 towards 0. `skill` from 0 to 1 moves all of them together (trainee_traits).
+// with g the drive, which falls from 1 towards 0 while it hesitates; on top comes tremor
+// (haptic/unsteady_hand.hpp). `skill` from 0 to 1 moves all of them together (trainee_traits).
 #pragma once
 
-#include <array>
 #include <functional>
 #include <optional>
 #include <vector>
 
 #include "haptic/device.hpp"
+#include "haptic/unsteady_hand.hpp"
 
 namespace ferrule {
 
@@ -67,24 +67,17 @@ class Trainee : public Device {
   HandTwist answer(double t, const HandPose& pose, const HandWrench& wrench);
 
  private:
-  struct Sinusoid {
-    double frequency, phase;  // [Hz], [rad]
-  };
-
   void advance_intention(double force) noexcept;
-  Eigen::Vector3d tremor_velocity(double t) const noexcept;
   Eigen::Vector2d steering() const noexcept;
 
   TraineeTraits traits_;
   TraineeTask task_;
-  std::function<double()> uniform_;
-  std::array<std::array<Sinusoid, 2>, 3> tremor_;
+  UnsteadyHand hand_;
   HandPose pose_;
   HandTwist velocity_ = HandTwist::Zero();
   double time_ = 0;
   double phase_ = 0, speed_ = 0;  // p and the intended speed along -x [m/s]
-  double drive_ = 1;              // g
-  double pause_until_ = -1, finished_at_ = -1;
+  double finished_at_ = -1;
   std::vector<Eigen::Vector3d> forces_;  // ring: those of the last `delay` seconds [N]
   std::size_t next_ = 0;
 };
