@@ -234,7 +234,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_threads(*verb, a->threads);
   add_shard(*verb);
   verb->add_option("--baseline", a->baseline, "A naive controller: alone, or on the same trials")
-      ->check(one_of({kStraight, kSpiral}));
+      ->check(one_of({kStraight, kSpiral, kSearching}));
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");

@@ -9,6 +9,7 @@
 #include "controller/blind_spiral.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
+#include "controller/searching_operator.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "learn/torch_policy.hpp"
 #include "sim/base/error.hpp"
@@ -60,10 +61,11 @@ GivenController given_file(const std::string& file, const PolicyArguments& how,
 }
 
 bool is_baseline(const std::string& name) {
-  return name == kStraight || name == kSpiral;
+  return name == kStraight || name == kSpiral || name == kSearching;
 }
 
 MakeController baseline(const std::string& name, const Scene& scene) {
+  if (name == kSearching) return searching_operator(scene, 0.8, 1);
   const Scaling scaling = scene_scaling(scene);
   const double speed = scaling.motion * scene.limits.speed;
   if (name == kStraight) return controller_maker(ConstantVelocity(speed));

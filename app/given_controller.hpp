@@ -32,9 +32,11 @@ struct GivenController {
 
 // What fit wrote, or TorchScript (*.pt), for trials under `seed`. Throws FileTrouble, BadInput.
 GivenController given_file(const std::string& file, const PolicyArguments& how, std::uint64_t seed);
-// Without demonstrations: straight in at constant velocity, as fast as the scene lets it, or a
-// blind spiral (controller/blind_spiral.hpp).
-inline constexpr const char *kStraight = "constant-velocity", *kSpiral = "spiral";
+// Without demonstrations: straight in at constant velocity, as fast as the scene lets it, a blind
+// spiral (controller/blind_spiral.hpp), or an operator of skill 0.8 who finds the bore by touch
+// (controller/searching_operator.hpp).
+inline constexpr const char *kStraight = "constant-velocity", *kSpiral = "spiral",
+                            *kSearching = "searching-operator";
 bool is_baseline(const std::string& name);
 MakeController baseline(const std::string& name, const Scene& scene);
 // The program of --policy, for trials under `seed`.

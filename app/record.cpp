@@ -16,6 +16,7 @@
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
 #include "controller/controller_file.hpp"
+#include "controller/searching_operator.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -108,6 +109,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
   Holding h;
   h.scaling = scene_scaling(scene);
   const bool simulated = !a.with_device && a.operator_ == "simulated";
+  const bool searching = !a.with_device && a.operator_ == "searching";
   if (a.with_device) {
     h.device = open_device("--device", a.device.device);
     h.settings = hand_settings(a.device, *h.device, scene);
@@ -117,10 +119,16 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     throw BadInput("--supervise: needs a controller as --operator");
   if (simulated) h.name = simulated_operator_name(a.skill);
   if (h.device || simulated) return h;
-  refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
-  h.make = maker(*controller);
+  if (searching) {
+    h.make = searching_operator(scene, a.skill, a.seed);
+    h.name = searching_operator_name(a.skill);
+  } else {
+    refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
+    h.make = maker(*controller);
+    h.name = "controller " + a.operator_;
+  }
   if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
-  h.name = "controller " + a.operator_ + (a.supervise ? ", supervised" : "");
+  if (a.supervise) h.name += ", supervised";
   return h;
 }
 
@@ -152,6 +160,7 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed,
                       1.1 * scaling.motion * scene.success.depth, registered_entrance(scene));
+  place.phase = [&] { return controller->phase_name(); };
   return record_one(scene, start, hand, std::move(place));
 }
 
@@ -298,7 +307,8 @@ void expect_same_scaling(const std::string& folder, const Scaling& now) {
 }
 
 int record_verb(const RecordArguments& a) {
-  const bool by_controller = !a.with_device && a.operator_ != "simulated";
+  const bool by_controller =
+      !a.with_device && a.operator_ != "simulated" && a.operator_ != "searching";
   std::optional<ControllerFile> controller;
   Provenance provenance;
   if (by_controller) {
@@ -359,10 +369,12 @@ void add_record(CLI::App& app, Run& run) {
   auto a = std::make_shared<RecordArguments>();
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
-  auto* person = verb->add_option("--operator", a->operator_,
-                                  "Who holds the fibre: \"simulated\", or a controller")
-                     ->capture_default_str()
-                     ->type_name("simulated|FILE");
+  auto* person =
+      verb->add_option("--operator", a->operator_,
+                       "Who holds the fibre: \"simulated\", \"searching\" for one who finds "
+                       "the bore by touch, or a controller")
+          ->capture_default_str()
+          ->type_name("simulated|searching|FILE");
   auto* device = add_device(*verb, a->device,
                             "Hold the fibre with a device: the first usable one, one by its path, "
                             "or a fake one that a simulated hand moves");

@@ -71,8 +71,15 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = info_of(scene, device, place);
   auto recorder = std::make_unique<Recorder>(std::move(place.claim), info);
-  const InsertionEnd end =
-      record_insertion(scene, start, device, *recorder, [] { return !interrupted(); });
+  Json phases = Json::array();
+  std::string before;
+  const InsertionEnd end = record_insertion(scene, start, device, *recorder, [&] {
+    const std::string phase = place.phase ? place.phase() : "";
+    if (phase != before) phases.push_back({recorder->rows() - 1, phase});
+    before = phase;
+    return !interrupted();
+  });
+  if (!phases.empty()) recorder->info().phases = phases.dump();
   recorder->end(end.outcome);
   Recorded recorded{{}, end, info.period};
   recorded.writing = std::move(recorder);

@@ -1,6 +1,7 @@
 // Recording one episode into a folder: used by `record` and `demo`.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -18,7 +19,7 @@ struct Recorded {
   std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;
   bool discarded = false;
-  bool last = false;  // the operator ended the recording with it
+  bool last = false;                    // the operator ended the recording with it
   std::unique_ptr<Recorder> writing{};  // of a file that is not whole yet
 
   // Waits until it is. Throws FileTrouble.
@@ -36,6 +37,8 @@ struct EpisodePlace {
     bool goes_on;
   };
   std::optional<Sitting> sitting{};
+  // Of an operator who has phases: the one that the row just recorded is of (EpisodeInfo::phases).
+  std::function<std::string()> phase{};
 };
 
 // Of so many episodes the files are written while the next one is recorded.

@@ -16,8 +16,8 @@ namespace ferrule {
 namespace {
 
 // What only inputs_sha1 covers.
-constexpr const char* kNotCovered[] = {"operator", "build",   "version",  "why",       "rating",
-                                       "loop",     "mapping", "coupling", "raw counts"};
+constexpr const char* kNotCovered[] = {"operator", "build",   "version",  "why",        "rating",
+                                       "loop",     "mapping", "coupling", "raw counts", "phases"};
 
 struct ReplayArguments {
   std::string path, plot;

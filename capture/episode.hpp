@@ -8,7 +8,8 @@
 //                        ended it), rating (1 to 5, by the operator), trainee, date and session
 //                        (when it, and the sitting, began, in UTC), loop (JSON: how well a loop
 //                        with a device kept its period), coupling (JSON, where the device was
-//                        coupled to the holder)
+//                        coupled to the holder), phases (JSON: what the operator was at, a list of
+//                        [first row, name])
 //   /data                attributes: total, env_args (JSON)
 //   /data/demo_0         attribute: num_samples
 //     rows/<block>       every block of capture/row.hpp but `states`, float64, exact
@@ -55,6 +56,7 @@ struct EpisodeInfo {
   std::string version, build;  // of the program that recorded it
   std::string mapping;         // mapping_text of a device with raw axes, and else empty
   std::string coupling;        // coupling_text where there is one between device and holder
+  std::string phases;          // of an operator who has some, the first row of each: see above
   std::string loop;            // loop_json of a loop in time (capture/haptic_loop.hpp)
   int rating = 0;              // by the operator, 1 to 5; 0: none
   std::string inputs_sha1;     // of the file it was read from; empty where that has none

@@ -34,7 +34,7 @@ auto optional_texts(Info& info) {
   return std::array{std::pair{"mapping", &info.mapping}, std::pair{"coupling", &info.coupling},
                     std::pair{"loop", &info.loop},       std::pair{"why", &info.why},
                     std::pair{"trainee", &info.trainee}, std::pair{"date", &info.date},
-                    std::pair{"session", &info.session}};
+                    std::pair{"session", &info.session}, std::pair{"phases", &info.phases}};
 }
 
 // All that a file holds of an episode: what it says, but for the hash of its inputs, and block by

@@ -26,6 +26,8 @@ class Controller {
   virtual double disagreement() const noexcept { return 0; }
   // What a supervisor did so far; null for a controller that has none.
   virtual const Supervision* supervision() const noexcept { return nullptr; }
+  // Which part of its task the last command was for; empty where it knows none.
+  virtual const char* phase_name() const noexcept { return ""; }
   // Why it cannot answer any more, where it is somebody else's program; empty while it can. Its
   // commands are not finite then.
   virtual std::string failure() const { return {}; }

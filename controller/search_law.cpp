@@ -39,6 +39,7 @@ constexpr double kFurther = 1.25;      // of what a cone may be higher
 
 // Of how it inserts.
 constexpr double kLookEvery = 0.1;  // whether it is held up [s]
+constexpr double kLookLags = 1.5;   // and in no less than so many lags: a late hand sets out late
 constexpr double kHeldUp = 0.1;     // of the inserting speed: slower than that it is
 constexpr double kShallow = 3;      // lifts below the face: there the face may hold it up
 constexpr double kFreed = 0.5;      // of the pushing force: less is left before it turns
@@ -55,9 +56,10 @@ HandTwist along(double velocity) noexcept {
 
 }  // namespace
 
-SearchLaw::SearchLaw(std::span<const double> g) noexcept
+SearchLaw::SearchLaw(std::span<const double> g, const KnownHand& hand) noexcept
     : n_{g[0], g[1], g[2],  g[3],  g[4],  g[5],  g[6],  g[7],
          g[8], g[9], g[10], g[11], g[12], g[13], g[14], g[15]},
+      known_(hand),
       search_({n_.fibre_radius, n_.bore_radius, n_.mouth_radius, n_.lead_in_length,
                n_.near_entrance, n_.tilt, n_.lift}) {
   static_assert(sizeof(Numbers) == kSearchGains.size() * sizeof(double));
@@ -124,11 +126,14 @@ double SearchLaw::stoppable(double speed, double further) const noexcept {
   return speed * lag_ > further ? further / lag_ : speed;
 }
 
-// By a touch with it the force grows by part of the pushing force.
+// Of the hand, in which the force of a touch grows by part of the pushing force.
+double SearchLaw::touching_way() const noexcept {
+  const double k = stiffness_ > 0 ? stiffness_ : known_.stiffness;
+  return kStopForce * (k > 0 ? n_.push_force / k : kStopTime * n_.touch_speed);
+}
+
 double SearchLaw::touching() const noexcept {
-  const double further =
-      kStopForce * (stiffness_ > 0 ? n_.push_force / stiffness_ : kStopTime * n_.touch_speed);
-  return stoppable(n_.touch_speed, further);
+  return stoppable(n_.touch_speed, touching_way());
 }
 
 // A tilted end gives way in the bore, and comes to rest in parts of the lift.
@@ -155,12 +160,14 @@ HandTwist SearchLaw::approach(const Observation& o) noexcept {
   if (still) return along(0);
   if (since_ < n_.hold_time) since_ = o.time;
   if (o.height < n_.near_entrance) return along(-touching());
-  if (!centred_ && rest_force_ == 0) measure_lag(o);
+  if (!centred_ && rest_force_ == 0 && known_.lag == 0) measure_lag(o);
   if (!centred_ && lag_ > kLate && o.height < 0.5 * n_.lead_in_length) {
     centred_ = true;
     return begin(Phase::centre, o);
   }
-  return along(-n_.approach_speed);
+  const double approaching =
+      known_.stiffness > 0 ? stoppable(n_.approach_speed, touching_way()) : n_.approach_speed;
+  return along(-approaching);
 }
 
 HandTwist SearchLaw::touch(const Observation& o) {
@@ -235,8 +242,9 @@ HandTwist SearchLaw::lower(const Observation& o) noexcept {
 }
 
 HandTwist SearchLaw::insert(const Observation& o) noexcept {
-  if (o.time - since_ >= kLookEvery) {
-    const bool held_up = from_[0] - o.displacement[0] < kHeldUp * inserting() * kLookEvery;
+  const double look = std::max(kLookEvery, kLookLags * lag_);
+  if (o.time - since_ >= look) {
+    const bool held_up = from_[0] - o.displacement[0] < kHeldUp * inserting() * look;
     const bool shallow =
         search_.begun() && o.displacement[0] > search_.lowest_rest() - kShallow * n_.lift;
     begin(!held_up ? Phase::insert : shallow ? Phase::touch : Phase::back_off, o);

@@ -20,10 +20,10 @@
 //                the middle, with F_p larger by 15 %.
 //
 // A holder that moves later than it is told to shows that in free air: after T, on its way at one
-// speed that has become v, it has moved by v (T - d). With a delay or a lag d > 0 speeds are such that what it
-// goes on by after a touch, v d, adds to the force 3/4 F_p at most (k is taken as 1 N/um, as the
-// touching speed assumes, until it is known); and it keeps away from a cone until it is near the
-// axis:
+// speed that has become v, it has moved by v (T - d). With a delay or a lag d > 0 speeds are such
+// that what it goes on by after a touch, v d, adds to the force 3/4 F_p at most (k is taken as
+// 1 mN/um, as the touching speed assumes, until it is known; who knows k at first approaches so,
+// too); and it keeps away from a cone until it is near the axis:
 //   centre       half way down the lead-in it moves to one side and to the other until the cone
 //                resists, in y and in z, and goes on in the middle.
 //
@@ -60,6 +60,12 @@ inline constexpr std::array kSearchGains = std::to_array<Gain>({
 // The last ones are sizes of the parts, not choices.
 inline constexpr std::size_t kSearchSizes = 4;
 
+// What somebody knows of his own hand, and others find out.
+struct KnownHand {
+  double lag = 0;        // from what is felt to what the holder does [s]; 0: is measured
+  double stiffness = 0;  // of the holder along the bore [N/m]; 0: not known before a touch
+};
+
 class SearchLaw : public Controller {
  public:
   enum class Phase {
@@ -74,12 +80,17 @@ class SearchLaw : public Controller {
     back_off,
     straighten
   };
+  static constexpr std::array kPhaseNames = {"approach", "centre",    "touch", "release",
+                                             "lift",     "move",      "lower", "insert",
+                                             "back_off", "straighten"};
 
   // One number per gain of the table.
-  explicit SearchLaw(std::span<const double> gains) noexcept;
+  explicit SearchLaw(std::span<const double> gains, const KnownHand& hand = {}) noexcept;
 
   HandTwist command(const Observation& observation) noexcept override;
-  Phase phase() const noexcept { return phase_; }
+  const char* phase_name() const noexcept override {
+    return kPhaseNames[static_cast<std::size_t>(phase_)];
+  }
 
  private:
   struct Numbers {
@@ -109,20 +120,22 @@ class SearchLaw : public Controller {
   double felt_moment() const noexcept;
   void measure_lag(const Observation& o) noexcept;
   double stoppable(double speed, double further) const noexcept;
+  double touching_way() const noexcept;
   double touching() const noexcept;
   double inserting() const noexcept;
   double goal_time() const noexcept;
 
   Numbers n_;
+  KnownHand known_;
   TouchSearch search_;
   Phase phase_ = Phase::approach;
   double since_ = 0;                  // its begin [s]
   HandPose from_ = HandPose::Zero();  // and the displacement then
 
-  HandWrench tare_ = HandWrench::Zero();    // mean of what was read in free air
-  HandWrench noise_ = HandWrench::Zero();   // mean squares of what was read there
-  int free_ = 0;                            // readings there
-  double lag_ = 0;                          // by which the holder is late [s]
+  HandWrench tare_ = HandWrench::Zero();   // mean of what was read in free air
+  HandWrench noise_ = HandWrench::Zero();  // mean squares of what was read there
+  int free_ = 0;                           // readings there
+  double lag_ = known_.lag;                // by which the holder is late [s]
   struct Mark {
     double time, x;  // since the start [s], [m]
   };

@@ -86,6 +86,7 @@ class Supervisor : public Controller {
   HandTwist command(const Observation& observation) noexcept override;
   double disagreement() const noexcept override { return inner_->disagreement(); }
   const Supervision* supervision() const noexcept override { return &supervision_; }
+  const char* phase_name() const noexcept override { return inner_->phase_name(); }
   std::string failure() const override { return inner_->failure(); }
 
  private:

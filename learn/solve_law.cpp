@@ -204,8 +204,7 @@ std::vector<FittedGain> law_gains(LawKind kind, const std::vector<Samples>& epis
     fixed.push_back(at_bound(solution.scaled[i], gains[i]));
   std::vector<EpisodeSums> each;
   for (const Samples& episode : episodes)
-    each.push_back(
-        episode_sums(kind, episode, units_of(gains, scales.speed), solution.scaled));
+    each.push_back(episode_sums(kind, episode, units_of(gains, scales.speed), solution.scaled));
   const Eigen::VectorXd half = precision(each, fixed).half_width;
   std::vector<FittedGain> fitted;
   for (std::size_t i = 0; i < gains.size(); ++i) {

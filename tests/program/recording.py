@@ -39,6 +39,30 @@ class Recording(Case):
             self.refused(2, "evaluate", "--baseline", "constant-velocity", "--set", setting,
                          says=[setting.split("=")[0]])
 
+    def test_who_searches_by_touch_is_recorded_with_the_phase_of_each_row(self):
+        out = self.path("searched")
+        done = self.done("record", "--scene", "by_hand/face", "--operator", "searching", "--skill", 0.9, "--episodes", 1,
+                         "--out", out, "--json")
+        (episode,) = json.loads(done.stdout)["episodes"]
+        self.assertEqual(episode["outcome"], "inserted")
+        self.done("replay", out, "--verify")
+        with h5py.File(episode["file"]) as f:
+            self.assertEqual(f.attrs["operator"], b"searching, skill 0.9")
+            demo = f["data/demo_0/rows"]
+            begins, names = zip(*json.loads(f.attrs["phases"]))
+            rows = demo["time"].shape[0]
+            phase = numpy.repeat(names, numpy.diff(begins + (rows,)))
+            force, lateral = demo["holder_wrench"][:, 0], demo["command"][:, 1:3]
+        self.assertEqual(begins[0], 0)
+        self.assertEqual(len(phase), rows)
+        self.assertEqual((names[0], names[-1]), ("approach", "insert"))
+        self.assertTrue({"touch", "release", "lift", "move", "lower"} <= set(names))
+        self.assertGreater(names.count("touch"), 5)
+        # He presses where he touches, and goes sideways where he moves.
+        self.assertGreater(abs(force[phase == "touch"]).mean(), 5 * abs(force[phase == "approach"]).mean())
+        sideways = numpy.linalg.norm(lateral, axis=1)
+        self.assertGreater(sideways[phase == "move"].mean(), 2 * sideways[phase == "touch"].mean())
+
     def test_an_episode_is_read_by_h5py_as_documented(self):
         files = self.record(self.path("out"))
         self.assertEqual(len(files), 3)

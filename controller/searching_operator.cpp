@@ -1,0 +1,71 @@
+#include "controller/searching_operator.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "controller/controller_file.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "sim/base/random.hpp"
+
+namespace ferrule {
+namespace {
+
+constexpr double kPeriod = 1e-3;  // of the loop [s]
+
+// The gains of a law whose speeds are `part` of these.
+std::vector<double> slowed(std::vector<double> gains, double part) {
+  for (std::size_t i = 0; i < gains.size(); ++i)
+    if (std::string_view(kSearchGains[i].name).ends_with("_speed")) gains[i] *= part;
+  return gains;
+}
+
+}  // namespace
+
+SearchingOperator::SearchingOperator(const TraineeTraits& traits, std::vector<double> gains,
+                                     double stiffness, double period,
+                                     std::function<double()> uniform)
+    : period_(period),
+      hand_(traits.tremor, traits.hesitation_rate, period, std::move(uniform)),
+      law_(slowed(std::move(gains), traits.peak_speed), {traits.delay, stiffness}),
+      observed_(static_cast<std::size_t>(std::lround(traits.delay / period))) {}
+
+HandTwist SearchingOperator::command(const Observation& observation) noexcept {
+  Observation& oldest = observed_[next_];
+  const Observation felt = oldest;
+  oldest = observation;
+  oldest.time = law_time_;
+  next_ = (next_ + 1) % observed_.size();
+  const double drive = hand_.drive(observation.time);
+  law_time_ += drive * period_;
+  HandTwist velocity = HandTwist::Zero();
+  if (seen_ < observed_.size())
+    ++seen_;
+  else
+    velocity = drive * law_.command(felt);
+  velocity.head<3>() += hand_.tremor_velocity(observation.time);
+  return velocity;
+}
+
+MakeController searching_operator(const Scene& scene, double skill, std::uint64_t seed) {
+  const auto search = std::get<SearchFile>(read_controller("search"));
+  const Scaling scaling = scene_scaling(scene);
+  const Scaling its = search.trained_on.scaling.value();
+  const auto same = [](double a, double b) { return std::abs(a - b) < 1e-9 * b; };
+  if (!same(its.motion, scaling.motion) || !same(its.force, scaling.force))
+    throw BadInput("the searching operator's numbers are for the scaling of the scene bench");
+  const double stiffness = scene.world.holder.stiffness(0, 0) * scaling.force / scaling.motion;
+  return [=, traits = trainee_traits(skill)](std::uint64_t trial) {
+    return std::make_unique<SearchingOperator>(
+        traits, search.gains, stiffness, kPeriod,
+        [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
+          return random.uniform();
+        });
+  };
+}
+
+std::string searching_operator_name(double skill) {
+  return fmt::format("searching, skill {}", skill);
+}
+
+}  // namespace ferrule
