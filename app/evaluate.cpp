@@ -149,8 +149,8 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
 std::optional<GivenController> given(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty() && a.policy.command.empty())
     throw BadInput(
-        "evaluate: give a controller file, --policy, or --baseline constant-velocity or spiral, or "
-        "one of the first two and the last");
+        "evaluate: give a controller file, --policy, or --baseline constant-velocity, spiral or "
+        "searching-operator; or one of the first two and the last");
   if (!a.controller.empty() && !a.policy.command.empty())
     throw BadInput("evaluate: give a controller file or --policy, not both");
   a.policy.periods();
@@ -233,7 +233,8 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
   add_shard(*verb);
-  verb->add_option("--baseline", a->baseline, "A naive controller: alone, or on the same trials")
+  verb->add_option("--baseline", a->baseline,
+                   "A naive controller, or an operator who searches: alone, or on the same trials")
       ->check(one_of({kStraight, kSpiral, kSearching}));
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,

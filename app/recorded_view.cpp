@@ -8,6 +8,7 @@
 #include "app/trained.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/device_controller.hpp"
+#include "controller/searching_operator.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
@@ -25,6 +26,7 @@ ReplayRun run_of(const std::string& file) {
 
 MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,
                        double skill) {
+  if (which == kSearching) return searching_operator(scene, skill, seed);
   if (is_baseline(which)) return baseline(which, scene);
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
     constexpr double kPeriod = 1e-3;
@@ -84,9 +86,10 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
   title_ = fmt::format("trial {} under seed {}", *a.trial, a.seed);
   if (file) add(path, maker(*file));
   if (!a.against.empty())
-    add(a.against == kStraight ? "constant velocity"
-        : a.against == kSpiral ? "blind spiral"
-                               : "simulated operator",
+    add(a.against == kStraight    ? "constant velocity"
+        : a.against == kSpiral    ? "blind spiral"
+        : a.against == kSearching ? "operator who searches"
+                                  : "simulated operator",
         against(a.against, scene, a.seed, a.skill));
 }
 

@@ -155,7 +155,7 @@ void add_recorded(CLI::App& verb, ViewArguments& a) {
                     ->check(whole_number(0, std::uint64_t{1} << 53));
   verb.add_option("--against", r.against,
                   "A second controller in the same trial, drawn over the first")
-      ->check(one_of({kStraight, kSpiral, "operator"}))
+      ->check(one_of({kStraight, kSpiral, "operator", kSearching}))
       ->needs(trial);
   verb.add_option("--skill", r.skill, "Skill of the operator of --against")
       ->capture_default_str()

@@ -53,7 +53,11 @@ MakeController searching_operator(const Scene& scene, double skill, std::uint64_
   const Scaling its = search.trained_on.scaling.value();
   const auto same = [](double a, double b) { return std::abs(a - b) < 1e-9 * b; };
   if (!same(its.motion, scaling.motion) || !same(its.force, scaling.force))
-    throw BadInput("the searching operator's numbers are for the scaling of the scene bench");
+    throw BadInput(
+        fmt::format("the operator who searches is one for the scaling of bench (motion x{:.6g}, "
+                    "force x{:.6g}), "
+                    "not of {} (x{:.6g}, x{:.6g})",
+                    its.motion, its.force, scene.name, scaling.motion, scaling.force));
   const double stiffness = scene.world.holder.stiffness(0, 0) * scaling.force / scaling.motion;
   return [=, traits = trainee_traits(skill)](std::uint64_t trial) {
     return std::make_unique<SearchingOperator>(
