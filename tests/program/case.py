@@ -26,9 +26,9 @@ def sanitized():
         return "FERRULE_SANITIZE:BOOL=ON" in cache.read()
 
 
-def ferrule(*arguments, **options):
+def ferrule(*arguments, timeout=600, **options):
     return subprocess.run([PROGRAM, *map(str, arguments)], capture_output=True, text=True,
-                          timeout=600, **options)
+                          timeout=timeout, **options)
 
 
 class Case(unittest.TestCase):

@@ -22,8 +22,8 @@ class Shards(Case):
         super().setUp()
         self.job = self.path("job")
 
-    def shard(self, index, count, *job, out=None):
-        return self.done(*job, "--shard", f"{index}/{count}", "--out", out or self.job)
+    def shard(self, index, count, *job, out=None, **options):
+        return self.done(*job, "--shard", f"{index}/{count}", "--out", out or self.job, **options)
 
     def start(self, index, count, *job):
         process = subprocess.Popen([PROGRAM, *map(str, job), "--shard", f"{index}/{count}", "--out", self.job],
@@ -111,7 +111,7 @@ class Shards(Case):
     # Killed, interrupted and begun again at random; damaged once. Nothing that was whole is run twice.
     def test_nothing_is_lost_by_kills(self):
         chance = random.Random(45)
-        kills, trials = (500, 1000000) if os.environ.get("FERRULE_LONG") else (15, 30000)
+        kills, trials = (500, 400000) if os.environ.get("FERRULE_LONG") else (15, 30000)
         job = (*JOB, "--trials", trials, "--threads", 1)
         shards = {1, 2, 3}
         kept = dict.fromkeys(shards, 0)
@@ -136,9 +136,9 @@ class Shards(Case):
             damaged.seek(-1, os.SEEK_CUR)
             damaged.write(bytes([byte[0] ^ 1]))
         for index in (1, 2, 3):
-            self.shard(index, 3, *job)
+            self.shard(index, 3, *job, timeout=3600)
         merged = self.done("merge", self.job, "--json")
-        self.assertEqual(merged.stdout, self.done(*job, "--json").stdout)
+        self.assertEqual(merged.stdout, self.done(*job, "--json", timeout=3600).stdout)
         self.assertIn("a part of it is damaged", merged.stderr)
 
     def test_trials_that_are_there_twice_are_told_and_count_once(self):
