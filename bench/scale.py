@@ -107,7 +107,7 @@ class Tasks:
 
 
 SIZES = {"trials_in_one_process": (1000, 10000, 100000), "trials_in_a_shard": (1000, 10000, 100000),
-         "trials_merged": (1000, 10000, 100000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (16, 64, 256),
+         "trials_merged": (1000, 10000, 100000), "episodes_recorded": (4, 16, 64), "episodes_fitted": (16, 64),
          "episodes_scored": (4, 16, 64), "rows_recorded": (1, 2, 4), "rows_recovered": (1, 2, 4),
          "rows_replayed_and_verified": (1, 2, 4), "rows_scored": (1, 2, 4), "learners_compared": (1, 2, 4)}
 
