@@ -98,8 +98,7 @@ bool record_all(const DemoArguments& a, DemoReport& report) {
   int number = 0;
   for (const double skill : kSkills)
     for (int i = 0; i < kEpisodesPerSkill; ++i) {
-      Recorded recorded = record(a, *report.scene, skill, ++number);
-      report.recorded.push_back({skill, std::move(recorded)});
+      report.recorded.push_back({skill, record(a, *report.scene, skill, ++number)});
       wait(report, kWriting);
       if (interrupted()) {
         wait(report, 0);

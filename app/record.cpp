@@ -109,7 +109,6 @@ Holding holding(const RecordArguments& a, const Scene& scene,
   Holding h;
   h.scaling = scene_scaling(scene);
   const bool simulated = !a.with_device && a.operator_ == "simulated";
-  const bool searching = !a.with_device && a.operator_ == "searching";
   if (a.with_device) {
     h.device = open_device("--device", a.device.device);
     h.settings = hand_settings(a.device, *h.device, scene);
@@ -119,13 +118,13 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     throw BadInput("--supervise: needs a controller as --operator");
   if (simulated) h.name = simulated_operator_name(a.skill);
   if (h.device || simulated) return h;
-  if (searching) {
-    h.make = searching_operator(scene, a.skill, a.seed);
-    h.name = searching_operator_name(a.skill);
-  } else {
+  if (controller) {
     refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
     h.make = maker(*controller);
     h.name = "controller " + a.operator_;
+  } else {
+    h.make = searching_operator(scene, a.skill, a.seed);
+    h.name = searching_operator_name(a.skill);
   }
   if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
   if (a.supervise) h.name += ", supervised";
