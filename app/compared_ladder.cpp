@@ -23,7 +23,7 @@ std::vector<Climber> climbers(const CompareArguments& a, const Scene& rung,
   std::vector<Climber> all;
   for (const Candidate& c : baselines(rung, set, a.skill, a.seed)) all.push_back({c, {}});
   const std::size_t count = all.size();
-  all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung)}, {}});
+  all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung, a.seed)}, {}});
   for (std::size_t i = count; i < candidates.size(); ++i) {
     const bool learned = candidates[i].parameters > 0 && std::isfinite(candidates[i].fit_seconds);
     if (!learned) all.push_back({candidates[i], {}});

@@ -131,7 +131,7 @@ void evaluate(const DemoArguments& a, DemoReport& report) {
                         Progress(what, kTrials), interrupted);
   };
   report.learned = campaign(controller_maker(report.fit.controller.law()), "learned");
-  report.baseline = campaign(baseline(kStraight, scene), "baseline");
+  report.baseline = campaign(baseline(kStraight, scene, report.trial_seed()), "baseline");
   report.evaluate_seconds = clock.seconds();
 }
 

@@ -151,7 +151,7 @@ std::vector<TestedController> tested_controllers(const DemoReport& r) {
   const std::string command = fmt::format("./ferrule view --trial TRIAL {{}} {} --seed {}",
                                           r.scene_arguments, r.trial_seed());
   return {{"constant velocity", fmt::format(fmt::runtime(command), "--against constant-velocity"),
-           baseline(kStraight, scene), &r.baseline},
+           baseline(kStraight, scene, r.trial_seed()), &r.baseline},
           {"learned controller", fmt::format(fmt::runtime(command), "controller.json"),
            controller_maker(r.fit.controller.law()), &r.learned}};
 }

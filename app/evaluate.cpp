@@ -107,7 +107,7 @@ std::vector<Tried> to_try(const EvaluateArguments& a, const std::optional<GivenC
   std::vector<Tried> all;
   if (given) all.push_back({printable(given->name), given->file ? given->name : "", given->make});
   if (!a.baseline.empty())
-    all.push_back({a.baseline, "--against " + a.baseline, baseline(a.baseline, scene)});
+    all.push_back({a.baseline, "--against " + a.baseline, baseline(a.baseline, scene, a.seed)});
   return all;
 }
 

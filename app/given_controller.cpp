@@ -64,8 +64,8 @@ bool is_baseline(const std::string& name) {
   return name == kStraight || name == kSpiral || name == kSearching;
 }
 
-MakeController baseline(const std::string& name, const Scene& scene) {
-  if (name == kSearching) return searching_operator(scene, 0.8, 1);
+MakeController baseline(const std::string& name, const Scene& scene, std::uint64_t seed) {
+  if (name == kSearching) return searching_operator(scene, 0.8, seed);
   const Scaling scaling = scene_scaling(scene);
   const double speed = scaling.motion * scene.limits.speed;
   if (name == kStraight) return controller_maker(ConstantVelocity(speed));

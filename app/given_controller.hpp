@@ -38,7 +38,8 @@ GivenController given_file(const std::string& file, const PolicyArguments& how, 
 inline constexpr const char *kStraight = "constant-velocity", *kSpiral = "spiral",
                             *kSearching = "searching-operator";
 bool is_baseline(const std::string& name);
-MakeController baseline(const std::string& name, const Scene& scene);
+// In trials under `seed`.
+MakeController baseline(const std::string& name, const Scene& scene, std::uint64_t seed);
 // The program of --policy, for trials under `seed`.
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed);
 

@@ -27,7 +27,7 @@ ReplayRun run_of(const std::string& file) {
 MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,
                        double skill) {
   if (which == kSearching) return searching_operator(scene, skill, seed);
-  if (is_baseline(which)) return baseline(which, scene);
+  if (is_baseline(which)) return baseline(which, scene, seed);
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
     constexpr double kPeriod = 1e-3;
     return std::make_unique<DeviceController>(operator_of_trial(scene, skill, kPeriod, seed, trial),

@@ -44,7 +44,7 @@ ChosenScene VariedScene::with(const std::vector<std::string>& settings) const {
 
 MakeController VariedScene::controller(const Scene& scene) const {
   if (given_) return given_->make;
-  return baseline(arguments_.controller, scene);
+  return baseline(arguments_.controller, scene, arguments_.seed);
 }
 
 Provenance VariedScene::provenance(const ChosenScene& chosen) const {
