@@ -114,8 +114,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     h.settings = hand_settings(a.device, *h.device, scene);
     h.name = person_at(a.device.trainee, operator_name(*h.device));
   }
-  if ((h.device || simulated) && a.supervise)
-    throw BadInput("--supervise: needs a controller as --operator");
+  if (!controller && a.supervise) throw BadInput("--supervise: needs a controller as --operator");
   if (simulated) h.name = simulated_operator_name(a.skill);
   if (h.device || simulated) return h;
   if (controller) {
@@ -154,11 +153,8 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
     const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
     return record_one(scene, start, *hand, std::move(place));
   }
-  const Scaling& scaling = holding.scaling;
   const std::unique_ptr<Controller> controller = holding.make(drawn.trial);
-  ControllerHand hand(*controller, scaling.motion_to_hand(start.command),
-                      scaling.motion * scene.limits.speed,
-                      1.1 * scaling.motion * scene.success.depth, registered_entrance(scene));
+  ControllerHand hand = recorded_hand(scene, start, *controller);
   place.phase = [&] { return controller->phase_name(); };
   return record_one(scene, start, hand, std::move(place));
 }

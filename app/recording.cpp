@@ -71,15 +71,12 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
   const EpisodeInfo info = info_of(scene, device, place);
   auto recorder = std::make_unique<Recorder>(std::move(place.claim), info);
-  Json phases = Json::array();
-  std::string before;
+  std::vector<PhaseBegin> phases;
   const InsertionEnd end = record_insertion(scene, start, device, *recorder, [&] {
-    const std::string phase = place.phase ? place.phase() : "";
-    if (phase != before) phases.push_back({recorder->rows() - 1, phase});
-    before = phase;
+    if (place.phase) note_phase(phases, recorder->rows() - 1, place.phase());
     return !interrupted();
   });
-  if (!phases.empty()) recorder->info().phases = phases.dump();
+  recorder->info().phases = phases_text(phases);
   recorder->end(end.outcome);
   Recorded recorded{{}, end, info.period};
   recorded.writing = std::move(recorder);

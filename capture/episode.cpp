@@ -1,5 +1,7 @@
 #include "capture/episode.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <ctime>
@@ -13,6 +15,34 @@ namespace {
 namespace fs = std::filesystem;
 
 }  // namespace
+
+void note_phase(std::vector<PhaseBegin>& phases, Eigen::Index row, const std::string& name) {
+  if (name != (phases.empty() ? "" : phases.back().name)) phases.push_back({row, name});
+}
+
+std::string phases_text(const std::vector<PhaseBegin>& phases) {
+  Json list = Json::array();
+  for (const PhaseBegin& phase : phases) list.push_back({phase.row, phase.name});
+  return list.empty() ? "" : list.dump();
+}
+
+std::vector<PhaseBegin> phases_of(const EpisodeInfo& info, Eigen::Index rows,
+                                  const std::string& file) {
+  if (info.phases.empty()) return {};
+  std::vector<PhaseBegin> phases;
+  try {
+    for (const auto& each : parse_json(info.phases, file)) {
+      const Eigen::Index from = phases.empty() ? 0 : phases.back().row + 1;
+      phases.push_back({each.at(0).get<Eigen::Index>(), each.at(1).get<std::string>()});
+      if (phases.back().row < from || phases.back().row >= rows) throw BadInput("row");
+    }
+  } catch (const std::exception&) {
+    throw FileTrouble(fmt::format(
+        "{}: damaged: phases is not a list of [first row, name], rows rising and less than {}",
+        file, rows));
+  }
+  return phases;
+}
 
 Rule period_rule() {
   return rule::between(1e-6, 1, "must be from 1e-6 to 1");

@@ -111,6 +111,18 @@ std::string mapping_text(const Mapping& mapping);
 // The attribute `coupling`: {"stiffness_N_m", "damping_N_s_m"}.
 std::string coupling_text(const Coupling& coupling);
 
+// What an operator was at from a row on; the attribute `phases` is a list of these.
+struct PhaseBegin {
+  Eigen::Index row;
+  std::string name;
+};
+// Adds one where `name` is another one than before.
+void note_phase(std::vector<PhaseBegin>& phases, Eigen::Index row, const std::string& name);
+std::string phases_text(const std::vector<PhaseBegin>& phases);  // empty where there are none
+// Of an episode with so many rows. Throws FileTrouble where they are damaged.
+std::vector<PhaseBegin> phases_of(const EpisodeInfo& info, Eigen::Index rows,
+                                  const std::string& file);
+
 // What period_s of an episode must be.
 Rule period_rule();
 

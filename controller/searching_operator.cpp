@@ -6,6 +6,7 @@
 
 #include "controller/controller_file.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "insertion/simulated_operator.hpp"
 #include "sim/base/random.hpp"
 
 namespace ferrule {
@@ -69,7 +70,10 @@ MakeController searching_operator(const Scene& scene, double skill, std::uint64_
 }
 
 std::string searching_operator_name(double skill) {
-  return fmt::format("searching, skill {}", skill);
+  return operator_name("searching", skill);
+}
+std::optional<double> searching_skill(const std::string& name) {
+  return skill_of("searching", name);
 }
 
 }  // namespace ferrule

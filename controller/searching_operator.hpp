@@ -7,6 +7,8 @@
 // and trembles.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "controller/search_law.hpp"
@@ -38,7 +40,8 @@ class SearchingOperator : public Controller {
 // is that of (seed, trial). Throws BadInput where the scene's scaling is not that of the numbers.
 MakeController searching_operator(const Scene& scene, double skill, std::uint64_t seed);
 
-// As simulated_operator_name.
+// As simulated_operator_name and simulated_skill.
 std::string searching_operator_name(double skill);
+std::optional<double> searching_skill(const std::string& name);
 
 }  // namespace ferrule

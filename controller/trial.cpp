@@ -30,6 +30,12 @@ void ControllerHand::render(const HandWrench& wrench) {
       limit_speed(controller_.command(observe(wrench, holder_, start_, entrance_, time_)), speed_);
 }
 
+ControllerHand recorded_hand(const Scene& scene, const State& start, Controller& controller) {
+  const Scaling scaling = scene_scaling(scene);
+  return {controller, scaling.motion_to_hand(start.command), scaling.motion * scene.limits.speed,
+          1.1 * scaling.motion * scene.success.depth, registered_entrance(scene)};
+}
+
 TrialResult trial_result(const Scene& scene, Outcome outcome,
                          const InsertionSummary& summary) noexcept {
   const LightAxis light = light_axis(scene.joint, summary.tip);

@@ -46,4 +46,7 @@ class ControllerHand : public Device {
   double speed_, end_depth_, entrance_, time_ = 0;
 };
 
+// The hand of a recording from `start`: until a tenth past the success depth.
+ControllerHand recorded_hand(const Scene& scene, const State& start, Controller& controller);
+
 }  // namespace ferrule

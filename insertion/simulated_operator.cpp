@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kPress = 0.6;  // 0.7 uN at the tip with the paper's scaling [N]
 
-constexpr std::string_view kSimulated = "simulated, skill ";
+constexpr std::string_view kSkill = ", skill ";
 
 }  // namespace
 
@@ -57,14 +57,22 @@ std::unique_ptr<Device> operator_of_trial(const Scene& toleranced, double skill,
 }
 
 std::string simulated_operator_name(double skill) {
-  return fmt::format("{}{}", kSimulated, skill);
+  return operator_name("simulated", skill);
+}
+std::optional<double> simulated_skill(const std::string& name) {
+  return skill_of("simulated", name);
 }
 
-std::optional<double> simulated_skill(const std::string& operator_name) {
-  if (!operator_name.starts_with(kSimulated)) return std::nullopt;
-  const char* const end = operator_name.data() + operator_name.size();
+std::string operator_name(const std::string& who, double skill) {
+  return fmt::format("{}{}{}", who, kSkill, skill);
+}
+
+std::optional<double> skill_of(const std::string& who, const std::string& name) {
+  const std::string head = who + std::string(kSkill);
+  if (!name.starts_with(head)) return std::nullopt;
+  const char* const end = name.data() + name.size();
   double skill = -1;
-  const auto read = std::from_chars(operator_name.data() + kSimulated.size(), end, skill);
+  const auto read = std::from_chars(name.data() + head.size(), end, skill);
   if (read.ec != std::errc() || read.ptr != end || !(skill >= 0 && skill <= 1)) return std::nullopt;
   return skill;
 }

@@ -31,6 +31,9 @@ std::unique_ptr<Device> operator_of_trial(const Scene& scene, double skill, doub
 // What a recording calls its operator where he is simulated: "simulated, skill 0.8"; and the skill
 // of an operator of that name, empty for any other.
 std::string simulated_operator_name(double skill);
-std::optional<double> simulated_skill(const std::string& operator_name);
+std::optional<double> simulated_skill(const std::string& name);
+// The same of other simulated operators: "WHO, skill 0.8".
+std::string operator_name(const std::string& who, double skill);
+std::optional<double> skill_of(const std::string& who, const std::string& name);
 
 }  // namespace ferrule

@@ -1,5 +1,6 @@
 #include "learn/record_again.hpp"
 
+#include "controller/searching_operator.hpp"
 #include "insertion/loop.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
@@ -7,7 +8,9 @@
 namespace ferrule {
 namespace {
 
-Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std::uint64_t number) {
+// Of a simulated operator of that name.
+Episode recorded(const Scene& toleranced, const std::string& who, std::uint64_t seed,
+                 std::uint64_t number) {
   const FeasibleTrial drawn = feasible_trial(toleranced, seed, number);
   const std::uint64_t trial = drawn.trial;
   const Scene& scene = *drawn.scene;
@@ -15,28 +18,40 @@ Episode recorded(const Scene& toleranced, double skill, std::uint64_t seed, std:
   Episode episode;
   EpisodeInfo& info = episode.info;
   info.scene = scene.document.dump();
-  info.operator_ = simulated_operator_name(skill);
+  info.operator_ = who;
   info.seed = seed;
   info.trial = trial;
-  const auto hand = simulated_operator(scene, start, skill, info.period, seed, trial);
+  std::unique_ptr<Controller> search;
+  std::unique_ptr<Device> hand;
+  if (const std::optional<double> skill = searching_skill(who)) {
+    search = searching_operator(scene, *skill, seed)(trial);
+    hand = std::make_unique<ControllerHand>(recorded_hand(scene, start, *search));
+  } else {
+    hand = simulated_operator(scene, start, simulated_skill(who).value(), info.period, seed, trial);
+  }
   std::vector<RowVector> rows;
+  std::vector<PhaseBegin> phases;
   info.outcome =
       run_insertion(scene, start, *hand, ForceSensor(scene.sensor, seed, trial),
                     {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
                     [&](const Tick& tick) {
+                      if (search)
+                        note_phase(phases, static_cast<Eigen::Index>(rows.size()),
+                                   search->phase_name());
                       rows.push_back(make_row(tick));
                       return true;
                     })
           .outcome;
+  info.phases = phases_text(phases);
   episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
   for (std::size_t n = 0; n < rows.size(); ++n)
     episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];
   return episode;
 }
 
-void add_recorded(DemonstrationSet& set, const Scene& scene, double skill, std::uint64_t seed,
-                  std::uint64_t trial) {
-  set.add(recorded(scene, skill, seed, trial),
+void add_recorded(DemonstrationSet& set, const Scene& scene, const std::string& who,
+                  std::uint64_t seed, std::uint64_t trial) {
+  set.add(recorded(scene, who, seed, trial),
           "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
 }
 
@@ -46,7 +61,7 @@ void expect_recordable_again(const DemonstrationSet& set) {
   if (set.undrawn_documents.size() != 1)
     throw BadInput("the episodes are of several scenes: which to record in again is not clear");
   for (const std::string& name : set.operators)
-    if (!simulated_skill(name))
+    if (!simulated_skill(name) && !searching_skill(name))
       throw BadInput("\"" + name + "\" is no simulated operator: nobody can record again");
 }
 
@@ -59,8 +74,7 @@ DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
   for (const std::string& operator_name : set.operators) {
     if (go_on) go_on();
     ++trial;
-    if (const std::optional<double> skill = simulated_skill(operator_name))
-      add_recorded(again, scene, *skill, seed, trial);
+    add_recorded(again, scene, operator_name, seed, trial);
   }
   return again;
 }
@@ -69,7 +83,7 @@ DemonstrationSet simulated_demonstrations(const Scene& scene, double skill, std:
                                           std::size_t count) {
   DemonstrationSet set;
   for (std::uint64_t trial = 1; trial <= count; ++trial)
-    add_recorded(set, scene, skill, seed, trial);
+    add_recorded(set, scene, simulated_operator_name(skill), seed, trial);
   return set;
 }
 

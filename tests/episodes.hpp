@@ -50,21 +50,13 @@ inline RecordedRows record_rows(const Scene& scene, const State& start, Device& 
   return r;
 }
 
-// A controller's hand as it is recorded: until a tenth past the success depth.
-inline ControllerHand controller_hand(const Scene& scene, const State& start,
-                                      Controller& controller) {
-  const Scaling scaling = scene_scaling(scene);
-  return {controller, scaling.motion_to_hand(start.command), scaling.motion * scene.limits.speed,
-          1.1 * scaling.motion * scene.success.depth, registered_entrance(scene)};
-}
-
 // Records trial `trial` into `folder`; a simulated operator unless a controller is given.
 inline std::string record(const Scene& scene, const std::string& folder, std::uint64_t trial,
                           Controller* controller = nullptr, double skill = 0.8) {
   const State start = draw_start(scene, 1, trial);
   std::unique_ptr<Device> device;
   if (controller)
-    device = std::make_unique<ControllerHand>(controller_hand(scene, start, *controller));
+    device = std::make_unique<ControllerHand>(recorded_hand(scene, start, *controller));
   else
     device = simulated_operator(scene, start, skill, 1e-3, 1, trial);
   Recorder recorder(folder, static_cast<int>(trial), info_of(scene, 1, trial));

@@ -124,7 +124,7 @@ TEST(Loop, ARecordingAndATrialOfAControllerAreTheSame) {
     ConstantVelocity controller(scaling.motion * scene.limits.speed);
     const TrialResult alone = run_trial(scene, controller, 1, trial);
     const State start = draw_start(scene, 1, trial);
-    ControllerHand hand = testing::controller_hand(scene, start, controller);
+    ControllerHand hand = recorded_hand(scene, start, controller);
     InsertionWatch watch(scene, start);
     std::optional<Outcome> first;
     int after = 0;

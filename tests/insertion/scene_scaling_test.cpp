@@ -60,7 +60,7 @@ TEST(RegisteredEntrance, IsWhatEndsATrialOfTheControllersOwnAndNotWhatCountsAsIn
     const State start = draw_start(scene, 1, 1);
     const double speed = scene_scaling(scene).motion * scene.limits.speed;
     ConstantVelocity controller(speed);
-    ControllerHand hand = testing::controller_hand(scene, start, controller);
+    ControllerHand hand = recorded_hand(scene, start, controller);
     const InsertionEnd end = run_insertion(scene, start, hand, {},
                                            {.scaling = scene_scaling(scene), .past_success = true});
     const double depth = end.summary.depth, one_step = 1.01e-3 * scene.limits.speed;
@@ -83,7 +83,7 @@ TEST(RegisteredEntrance, IsLearnedFromAsItWasObserved) {
   const Scene scene = straight({"sensor.entrance_error_um=5"});
   const State start = draw_start(scene, 1, 1);
   Noting controller(scene_scaling(scene).motion * scene.limits.speed);
-  ControllerHand hand = testing::controller_hand(scene, start, controller);
+  ControllerHand hand = recorded_hand(scene, start, controller);
   Episode episode;
   episode.info.scene = scene.document.dump();
   std::vector<RowVector> rows;

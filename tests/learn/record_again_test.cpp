@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "controller/searching_operator.hpp"
 #include "tests/episodes.hpp"
 #include "tests/temporary_folder.hpp"
 
@@ -47,6 +48,8 @@ TEST(SimulatedOperator, HasANameThatTellsHisSkill) {
        {"", "pen 1234:5678", "simulated", "simulated, skill ", "simulated, skill 2",
         "simulated, skill 0.5x", "controller simulated, skill 0.5"})
     EXPECT_FALSE(simulated_skill(name).has_value()) << name;
+  EXPECT_EQ(searching_skill(searching_operator_name(0.9)), 0.9);
+  EXPECT_FALSE(searching_skill(simulated_operator_name(0.9)).has_value());
 }
 
 }  // namespace

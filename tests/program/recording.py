@@ -46,6 +46,8 @@ class Recording(Case):
         (episode,) = json.loads(done.stdout)["episodes"]
         self.assertEqual(episode["outcome"], "inserted")
         self.done("replay", out, "--verify")
+        self.refused(2, "record", "--operator", "searching", "--supervise", "--out", self.path("other"),
+                     says=["--supervise"])
         with h5py.File(episode["file"]) as f:
             self.assertEqual(f.attrs["operator"], b"searching, skill 0.9")
             demo = f["data/demo_0/rows"]
