@@ -27,7 +27,8 @@ struct FitArguments {
 std::vector<std::string> methods() {
   std::vector<std::string> all;
   for (const Learner& learner : learners()) all.push_back(learner.method);
-  for (const Learner& learner : learners()) all.push_back(learner.name);
+  for (const Learner& learner : learners())
+    if (learner.method != std::string(learner.name)) all.push_back(learner.name);
   return all;
 }
 
@@ -100,7 +101,7 @@ struct FitNumber {
   double value, low = NAN, high = NAN;  // 95 % interval, where there is one
 };
 
-// Residuals, and the gains of a law.
+// Residuals, and the gains of a law or a search.
 std::vector<FitNumber> fit_numbers(const ControllerFile& controller) {
   std::vector<FitNumber> all;
   std::visit(
@@ -113,6 +114,9 @@ std::vector<FitNumber> fit_numbers(const ControllerFile& controller) {
     const auto& [value, low, high] = law->gains[i];
     all.push_back({gain_table(law->kind)[i].name, gain_table(law->kind)[i].unit, value, low, high});
   }
+  const auto* search = std::get_if<SearchFile>(&controller);
+  for (std::size_t i = 0; search && i < kSearchGains.size(); ++i)
+    all.push_back({kSearchGains[i].name, kSearchGains[i].unit, search->gains[i]});
   return all;
 }
 
@@ -180,6 +184,8 @@ std::string partial_file(const std::string& file) {
 
 int fit_verb(const FitArguments& a) {
   const Learner& learner = chosen_learner(a.method);
+  if (!a.plot.empty() && std::string_view(learner.method) == "search")
+    throw BadInput("--plot: draws a law or the training of networks, not a search");
   expect_place_for(a.out);
   expect_place_for(a.plot);
   for (const std::string& file : learner.files(a.out)) expect_place_for(file);
@@ -223,7 +229,8 @@ void add_fit(CLI::App& app, Run& run) {
   verb->add_option("episodes", a->places, "Folder with the episodes, or some of them by name")
       ->required()
       ->type_name("DIR|FILE...");
-  verb->add_option("--method", a->method, "How: a law with Ceres, or a policy with libtorch")
+  verb->add_option("--method", a->method,
+                   "How: a law, or the numbers of a search, with Ceres; or a policy with libtorch")
       ->capture_default_str()
       ->check(one_of(methods()));
   for (const Learner& learner : learners()) add_options(*verb, learner, a->options);

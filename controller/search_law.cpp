@@ -43,7 +43,6 @@ constexpr double kLookLags = 1.5;   // and in no less than so many lags: a late 
 constexpr double kHeldUp = 0.1;     // of the inserting speed: slower than that it is
 constexpr double kShallow = 3;      // lifts below the face: there the face may hold it up
 constexpr double kFreed = 0.5;      // of the pushing force: less is left before it turns
-constexpr double kHarder = 1.15;    // it presses once it has straightened
 constexpr double kProbing = 0.5;    // of the tilt rate
 constexpr double kMostTilt = 0.02;  // that it tries, from straight [rad]
 constexpr std::size_t kProbes = 6;

@@ -84,6 +84,8 @@ class SearchLaw : public Controller {
                                              "lift",     "move",      "lower", "insert",
                                              "back_off", "straighten"};
 
+  static constexpr double kHarder = 1.15;  // it presses once it has straightened
+
   // One number per gain of the table.
   explicit SearchLaw(std::span<const double> gains, const KnownHand& hand = {}) noexcept;
 

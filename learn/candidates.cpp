@@ -7,6 +7,7 @@
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
 #include "learn/fit_policy.hpp"
+#include "learn/fit_search.hpp"
 #include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -53,7 +54,7 @@ Law tuned_by_hand(double speed) {
 }
 
 const std::vector<Learner>& learners() {
-  static const std::vector<Learner> all = {law_learner(), policy_learner()};
+  static const std::vector<Learner> all = {law_learner(), policy_learner(), search_learner()};
   return all;
 }
 

@@ -32,13 +32,20 @@ Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
   d.observations.reserve(static_cast<std::size_t>(rows));
   RecordedSensor sensor(info, scene);
   const double entrance = registered_entrance(scene);
+  const std::vector<PhaseBegin> phases = phases_of(info, episode.count(), file);
+  const HandPose start = block(episode.row(0), kHandPose).transpose();
+  Observation before{};
   for (Eigen::Index n = 0; n < episode.count(); ++n) {
     const RowVector row = episode.row(n);
     sensor.read(row);
+    const Observation now = observe(sensor.relative(), block(row, kHandPose).transpose(), start,
+                                    entrance, row[kTime.begin]);
+    if (const std::size_t k = d.phases.size(); k < phases.size() && phases[k].row == n)
+      d.phases.push_back({phases[k].name, now.time, n > 0 ? before : now, now});
+    before = now;
     if (n % stride != 0) continue;
     d.velocity.row(n / stride) = row.segment<3>(kCommand.begin);
-    d.observations.push_back(
-        {sensor.relative(), std::max(0.0, entrance - row[kHandPose.begin]), row[kTime.begin]});
+    d.observations.push_back(now);
   }
   return d;
 }

@@ -16,6 +16,13 @@ inline constexpr double kStep = 0.01;  // between the rows that are learned from
 // Every how manieth row that is, of those `period` [s] apart.
 Eigen::Index rows_per_step(double period) noexcept;
 
+// What a demonstrator was at from a moment on (the episode's `phases`).
+struct DemonstratedPhase {
+  std::string name;
+  double begin;              // since the start [s]
+  Observation before, then;  // of the tick before, and of that moment
+};
+
 // One demonstration, in rows of kStep.
 struct Demonstration {
   std::string file, sha1;  // and the hash of its bytes
@@ -26,6 +33,7 @@ struct Demonstration {
   double speed_limit;  // of controllers, in the hand's world [m/s]
   std::vector<Observation> observations;
   Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers them [m/s]
+  std::vector<DemonstratedPhase> phases{};            // where the demonstrator told them
 
   Eigen::Index rows() const noexcept { return velocity.rows(); }
   // That of row n, and before the first row that one.
@@ -59,7 +67,7 @@ struct DemonstrationSet {
   Eigen::Index rows() const noexcept;
 };
 
-// From the row layout of one episode.
+// From the row layout of one episode. Throws FileTrouble where its phases are damaged.
 Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
                             const std::string& file);
 

@@ -43,11 +43,12 @@ def fit(
 ) -> Controller:
     """The controller that ``ferrule fit`` makes of recorded episodes.
 
-    ``episodes``: a folder, a file, or several of them. ``method``: "ceres", a law. ``law``:
-    "insertion", or another of ``ferrule fit --help``; "auto" chooses by cross-validation.
-    ``seed``: of the split into training and held-out episodes. Its result has the gains with their
-    intervals, the errors, a report and warnings, and ``save(file)``. Raises BadInput where the
-    episodes are too few or tell nothing, and FileTrouble.
+    ``episodes``: a folder, a file, or several of them. ``method``: "ceres", a law; "search", the
+    numbers of a search by touch, of episodes that tell phases. ``law``: "insertion", or another of
+    ``ferrule fit --help``; "auto" chooses by cross-validation. ``seed``: of the split into training
+    and held-out episodes. Its result has the gains, those of a law with their intervals, the
+    errors, a report and warnings, and ``save(file)``. Raises BadInput where the episodes are too
+    few or tell nothing, and FileTrouble.
 
     Networks (method "torch") are trained by the program; a trained one runs here too.
     """
@@ -57,10 +58,10 @@ def fit(
             "has libtorch (Debian: libtorch-dev, or the package ferrule-torch); trained networks run "
             "everywhere, here by ferrule.load"
         )
-    if method not in ("ceres", "law"):
-        raise BadInput(f"method: there is no {method}; there are ceres, torch")
+    if method not in ("ceres", "law", "search"):
+        raise BadInput(f"method: there is no {method}; there are ceres, search, torch")
     places = [episodes] if isinstance(episodes, (str, os.PathLike)) else episodes
-    return _core._fit([os.fspath(place) for place in places], law, seed)
+    return _core._fit([os.fspath(place) for place in places], method, law, seed)
 
 
 def compare(

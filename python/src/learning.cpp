@@ -6,6 +6,7 @@
 #include "capture/recorder.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
+#include "learn/fit_search.hpp"
 #include "learn/fit_warnings.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -47,13 +48,22 @@ std::vector<std::string> record(const SharedScene& scene, const std::string& fol
   return files;
 }
 
-std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
-                                      const std::string& law, std::uint64_t seed) {
-  const Learner learner = law_learner();
+// `law` of the method "ceres".
+std::map<std::string, std::string> options(const Learner& learner, const std::string& law) {
+  if (learner.options.empty()) return {};
   const LearnerOption& option = learner.options.front();
   if (std::find(option.choices.begin(), option.choices.end(), law) == option.choices.end())
     throw BadInput(
         fmt::format("law: there is no {}; there are {}", law, fmt::join(option.choices, ", ")));
+  return {{option.flag, law}};
+}
+
+// `method`: "search", or a law with Ceres.
+std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
+                                      const std::string& method, const std::string& law,
+                                      std::uint64_t seed) {
+  const Learner learner = method == "search" ? search_learner() : law_learner();
+  const LearnerSettings settings{seed, options(learner, law)};
   Interrupts interrupts;
   const nb::gil_scoped_release release;
   const DemonstrationSet set =
@@ -61,9 +71,8 @@ std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
         if (interrupts()) interrupts.rethrow();
       });
   try {
-    Learned learned =
-        learner.learn(set, {seed, {{option.flag, law}}},
-                      [&](std::size_t, std::size_t, const std::string&) { return !interrupts(); });
+    Learned learned = learner.learn(
+        set, settings, [&](std::size_t, std::size_t, const std::string&) { return !interrupts(); });
     interrupts.rethrow();
     auto controller =
         std::make_unique<LoadedController>(std::move(learned.controller), "the fitted controller");
@@ -83,7 +92,7 @@ std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
 void add_learning(nb::module_& module) {
   module.def("_record", &record, nb::arg("scene"), nb::arg("folder"), nb::arg("episodes"),
              nb::arg("skill"), nb::arg("seed"));
-  module.def("_fit", &fit, nb::arg("episodes"), nb::arg("law"), nb::arg("seed"));
+  module.def("_fit", &fit, nb::arg("episodes"), nb::arg("method"), nb::arg("law"), nb::arg("seed"));
 }
 
 }  // namespace ferrule::python

@@ -1,6 +1,8 @@
 import json
 import os
 
+import h5py
+
 from case import QUICK, Case, ferrule, main
 
 
@@ -116,6 +118,30 @@ class Learning(Case):
         for name, gain in known["gains"].items():
             self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
                                    msg=name)
+
+    def test_a_search_is_fitted_to_who_searches(self):
+        out, controller = self.path("searched"), self.path("search.json")
+        self.done("record", "--operator", "searching", "--scene", "by_hand/sharp", "--episodes", 5, "--out", out)
+        self.done("fit", out, "--method", "search", "--out", controller)
+        fitted = json.load(open(controller))
+        self.assertEqual((fitted["method"], len(fitted["trained_on"]["episodes"])), ("search", 4))
+        sources = {name: gain["source"] for name, gain in fitted["gains"].items()}
+        self.assertTrue(sources["tilt"].startswith("fitted; 95 % interval from "))
+        self.assertTrue(sources["turn_moment"].startswith("as in the shipped search"))
+        # With a stiff gripper, too, where the operator would take an hour.
+        found = json.loads(self.done("evaluate", controller, "--scene", "ladder/d", "--trials", 20, "--json").stdout)
+        self.assertEqual(found["successes"], 20)
+        table = self.done("fit", out, "--method", "search", "--out", controller, "--csv").stdout
+        self.assertIn("push_force", table)
+        plain = self.path("plain")
+        self.record(plain, episodes=4)
+        self.refused(2, "fit", plain, "--method", "search", "--out", controller, says=["phases", "searching"])
+        self.refused(2, "fit", out, "--method", "search", "--plot", self.path("a.svg"), "--out", controller,
+                     says=["--plot"])
+        with h5py.File(os.path.join(out, "episode_0002.h5"), "r+") as f:
+            f.attrs["phases"] = "[[0, 1]]"
+        self.refused(3, "fit", out, "--method", "search", "--out", self.path("no.json"),
+                     says=["episode_0002.h5", "phases"])
 
     def test_a_supervisor_is_asked_for_and_says_what_it_did(self):
         arguments = ["evaluate", "--baseline", "constant-velocity", "--trials", 12, "--seed", 5]
