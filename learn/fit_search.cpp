@@ -350,7 +350,7 @@ double velocity_error(const std::vector<Evidence>& episodes, const SearchFile& c
         sum += std::pow(s.value - c.gains[s.gain], 2);
         n += 1;
       }
-    for (Pushed p : e.pushed) {
+    for (const Pushed& p : e.pushed) {
       const double push = c.gains[kPushForce] / p.push, yielding = c.gains[kYield] / p.yield;
       const double fastest = 1;
       double error[3];
