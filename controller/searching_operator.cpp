@@ -12,7 +12,7 @@
 namespace ferrule {
 namespace {
 
-constexpr double kPeriod = 1e-3;  // of the loop [s]
+constexpr double kLoopPeriod = 1e-3;  // of the loop [s]
 
 // The gains of a law whose speeds are `part` of these.
 std::vector<double> slowed(std::vector<double> gains, double part) {
@@ -62,7 +62,7 @@ MakeController searching_operator(const Scene& scene, double skill, std::uint64_
   const double stiffness = scene.world.holder.stiffness(0, 0) * scaling.force / scaling.motion;
   return [=, traits = trainee_traits(skill)](std::uint64_t trial) {
     return std::make_unique<SearchingOperator>(
-        traits, search.gains, stiffness, kPeriod,
+        traits, search.gains, stiffness, kLoopPeriod,
         [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
           return random.uniform();
         });

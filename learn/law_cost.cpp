@@ -37,7 +37,7 @@ struct RowError {
     if (!(*this)(x, e)) return false;
     for (int axis = 0; axis < 3; ++axis) {
       error[axis] = e[axis].a;
-      std::copy_n(e[axis].v.data(), kCount, jacobian + axis * kCount);
+      jacobian = std::copy_n(e[axis].v.data(), kCount, jacobian);
     }
     return true;
   }
