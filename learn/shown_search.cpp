@@ -20,6 +20,14 @@ double median(const std::vector<double>& values) {
   return quantile(values, 0.5);
 }
 
+// When phase k ends [s], and the first row from a time on.
+double end_of(const Demonstration& d, std::size_t k) {
+  return k + 1 < d.phases.size() ? d.phases[k + 1].begin : d.period * static_cast<double>(d.rows());
+}
+Eigen::Index row_from(const Demonstration& d, double time) {
+  return std::min(d.rows(), static_cast<Eigen::Index>(std::ceil(time / d.period - 1e-6)));
+}
+
 // Reads the phases of one demonstration.
 class PhaseReader {
  public:
@@ -52,15 +60,8 @@ class PhaseReader {
   std::string next(std::size_t k) const {
     return k + 1 < d_.phases.size() ? d_.phases[k + 1].name : "";
   }
-  double end(std::size_t k) const {
-    return k + 1 < d_.phases.size() ? d_.phases[k + 1].begin
-                                    : d_.period * static_cast<double>(d_.rows());
-  }
-  Eigen::Index row_from(double time) const {
-    return std::min(d_.rows(), static_cast<Eigen::Index>(std::ceil(time / d_.period - 1e-6)));
-  }
-  Eigen::Index first_row(std::size_t k) const { return row_from(d_.phases[k].begin); }
-  Eigen::Index end_row(std::size_t k) const { return row_from(end(k)); }
+  Eigen::Index first_row(std::size_t k) const { return row_from(d_, d_.phases[k].begin); }
+  Eigen::Index end_row(std::size_t k) const { return row_from(d_, end_of(d_, k)); }
   void show(std::size_t gain, double value) {
     if (value > 0) found_.shown.push_back({gain, value});
   }
@@ -89,14 +90,14 @@ class PhaseReader {
     if (next(k) != "touch") return;
     touched_ = true;
     show(search_gain::touch_force, felt(k + 1).force);
-    for (Eigen::Index n = std::max(first_row(k), row_from(end(k) - kBeforeTouch)); n < end_row(k);
-         ++n)
+    for (Eigen::Index n = std::max(first_row(k), row_from(d_, end_of(d_, k) - kBeforeTouch));
+         n < end_row(k); ++n)
       show(search_gain::touch_speed, speed(n));
   }
 
   void touch(std::size_t k) {
     if (next(k).empty()) return;
-    show(search_gain::hold_time, end(k) - d_.phases[k].begin - reaction_);
+    show(search_gain::hold_time, end_of(d_, k) - d_.phases[k].begin - reaction_);
     const double tilt = d_.phases[k].then.displacement.tail<2>().norm();
     if (tilt > kTurned) show(search_gain::tilt, tilt);
   }
@@ -174,20 +175,18 @@ class PhaseReader {
 
 // The rows of its longest insertion: what a hand answers to force elsewhere is not lateral.
 Demonstration inserting(const Demonstration& d) {
-  double begin = 0, end = 0;
+  Eigen::Index first = 0, end = 0;
   for (std::size_t k = 0; k < d.phases.size(); ++k) {
-    const double from = d.phases[k].begin;
-    const bool last = k + 1 == d.phases.size();
-    const double to = last ? d.period * static_cast<double>(d.rows()) : d.phases[k + 1].begin;
-    if (d.phases[k].name != "insert" || to - from <= end - begin) continue;
-    begin = from;
+    const Eigen::Index from = row_from(d, d.phases[k].begin), to = row_from(d, end_of(d, k));
+    if (d.phases[k].name != "insert" || to - from <= end - first) continue;
+    first = from;
     end = to;
   }
-  const auto first = std::lround(begin / d.period), rows = std::lround((end - begin) / d.period);
-  Demonstration part = d;
-  part.phases.clear();
-  part.observations.assign(d.observations.begin() + first, d.observations.begin() + first + rows);
-  part.velocity = d.velocity.middleRows(first, rows);
+  Demonstration part;
+  part.period = d.period;
+  part.speed_limit = d.speed_limit;
+  part.observations.assign(d.observations.begin() + first, d.observations.begin() + end);
+  part.velocity = d.velocity.middleRows(first, end - first);
   return part;
 }
 

@@ -121,6 +121,15 @@ TEST(FitSearch, NeedsPhasesAndTheScalingOfTheSearch) {
   EXPECT_THROW(fit_search(set, 1), BadInput);
 }
 
+// The last insertion ends with the last row, wherever between two rows it begins: further than that
+// the sanitizers see.
+TEST(FitSearch, ReadsNoFurtherThanTheLastRow) {
+  DemonstrationSet set = searched_with(shipped().gains, load_scene("ladder/c"), 4);
+  for (Demonstration& d : set.demonstrations)
+    d.phases.back().begin = (static_cast<double>(d.rows()) - 200.5) * d.period;
+  EXPECT_TRUE(std::isfinite(fit_search(set, 1).controller.residual));
+}
+
 // A number that is seen too seldom stays.
 TEST(FitSearch, KeepsWhatTheDemonstrationsDoNotTell) {
   DemonstrationSet set = searched_with(shipped().gains, load_scene("ladder/c"), 4);
