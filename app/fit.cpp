@@ -184,7 +184,7 @@ std::string partial_file(const std::string& file) {
 
 int fit_verb(const FitArguments& a) {
   const Learner& learner = chosen_learner(a.method);
-  if (!a.plot.empty() && std::string_view(learner.method) == "search")
+  if (!a.plot.empty() && !learner.drawn)
     throw BadInput("--plot: draws a law or the training of networks, not a search");
   expect_place_for(a.out);
   expect_place_for(a.plot);

@@ -99,15 +99,13 @@ struct Holding {
   std::string name;
   std::optional<OpenDevice> device;
   HandSettings settings;  // of the device
-  Scaling scaling;
-  MakeController make;  // empty without a controller
+  MakeController make;    // empty without a controller
   std::string began = date_now();
 };
 
 Holding holding(const RecordArguments& a, const Scene& scene,
                 const std::optional<ControllerFile>& controller) {
   Holding h;
-  h.scaling = scene_scaling(scene);
   const bool simulated = !a.with_device && a.operator_ == "simulated";
   if (a.with_device) {
     h.device = open_device("--device", a.device.device);
@@ -121,12 +119,12 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
     h.make = maker(*controller);
     h.name = "controller " + a.operator_;
+    if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
+    if (a.supervise) h.name += ", supervised";
   } else {
     h.make = searching_operator(scene, a.skill, a.seed);
     h.name = searching_operator_name(a.skill);
   }
-  if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
-  if (a.supervise) h.name += ", supervised";
   return h;
 }
 
@@ -325,7 +323,7 @@ int record_verb(const RecordArguments& a) {
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "
                    "--append");
-  if (first > 1) expect_same_scaling(a.out, who.scaling);
+  if (first > 1) expect_same_scaling(a.out, scene_scaling(toleranced));
   if (!a.output.text()) fmt::print(stderr, "{}", note);
   const std::string head = a.output.text() ? provenance.head() + note : std::string();
   const Recordings all = shared ? record_shared(a, toleranced, who, *shared, head)

@@ -52,8 +52,7 @@ MakeController searching_operator(const Scene& scene, double skill, std::uint64_
   const auto search = std::get<SearchFile>(read_controller("search"));
   const Scaling scaling = scene_scaling(scene);
   const Scaling its = search.trained_on.scaling.value();
-  const auto same = [](double a, double b) { return std::abs(a - b) < 1e-9 * b; };
-  if (!same(its.motion, scaling.motion) || !same(its.force, scaling.force))
+  if (differ(its, scaling))
     throw BadInput(
         fmt::format("the operator who searches is one for the scaling of bench (motion x{:.6g}, "
                     "force x{:.6g}), "

@@ -9,11 +9,6 @@
 namespace ferrule {
 namespace {
 
-bool differ(double a, double b) {
-  constexpr double kSame = 1e-9;  // relative
-  return std::abs(a - b) > kSame * std::abs(b);
-}
-
 std::vector<std::string> read_texts(JsonFields& fields, const std::string& key) {
   const Json& value = fields.raw(key);
   if (!value.is_array()) fields.refuse(key, "must be a list of texts");
@@ -67,11 +62,17 @@ Rule range_of(const Gain& gain) {
                                             : rule::any();
 }
 
+bool differ(const Scaling& a, const Scaling& b) noexcept {
+  constexpr double kSame = 1e-9;  // relative
+  return std::abs(a.motion - b.motion) > kSame * std::abs(b.motion) ||
+         std::abs(a.force - b.force) > kSame * std::abs(b.force);
+}
+
 std::string scaling_trouble(const std::optional<Scaling>& trained, const std::string& who,
                             const Scene& scene) {
   if (!trained) return {};
   const Scaling here = scene_scaling(scene);
-  if (!differ(here.motion, trained->motion) && !differ(here.force, trained->force)) return {};
+  if (!differ(here, *trained)) return {};
   return fmt::format(
       "{}: {} scales the hand otherwise (alpha_x {:.6g}, alpha_f {:.6g}) than what it learned from "
       "({:.6g}, {:.6g}): what was learned there means nothing here",

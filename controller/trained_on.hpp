@@ -43,6 +43,9 @@ struct TrainedOn {
   Json scene{};                      // the document, where all episodes are of one scene; or null
 };
 
+// Whether they differ by more than the rounding of a file's digits.
+bool differ(const Scaling& a, const Scaling& b) noexcept;
+
 // Empty, or what is wrong: `scene` scales the hand otherwise than `trained`, the scaling of what
 // `who` learned from. One that is not known is not held against it.
 std::string scaling_trouble(const std::optional<Scaling>& trained, const std::string& who,

@@ -37,12 +37,11 @@ class SearchProblem {
  public:
   SearchProblem(const std::vector<ShownSearch>& episodes, const SearchFile& search)
       : episodes_(episodes), units_(search.gains) {
-    for (std::size_t i = 0; i < units_.size(); ++i) {
-      std::vector<double> values;
-      for (const ShownSearch& e : episodes)
-        for (const double value : e.of(i)) values.push_back(value);
-      if (!values.empty()) units_[i] = quantile(values, 0.5);
-    }
+    std::vector<std::vector<double>> values(units_.size());
+    for (const ShownSearch& e : episodes)
+      for (const ShownNumber& s : e.shown) values[s.gain].push_back(s.value);
+    for (std::size_t i = 0; i < units_.size(); ++i)
+      if (!values[i].empty()) units_[i] = quantile(values[i], 0.5);
   }
 
   // Ceres' report.
@@ -159,9 +158,8 @@ double velocity_error(const std::vector<ShownSearch>& episodes, const SearchFile
 
 SearchFile shipped_search(const DemonstrationSet& set) {
   auto search = std::get<SearchFile>(read_controller("search"));
-  const auto same = [](double a, double b) { return std::abs(a - b) < 1e-9 * b; };
   const Scaling its = search.trained_on.scaling.value(), now = set.scaling.value();
-  if (!same(its.motion, now.motion) || !same(its.force, now.force))
+  if (differ(its, now))
     throw BadInput(fmt::format(
         "a search is fitted in the scaling of bench (motion x{:.6g}, force x{:.6g}); these "
         "episodes have another one (x{:.6g}, x{:.6g})",
@@ -244,7 +242,8 @@ Learner search_learner() {
           .options = {},
           .variants = {{"search", "ceres, search", {}}},
           .files = [](const std::string& file) { return std::vector{file}; },
-          .learn = learn_search};
+          .learn = learn_search,
+          .drawn = false};
 }
 
 }  // namespace ferrule

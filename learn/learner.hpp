@@ -58,6 +58,7 @@ struct Learner {
   // Throws BadInput where the demonstrations are too few or tell nothing.
   Learned (*learn)(const DemonstrationSet& set, const LearnerSettings& settings,
                    const LearnerProgress& progress);
+  bool drawn = true;  // whether there is a plot of what it learned
 };
 
 }  // namespace ferrule

@@ -14,9 +14,7 @@ Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, do
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
   PolicyController controller(policy);
-  ControllerHand hand(controller, scaling.motion_to_hand(start.command),
-                      scaling.motion * scene.limits.speed,
-                      1.1 * scaling.motion * scene.success.depth, registered_entrance(scene));
+  ControllerHand hand = recorded_hand(scene, start, controller);
   TraineeTraits traits = trainee_traits(skill);
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
