@@ -33,6 +33,7 @@ std::vector<PhaseBegin> phases_of(const EpisodeInfo& info, Eigen::Index rows,
   try {
     for (const auto& each : parse_json(info.phases, file)) {
       const Eigen::Index from = phases.empty() ? 0 : phases.back().row + 1;
+      if (!each.at(0).is_number_integer()) throw BadInput("row");
       phases.push_back({each.at(0).get<Eigen::Index>(), each.at(1).get<std::string>()});
       if (phases.back().row < from || phases.back().row >= rows) throw BadInput("row");
     }

@@ -32,7 +32,8 @@ TEST(Phases, ComeBackFromTheirText) {
 
 TEST(Phases, ThatAreDamagedAreRefused) {
   for (const char* text : {"[", "5", R"("touch")", "[5]", R"([["touch",0]])", R"([[0]])",
-                           R"([[0,1]])", R"([[-1,"touch"]])", R"([[3,"touch"],[3,"lift"]])",
+                           R"([[0,1]])", R"([[-1,"touch"]])", R"([[2.5,"touch"]])",
+                           R"([[18446744073709551615,"touch"]])", R"([[3,"touch"],[3,"lift"]])",
                            R"([[3,"touch"],[2,"lift"]])", R"([[99999999999999999999,"touch"]])"})
     EXPECT_THROW(phases_of(with_phases(text), 10, "file"), FileTrouble) << text;
 }
