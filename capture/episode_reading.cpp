@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "capture/child.hpp"
 #include "capture/stored_episode.hpp"
+#include "sim/base/content_hash.hpp"
 
 namespace ferrule {
 namespace {
@@ -27,7 +29,10 @@ EpisodeInfo info_of(const Json& j) {
 // A file of which a child sends one block of rows after the other.
 class EpisodeStream {
  public:
-  explicit EpisodeStream(std::string file) : file_(std::move(file)) { start(0); }
+  EpisodeStream(std::string file, std::optional<std::string> bytes)
+      : file_(std::move(file)), bytes_(std::move(bytes)) {
+    start(0);
+  }
 
   const EpisodeInfo& info() const noexcept { return info_; }
   Eigen::Index count() const noexcept { return count_; }
@@ -51,6 +56,7 @@ class EpisodeStream {
   }
 
   std::string file_;
+  std::optional<std::string> bytes_;  // of the file, where they are in memory
   std::unique_ptr<Child> child_;
   EpisodeInfo info_;
   Eigen::Index count_ = 0, next_ = 0;
@@ -64,7 +70,7 @@ void send_numbers(Child::Parent& parent, const Numbers& numbers) {
 
 void EpisodeStream::start(Eigen::Index from) {
   child_ = std::make_unique<Child>(file_, Child::Work::reads, [&](Child::Parent& parent) {
-    const StoredEpisode stored(file_);
+    const StoredEpisode stored(file_, bytes_ ? &*bytes_ : nullptr);
     parent.send_json(to_json(stored.info(), stored.count()));
     for (Eigen::Index first = from; first < stored.count(); first += EpisodeRows::kBlock) {
       const EpisodeRows::Part part =
@@ -81,11 +87,14 @@ void EpisodeStream::start(Eigen::Index from) {
 
 }  // namespace
 
-EpisodeRows open_episode(const std::string& file) {
+EpisodeRows open_episode(const std::string& file, std::string* hash) {
   std::error_code error;
   if (!fs::is_regular_file(file, error))
     throw FileTrouble(file + (fs::exists(file, error) ? ": is no file" : ": no such file"));
-  const auto stream = std::make_shared<EpisodeStream>(file);
+  std::optional<std::string> bytes;
+  if (hash && fs::file_size(file) <= kFileInMemory) bytes = read_text(file);
+  if (hash) *hash = bytes ? sha1(*bytes) : sha1_of_file(file);
+  const auto stream = std::make_shared<EpisodeStream>(file, std::move(bytes));
   return {stream->info(), stream->count(),
           [stream](Eigen::Index first, Eigen::Index count) { return stream->read(first, count); }};
 }

@@ -35,10 +35,13 @@ hid_t create(const std::string& path, const std::string& trouble) {
 }
 
 // Nothing of another file or library comes in: no filter, no link, no data from there.
-hid_t open_to_read(const std::string& name) {
+hid_t open_to_read(const std::string& name, const std::string* bytes) {
   silence();
   H5PLset_loading_state(0);
   H5Lunregister(H5L_TYPE_EXTERNAL);
+  if (bytes)
+    return H5LTopen_file_image(const_cast<char*>(bytes->data()), bytes->size(),
+                               H5LT_FILE_IMAGE_DONT_COPY | H5LT_FILE_IMAGE_DONT_RELEASE);
   return H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
 }
 
@@ -227,11 +230,11 @@ void write(const std::string& path, const std::string& name, const Content& cont
   file.close(name + ": cannot be written");
 }
 
-Reader::Reader(const std::string& name, std::string what)
+Reader::Reader(const std::string& name, std::string what, const std::string* bytes)
     : name_(name),
       what_(std::move(what)),
-      size_(size_of(name)),
-      file_(open_to_read(name), H5Fclose, name + ": not a readable HDF5 file") {}
+      size_(bytes ? bytes->size() : size_of(name)),
+      file_(open_to_read(name, bytes), H5Fclose, name + ": not a readable HDF5 file") {}
 
 namespace {
 

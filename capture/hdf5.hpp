@@ -101,8 +101,9 @@ class StoredTable {
 // size is believed that the file cannot hold. Throws FileTrouble, naming what is damaged.
 class Reader {
  public:
-  // `what` the file should be: "an episode".
-  Reader(const std::string& name, std::string what);
+  // `what` the file should be: "an episode". Where its `bytes` are in memory, and outlive the reader,
+  // they are read there.
+  Reader(const std::string& name, std::string what, const std::string* bytes = nullptr);
 
   bool has(const char* key) const { return H5Aexists(file_, key) > 0; }
   // Texts may be of fixed or of variable length.

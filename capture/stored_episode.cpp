@@ -77,8 +77,8 @@ void allow_rows(Eigen::Index rows) {
 
 }  // namespace
 
-StoredEpisode::StoredEpisode(const std::string& file)
-    : file_(allow_file(file)), in_(file, "a ferrule episode"), info_(read_info(in_, file)) {
+StoredEpisode::StoredEpisode(const std::string& file, const std::string* bytes)
+    : file_(allow_file(file)), in_(file, "a ferrule episode", bytes), info_(read_info(in_, file)) {
   count_ = count_rows(in_, info_.period, file);
   allow_rows(count_);
   const auto open = [&](const std::string& path, Eigen::Index width) {

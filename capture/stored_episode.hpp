@@ -10,10 +10,11 @@ namespace ferrule {
 
 // What is read is checked before: what the file says of itself, that the rows' times are those of
 // their numbers, and that every number is finite. Allows the child what so large a file may take.
-// Throws FileTrouble, naming what is damaged.
+// Where the file's `bytes` are in memory, and outlive this, they are read there. Throws FileTrouble,
+// naming what is damaged.
 class StoredEpisode {
  public:
-  explicit StoredEpisode(const std::string& file);
+  explicit StoredEpisode(const std::string& file, const std::string* bytes = nullptr);
 
   const hdf5::Reader& in() const noexcept { return in_; }
   const EpisodeInfo& info() const noexcept { return info_; }

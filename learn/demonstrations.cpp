@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/base/content_hash.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -114,7 +113,9 @@ DemonstrationSet load_demonstrations(
   std::size_t read = 0;
   for (const std::string& file : files) {
     if (progress) progress(read++, files.size());
-    set.add(open_episode(file), file, sha1_of_file(file));
+    std::string hash;
+    const EpisodeRows episode = open_episode(file, &hash);
+    set.add(episode, file, hash);
   }
   return set;
 }

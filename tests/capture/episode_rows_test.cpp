@@ -1,7 +1,9 @@
 #include <cmath>
+#include <filesystem>
 
 #include "capture/child.hpp"
 #include "capture/episode.hpp"
+#include "sim/base/content_hash.hpp"
 #include "sim/base/random.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
@@ -67,6 +69,21 @@ TEST(EpisodeRows, SayWhereAFileIsDamaged) {
     EXPECT_NE(std::string(error.what()).find("holder_wrench at row 8197"), std::string::npos)
         << error.what();
   }
+}
+
+TEST(EpisodeRows, AreThoseOfTheHashWhateverTheFileBecomes) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "replaced.h5";
+  const Episode episode = numbered(kLong);
+  write_episode(file, episode);
+  const std::string written = sha1_of_file(file);
+  std::string hash;
+  const EpisodeRows stored = open_episode(file, &hash);
+  std::filesystem::remove(file);
+  write_episode(file, numbered(10));
+  EXPECT_EQ(hash, written);
+  for (const Eigen::Index n : {kLong - 1, kLong - EpisodeRows::kBlock, Eigen::Index{0}, kLong - 1})
+    EXPECT_EQ(stored.row(n), episode.rows.row(n)) << n;
 }
 
 TEST(EpisodeRows, AreRatedWithoutChangingAnyOfThem) {
