@@ -145,7 +145,7 @@ class Provenance(Case):
         for arguments, rows in ((["record", "--scene", "paper", *QUICK, "--episodes", 2, "--out",
                                   self.path("more")], 2), (["recover", out], 0),
                                 (["fit", out, "--out", law, "--seeds", "1..2"], 14),
-                                (["bench", "hard"], 21), (["devices"], None),
+                                (["bench", "events", "--scene", "easy"], None), (["devices"], None),
                                 (["devices", "--test", "fake:pid", "--seconds", 0.5], 3)):
             table = list(csv.DictReader(io.StringIO(ferrule(*arguments, "--csv").stdout,
                                                     newline="")))
@@ -168,7 +168,7 @@ class Provenance(Case):
 
     def test_every_json_says_where_it_comes_from(self):
         out, law = self.fitted()
-        for arguments in (["bench", "capture"], ["devices"], ["recover", out],
+        for arguments in (["bench", "events", "--scene", "easy"], ["devices"], ["recover", out],
                           ["devices", "--test", "fake:spacemouse", "--seconds", 0.1],
                           ["export", law, "--header", self.path("law.h")]):
             arguments = [*arguments, "--json"]

@@ -111,7 +111,7 @@ class Shards(Case):
     # Killed, interrupted and begun again at random; damaged once. Nothing that was whole is run twice.
     def test_nothing_is_lost_by_kills(self):
         chance = random.Random(45)
-        kills, trials = (500, 400000) if os.environ.get("FERRULE_LONG") else (15, 30000)
+        kills, trials = (500, 400000) if os.environ.get("FERRULE_LONG") else (8, 10000)
         job = (*JOB, "--trials", trials, "--threads", 1)
         shards = {1, 2, 3}
         kept = dict.fromkeys(shards, 0)
@@ -225,11 +225,11 @@ class Shards(Case):
 
     # As on a full disk: what was written before it was full is good.
     def test_a_full_disk_loses_nothing(self):
-        job = (*JOB, "--trials", 20000)
+        job = (*JOB, "--trials", 5000)
 
         def little_room():
             signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-            resource.setrlimit(resource.RLIMIT_FSIZE, (1500000, resource.RLIM_INFINITY))
+            resource.setrlimit(resource.RLIMIT_FSIZE, (400000, resource.RLIM_INFINITY))
 
         self.refused(3, *job, "--shard", "1/1", "--out", self.job, preexec_fn=little_room, says=["File too large"])
         file = self.job + "/shard_0001_of_0001.trials"
