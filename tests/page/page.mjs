@@ -10,6 +10,7 @@ import {browser, build, closeAll, coloursOf, ferrule, folder, open, view, violat
 /** @typedef {import('playwright-core').Page} Page */
 
 const pattern = new RegExp(process.argv[4] ?? '');
+const long = Boolean(process.env.FERRULE_LONG);
 const pictures = join(build, 'page-pictures');
 mkdirSync(pictures, {recursive: true});
 const episodes = join(folder, 'episodes');
@@ -462,7 +463,7 @@ check('a failed trial that is clicked in the map plays and ends with its outcome
   assert.deepEqual(amiss, []);
 });
 
-check('reports fit a narrow screen', async () => {
+if (long) check('reports fit a narrow screen', async () => {
   const demo = join(folder, 'demo'), trials = join(folder, 'narrow.html');
   ferrule('demo', '--out', demo);
   ferrule('evaluate', join(demo, 'controller.json'), '--trials', '20', '--report', trials);
@@ -536,7 +537,7 @@ check('a folder opens with what can be read, and says what cannot', async () => 
   await server.end();
 });
 
-check('pictures at both sizes in both themes', async () => {
+if (long) check('pictures at both sizes in both themes', async () => {
   const file = join(folder, 'pictures.html');
   ferrule('view', episodes, '--export', file);
   for (const theme of /** @type {const} */ (['light', 'dark']))

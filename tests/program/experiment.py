@@ -77,7 +77,7 @@ class Experiment(Case):
                 self.assertLess(max(before) - min(before), 0.25)
 
     def test_fitted_laws_tell_the_two_apart_whichever_the_seed(self):
-        for seed in (1, 9) if os.environ.get("FERRULE_LONG") else (1,):
+        for seed in (1, 9):
             laws = {}
             for scene in SCENES:
                 folder, file = self.folders[scene], self.path(f"{scene}-{seed}.json")
