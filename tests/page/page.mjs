@@ -10,7 +10,7 @@ import {browser, build, closeAll, coloursOf, ferrule, folder, open, view, violat
 /** @typedef {import('playwright-core').Page} Page */
 
 const pattern = new RegExp(process.argv[4] ?? '');
-const long = Boolean(process.env.FERRULE_LONG);
+const long = Boolean(process.env.FERRULE_LONG ?? process.argv[4]);  // a check that is asked for by name runs, too
 const pictures = join(build, 'page-pictures');
 mkdirSync(pictures, {recursive: true});
 const episodes = join(folder, 'episodes');
