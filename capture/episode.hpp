@@ -166,9 +166,8 @@ std::string date_now();
 // (capture/child.hpp), and a row is believed only where its time is that of its number.
 Episode read_episode(const std::string& file);
 // The same, a block of rows at a time. Reading a row throws as well. `sha1` becomes the hash of the
-// file's bytes, which are read once for both where they are no more than kFileInMemory.
+// file's bytes. They are those of the file that is opened here, if its name leads to another later.
 EpisodeRows open_episode(const std::string& file, std::string* sha1 = nullptr);
-inline constexpr std::size_t kFileInMemory = 32 << 20;  // [bytes], two minutes and more
 
 // The scene that the episode in `file` was recorded in. Throws BadInput.
 Scene recorded_scene(const EpisodeInfo& info, const std::string& file);

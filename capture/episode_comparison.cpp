@@ -107,12 +107,12 @@ void add_warm_start(const Reader& in, Content& expected) {
   }
 }
 
-Verification compare_in_child(const std::string& file, double tolerance) {
+Verification compare_in_child(const MappedFile& file, double tolerance) {
   const StoredEpisode stored(file);
   const EpisodeInfo& info = stored.info();
   const EpisodeRows rows = stored.rows(info);
   const auto version = stored.in().whole("format_version");
-  const EpisodeTables tables(rows, recorded_scene(info, file), version);
+  const EpisodeTables tables(rows, recorded_scene(info, file.name()), version);
   Verification found{tolerance, {}, {}};
   compare_tables(stored, tables, found);
   Content expected = tables.content();
@@ -133,8 +133,9 @@ Verification compare_in_child(const std::string& file, double tolerance) {
 }  // namespace
 
 void compare_file(const std::string& file, Verification& comparison) {
+  const MappedFile bytes(file);
   Child child(file, Child::Work::reads, [&](Child::Parent& parent) {
-    const Verification found = compare_in_child(file, comparison.tolerance);
+    const Verification found = compare_in_child(bytes, comparison.tolerance);
     Json differences = Json::array();
     for (const auto& d : {found.largest, found.first})
       if (d) differences.push_back({d->row, d->column, d->recorded, d->expected, d->relative});

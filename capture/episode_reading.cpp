@@ -1,17 +1,12 @@
 // Files of strangers are read in a child process with limits.
 #include <algorithm>
-#include <filesystem>
 #include <memory>
-#include <optional>
 
 #include "capture/child.hpp"
 #include "capture/stored_episode.hpp"
-#include "sim/base/content_hash.hpp"
 
 namespace ferrule {
 namespace {
-
-namespace fs = std::filesystem;
 
 // To and from a child.
 Json to_json(const EpisodeInfo& info, Eigen::Index rows) {
@@ -29,15 +24,13 @@ EpisodeInfo info_of(const Json& j) {
 // A file of which a child sends one block of rows after the other.
 class EpisodeStream {
  public:
-  EpisodeStream(std::string file, std::optional<std::string> bytes)
-      : file_(std::move(file)), bytes_(std::move(bytes)) {
-    start(0);
-  }
+  // `hash`, unless null, becomes that of its bytes.
+  EpisodeStream(const std::string& file, std::string* hash) : file_(file) { start(0, hash); }
 
   const EpisodeInfo& info() const noexcept { return info_; }
   Eigen::Index count() const noexcept { return count_; }
   EpisodeRows::Part read(Eigen::Index first, Eigen::Index count) {
-    if (first != next_) start(first);
+    if (first != next_) start(first, nullptr);
     EpisodeRows::Part part;
     part.rows.resize(count, Eigen::NoChange);
     receive_numbers(part.rows);
@@ -48,15 +41,14 @@ class EpisodeStream {
   }
 
  private:
-  void start(Eigen::Index first);
+  void start(Eigen::Index first, std::string* hash);
   template <class Numbers>
   void receive_numbers(Numbers& numbers) {
     child_->receive(numbers.data(),
                     static_cast<std::size_t>(numbers.size()) * sizeof(typename Numbers::Scalar));
   }
 
-  std::string file_;
-  std::optional<std::string> bytes_;  // of the file, where they are in memory
+  MappedFile file_;
   std::unique_ptr<Child> child_;
   EpisodeInfo info_;
   Eigen::Index count_ = 0, next_ = 0;
@@ -68,10 +60,11 @@ void send_numbers(Child::Parent& parent, const Numbers& numbers) {
               static_cast<std::size_t>(numbers.size()) * sizeof(typename Numbers::Scalar));
 }
 
-void EpisodeStream::start(Eigen::Index from) {
-  child_ = std::make_unique<Child>(file_, Child::Work::reads, [&](Child::Parent& parent) {
-    const StoredEpisode stored(file_, bytes_ ? &*bytes_ : nullptr);
+void EpisodeStream::start(Eigen::Index from, std::string* hash) {
+  child_ = std::make_unique<Child>(file_.name(), Child::Work::reads, [&](Child::Parent& parent) {
+    const StoredEpisode stored(file_);
     parent.send_json(to_json(stored.info(), stored.count()));
+    if (hash) parent.send_json(file_.sha1());
     for (Eigen::Index first = from; first < stored.count(); first += EpisodeRows::kBlock) {
       const EpisodeRows::Part part =
           stored.read(first, std::min(EpisodeRows::kBlock, stored.count() - first));
@@ -82,19 +75,14 @@ void EpisodeStream::start(Eigen::Index from) {
   const Json info = child_->receive_json();
   info_ = info_of(info);
   count_ = info.back().get<Eigen::Index>();
+  if (hash) *hash = child_->receive_json().get<std::string>();
   next_ = from;
 }
 
 }  // namespace
 
 EpisodeRows open_episode(const std::string& file, std::string* hash) {
-  std::error_code error;
-  if (!fs::is_regular_file(file, error))
-    throw FileTrouble(file + (fs::exists(file, error) ? ": is no file" : ": no such file"));
-  std::optional<std::string> bytes;
-  if (hash && fs::file_size(file) <= kFileInMemory) bytes = read_text(file);
-  if (hash) *hash = bytes ? sha1(*bytes) : sha1_of_file(file);
-  const auto stream = std::make_shared<EpisodeStream>(file, std::move(bytes));
+  const auto stream = std::make_shared<EpisodeStream>(file, hash);
   return {stream->info(), stream->count(),
           [stream](Eigen::Index first, Eigen::Index count) { return stream->read(first, count); }};
 }

@@ -60,7 +60,8 @@ void write_episode(const std::string& file, const EpisodeRows& rows,
 
 void rate_episode(const std::string& file, int stars) {
   EpisodeWriting(file, [&](const std::string& path, Child::Parent& parent) {
-    const StoredEpisode stored(file);
+    const MappedFile before(file);
+    const StoredEpisode stored(before);
     EpisodeInfo info = stored.info();
     info.rating = stars;
     write_rows(path, file, stored.rows(info), parent);

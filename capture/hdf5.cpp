@@ -6,7 +6,6 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
 #include <iterator>
 
 namespace ferrule::hdf5 {
@@ -35,14 +34,12 @@ hid_t create(const std::string& path, const std::string& trouble) {
 }
 
 // Nothing of another file or library comes in: no filter, no link, no data from there.
-hid_t open_to_read(const std::string& name, const std::string* bytes) {
+hid_t open_to_read(const MappedFile& file) {
   silence();
   H5PLset_loading_state(0);
   H5Lunregister(H5L_TYPE_EXTERNAL);
-  if (bytes)
-    return H5LTopen_file_image(const_cast<char*>(bytes->data()), bytes->size(),
-                               H5LT_FILE_IMAGE_DONT_COPY | H5LT_FILE_IMAGE_DONT_RELEASE);
-  return H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT);
+  return H5LTopen_file_image(const_cast<char*>(file.data()), file.size(),
+                             H5LT_FILE_IMAGE_DONT_COPY | H5LT_FILE_IMAGE_DONT_RELEASE);
 }
 
 hid_t stored_type(Table::Stored stored) {
@@ -163,12 +160,6 @@ void attach_scales(hid_t file, const Content& content, const std::string& name) 
     }
 }
 
-hsize_t size_of(const std::string& name) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(name, error)) throw FileTrouble(name + ": no such file");
-  return std::filesystem::file_size(name, error);
-}
-
 using Names = std::map<std::string, std::set<std::string>>;
 
 herr_t add_attribute(hid_t, const char* name, const H5A_info_t*, void* names) {
@@ -230,11 +221,10 @@ void write(const std::string& path, const std::string& name, const Content& cont
   file.close(name + ": cannot be written");
 }
 
-Reader::Reader(const std::string& name, std::string what, const std::string* bytes)
-    : name_(name),
+Reader::Reader(const MappedFile& bytes, std::string what)
+    : bytes_(bytes),
       what_(std::move(what)),
-      size_(bytes ? bytes->size() : size_of(name)),
-      file_(open_to_read(name, bytes), H5Fclose, name + ": not a readable HDF5 file") {}
+      file_(open_to_read(bytes), H5Fclose, bytes.name() + ": not a readable HDF5 file") {}
 
 namespace {
 
@@ -283,10 +273,11 @@ Json Reader::attribute(const std::string& key, const std::string& place) const {
   const std::size_t size = H5Tget_size(type);
   const auto read = [&](void* into) { return H5Aread(a, type, into); };
   const std::optional<std::size_t> length = length_of(space);
-  if (length && kind == H5T_STRING) return read_texts(type, space, *length, size_, read, damaged);
-  if (H5Sget_simple_extent_type(space) != H5S_SCALAR || size == 0 || size > size_)
+  if (length && kind == H5T_STRING)
+    return read_texts(type, space, *length, bytes_.size(), read, damaged);
+  if (H5Sget_simple_extent_type(space) != H5S_SCALAR || size == 0 || size > bytes_.size())
     throw FileTrouble(damaged);
-  if (kind == H5T_STRING) return read_texts(type, space, 1, size_, read, damaged).front();
+  if (kind == H5T_STRING) return read_texts(type, space, 1, bytes_.size(), read, damaged).front();
   if (size > sizeof(double)) throw FileTrouble(damaged);
   if (kind == H5T_FLOAT) {
     double value = 0;
@@ -324,7 +315,7 @@ std::uint64_t Reader::whole(const char* key) const {
 
 // What the file says of a data set must fit into the file. Returns the rows of a chunk.
 hsize_t Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const {
-  const std::string damaged = name_ + ": damaged: " + path;
+  const std::string damaged = bytes_.name() + ": damaged: " + path;
   const Handle how(H5Dget_create_plist(set), H5Pclose, damaged);
   const H5D_layout_t layout = H5Pget_layout(how);
   if (H5Pget_external_count(how) != 0 || layout == H5D_VIRTUAL || layout < 0)
@@ -336,7 +327,7 @@ hsize_t Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::s
     throw FileTrouble(damaged + " has chunks larger than any that are read here");
   // No data set has fewer bytes than rows, nor is compressed by more than deflate can.
   const hsize_t stored = H5Dget_storage_size(set);
-  if (rows > size_ || stored > size_ ||
+  if (rows > bytes_.size() || stored > bytes_.size() ||
       rows * width * sizeof(float) > kMostDeflated * (stored + 64))
     throw FileTrouble(damaged + " claims " + std::to_string(rows) +
                       " rows, more than are in the file");
@@ -344,9 +335,9 @@ hsize_t Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::s
 }
 
 StoredTable Reader::table(const std::string& path, Eigen::Index width, Eigen::Index count) const {
-  const std::string damaged = name_ + ": damaged: " + path;
+  const std::string damaged = bytes_.name() + ": damaged: " + path;
   StoredTable stored(
-      Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing"),
+      Handle(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing"), bytes_,
       damaged);
   Table& table = stored.table_;
   table.path = path;
@@ -371,8 +362,9 @@ StoredTable Reader::table(const std::string& path, Eigen::Index width, Eigen::In
   return stored;
 }
 
-StoredTable::StoredTable(Handle set, const std::string& damaged)
-    : set_(std::move(set)),
+StoredTable::StoredTable(Handle set, const MappedFile& bytes, const std::string& damaged)
+    : bytes_(&bytes),
+      set_(std::move(set)),
       space_(H5Dget_space(set_), H5Sclose, damaged),
       type_(H5Dget_type(set_), H5Tclose, damaged),
       damaged_(damaged) {}
@@ -389,11 +381,12 @@ Matrix StoredTable::read(Eigen::Index first, Eigen::Index count) const {
           damaged);
     from += rows;
   }
+  bytes_->forget();
   return values;
 }
 
 std::vector<std::string> Reader::labels(const std::string& path) const {
-  const std::string damaged = name_ + ": damaged: " + path;
+  const std::string damaged = bytes_.name() + ": damaged: " + path;
   const Handle set(H5Dopen2(file_, path.c_str(), H5P_DEFAULT), H5Dclose, damaged + " is missing");
   const Handle space(H5Dget_space(set), H5Sclose, damaged);
   const Handle type(H5Dget_type(set), H5Tclose, damaged);
@@ -401,7 +394,7 @@ std::vector<std::string> Reader::labels(const std::string& path) const {
   if (!count || H5Tget_class(type) != H5T_STRING) throw FileTrouble(damaged + " holds no texts");
   expect_room(set, *count, 1, path);
   return read_texts(
-      type, space, *count, size_,
+      type, space, *count, bytes_.size(),
       [&](void* into) { return H5Dread(set, type, H5S_ALL, H5S_ALL, H5P_DEFAULT, into); }, damaged);
 }
 
@@ -412,7 +405,7 @@ Names Reader::names() const {
 }
 
 std::string Reader::trouble(const std::string& key) const {
-  return name_ + ": not " + what_ + ", or damaged (at " + key + ")";
+  return bytes_.name() + ": not " + what_ + ", or damaged (at " + key + ")";
 }
 
 }  // namespace ferrule::hdf5

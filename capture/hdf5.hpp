@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "capture/mapped_file.hpp"
 #include "sim/base/json_fields.hpp"
 
 namespace ferrule::hdf5 {
@@ -89,8 +90,9 @@ class StoredTable {
 
  private:
   friend class Reader;
-  StoredTable(Handle set, const std::string& damaged);
+  StoredTable(Handle set, const MappedFile& bytes, const std::string& damaged);
 
+  const MappedFile* bytes_;
   Handle set_, space_, type_;
   std::string damaged_;
   Table table_{};
@@ -101,9 +103,8 @@ class StoredTable {
 // size is believed that the file cannot hold. Throws FileTrouble, naming what is damaged.
 class Reader {
  public:
-  // `what` the file should be: "an episode". Where its `bytes` are in memory, and outlive the reader,
-  // they are read there.
-  Reader(const std::string& name, std::string what, const std::string* bytes = nullptr);
+  // `what` the file should be: "an episode". `bytes` must outlive the reader and its tables.
+  Reader(const MappedFile& bytes, std::string what);
 
   bool has(const char* key) const { return H5Aexists(file_, key) > 0; }
   // Texts may be of fixed or of variable length.
@@ -122,8 +123,8 @@ class Reader {
   std::string trouble(const std::string& key) const;
   hsize_t expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const;
 
-  std::string name_, what_;
-  hsize_t size_;  // of the file [bytes]
+  const MappedFile& bytes_;
+  std::string what_;
   Handle file_;
 };
 

@@ -4,14 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "capture/child.hpp"
 
 namespace ferrule {
 namespace {
 
-namespace fs = std::filesystem;
 using hdf5::Matrix;
 using hdf5::Reader;
 using hdf5::StoredTable;
@@ -64,10 +62,9 @@ Eigen::Index count_rows(const Reader& in, double period, const std::string& file
 
 // What a child may take: at first, for a file that is returned, and with so many rows, each of
 // which is there.
-const std::string& allow_file(const std::string& file) {
+const MappedFile& allow_file(const MappedFile& file) {
   constexpr std::size_t kMost = 512 << 20;
-  const std::size_t size = fs::file_size(file);
-  Child::Parent::allow(std::min(kMost, 16 * size), size >> 26);
+  Child::Parent::allow(std::min(kMost, 16 * file.size()), file.size() >> 26);
   return file;
 }
 void allow_rows(Eigen::Index rows) {
@@ -77,9 +74,11 @@ void allow_rows(Eigen::Index rows) {
 
 }  // namespace
 
-StoredEpisode::StoredEpisode(const std::string& file, const std::string* bytes)
-    : file_(allow_file(file)), in_(file, "a ferrule episode", bytes), info_(read_info(in_, file)) {
-  count_ = count_rows(in_, info_.period, file);
+StoredEpisode::StoredEpisode(const MappedFile& file)
+    : file_(file.name()),
+      in_(allow_file(file), "a ferrule episode"),
+      info_(read_info(in_, file_)),
+      count_(count_rows(in_, info_.period, file_)) {
   allow_rows(count_);
   const auto open = [&](const std::string& path, Eigen::Index width) {
     tables_.emplace(path, in_.table(path, width, count_));

@@ -10,11 +10,10 @@ namespace ferrule {
 
 // What is read is checked before: what the file says of itself, that the rows' times are those of
 // their numbers, and that every number is finite. Allows the child what so large a file may take.
-// Where the file's `bytes` are in memory, and outlive this, they are read there. Throws FileTrouble,
-// naming what is damaged.
+// `file` must outlive this. Throws FileTrouble, naming what is damaged.
 class StoredEpisode {
  public:
-  explicit StoredEpisode(const std::string& file, const std::string* bytes = nullptr);
+  explicit StoredEpisode(const MappedFile& file);
 
   const hdf5::Reader& in() const noexcept { return in_; }
   const EpisodeInfo& info() const noexcept { return info_; }
@@ -32,7 +31,7 @@ class StoredEpisode {
   std::string file_;
   hdf5::Reader in_;
   EpisodeInfo info_;
-  Eigen::Index count_ = 0;
+  Eigen::Index count_;
   std::map<std::string, hdf5::StoredTable> tables_;  // of kBlocks and the counts, by their path
 };
 

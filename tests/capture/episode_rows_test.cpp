@@ -1,8 +1,10 @@
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "capture/child.hpp"
 #include "capture/episode.hpp"
+#include "capture/mapped_file.hpp"
 #include "sim/base/content_hash.hpp"
 #include "sim/base/random.hpp"
 #include "tests/episodes.hpp"
@@ -79,11 +81,42 @@ TEST(EpisodeRows, AreThoseOfTheHashWhateverTheFileBecomes) {
   const std::string written = sha1_of_file(file);
   std::string hash;
   const EpisodeRows stored = open_episode(file, &hash);
-  std::filesystem::remove(file);
-  write_episode(file, numbered(10));
   EXPECT_EQ(hash, written);
-  for (const Eigen::Index n : {kLong - 1, kLong - EpisodeRows::kBlock, Eigen::Index{0}, kLong - 1})
-    EXPECT_EQ(stored.row(n), episode.rows.row(n)) << n;
+  std::filesystem::remove(file);
+  for (const bool replaced : {false, true}) {
+    if (replaced) write_episode(file, numbered(10));
+    for (const Eigen::Index n :
+         {kLong - 1, kLong - EpisodeRows::kBlock, Eigen::Index{0}, kLong - 1})
+      EXPECT_EQ(stored.row(n), episode.rows.row(n)) << n;
+  }
+}
+
+TEST(EpisodeRows, OfAFileThatIsCutMeanwhileAreATrouble) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "cut.h5";
+  const Episode episode = numbered(kLong);
+  write_episode(file, episode);
+  const EpisodeRows stored = open_episode(file);
+  EXPECT_EQ(stored.row(5), episode.rows.row(5));
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
+  EXPECT_THROW(stored.row(kLong - 1), FileTrouble);
+}
+
+TEST(MappedFile, HasTheBytesAndTheHashOfTheFile) {
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "file";
+  for (const std::size_t size : {0UL, 1UL, 5000UL, (1UL << 22) + 3}) {
+    std::string bytes(size, 'a');
+    for (std::size_t i = 0; i < size; i += 100) bytes[i] = static_cast<char>(i / 100);
+    std::ofstream(file) << bytes;
+    const MappedFile mapped(file);
+    EXPECT_EQ(mapped.sha1(), sha1(bytes));
+    mapped.forget();
+    EXPECT_TRUE(
+        std::equal(bytes.begin(), bytes.end(), mapped.data(), mapped.data() + mapped.size()));
+  }
+  EXPECT_THROW(MappedFile(folder / "none"), FileTrouble);
+  EXPECT_THROW(MappedFile(folder.path()), FileTrouble);
 }
 
 TEST(EpisodeRows, AreRatedWithoutChangingAnyOfThem) {
