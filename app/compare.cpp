@@ -424,9 +424,9 @@ void add_compare(CLI::App& app, Run& run) {
   a->policy.add_to(*verb);
   verb->add_option(
           "--plot", a->plot,
-          "Folder for plots: success against misalignment and number of demonstrations, maps of "
-          "failures, and a report with all of them, with failed trials to watch, and which force "
-          "acted when")
+          "Folder for plots: success against misalignment, number of demonstrations and what "
+          "decides on each rung, maps of failures, and a report with all of them, with failed "
+          "trials to watch, and which force acted when")
       ->type_name("DIR");
   verb->add_option("--trials-out", a->trials_out,
                    "Write one line per controller and trial to a file")

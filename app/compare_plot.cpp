@@ -4,14 +4,11 @@
 #include <cmath>
 
 namespace ferrule {
-namespace {
-
-constexpr const char* kInserted = "inserted [%]";
 
 Axes percent_axes(const char* x_label) {
   Axes axes;
   axes.x_label = x_label;
-  axes.y_label = kInserted;
+  axes.y_label = "inserted [%]";
   axes.y_low = -2;
   axes.y_high = 102;
   return axes;
@@ -20,8 +17,6 @@ Axes percent_axes(const char* x_label) {
 double percent(std::size_t part, std::size_t all) {
   return all > 0 ? 100 * static_cast<double>(part) / static_cast<double>(all) : NAN;
 }
-
-}  // namespace
 
 std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
                                   const std::vector<Vector2d>& starts) {

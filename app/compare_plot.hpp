@@ -6,6 +6,10 @@
 
 namespace ferrule {
 
+// Axes for how many inserted [%], and that number.
+Axes percent_axes(const char* x_label);
+double percent(std::size_t part, std::size_t all);
+
 // Trials whose starts are about as far from the axis: an eighth of all.
 struct Ring {
   double from, to;  // distance of the start from the axis [m]

@@ -64,6 +64,7 @@ struct LadderRow {
   CampaignSummary summary;
   WorstTenth worst;
   double search;  // median of InsertionSummary::search_time of the inserted [s]; NaN without any
+  Deciding deciding;
 };
 
 // Everything that is found, as far as Ctrl-C lets it.

@@ -61,7 +61,8 @@ std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
                      Progress(rung.name + ", " + name, a.trials), interrupted, {}, shared_trials());
     if (interrupted()) break;  // of it, the trials are not whole
     rows.push_back({rung.name, name, c.training_seed, summarise(results),
-                    worst_tenth(drawn, results), median_search_time(results)});
+                    worst_tenth(drawn, results), median_search_time(results),
+                    deciding_quantity(drawn, results)});
   }
   return rows;
 }

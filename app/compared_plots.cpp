@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <map>
+#include <set>
+
 #include "app/compare_plot.hpp"
 #include "app/compared.hpp"
 #include "app/failures.hpp"
@@ -10,18 +13,52 @@
 namespace ferrule {
 namespace {
 
-void draw(const std::string& folder, const std::vector<Entry>& entries,
-          const std::vector<Learning>& learning, const std::vector<Vector2d>& starts) {
+std::string file_of(const std::string& name) {
+  std::string file;
+  for (const char c : name)
+    if (c != ',') file += c == ' ' || c == '/' ? '_' : c;
+  return file + ".svg";
+}
+
+// By rung: how often each controller inserts in each tenth of the drawn number that decides it. Of
+// what was trained with several seeds the first.
+std::map<std::string, Plot> rung_plots(const std::vector<LadderRow>& ladder) {
+  std::map<std::string, Plot> plots;
+  std::set<std::pair<std::string, std::string>> seen;
+  for (const LadderRow& row : ladder) {
+    const Deciding& d = row.deciding;
+    if (!seen.insert({row.rung, row.controller}).second || d.tenths.empty()) continue;
+    Series series{fmt::format("{}: {} of {:.3g} to {:.3g} ({:.0f} %)", row.controller, d.name,
+                              d.tenths.front().low, d.tenths.back().high, 100 * d.share),
+                  {},
+                  {},
+                  Series::points_on_line};
+    for (const Tenth& tenth : d.tenths) {
+      series.x.push_back(10 * static_cast<double>(series.x.size()) + 5);
+      series.y.push_back(percent(tenth.successes, tenth.trials));
+    }
+    Plot& plot = plots[row.rung];
+    plot.title =
+        row.rung + ": success against the number that decides it (its share of the variance)";
+    if (plot.panels.empty())
+      plot.panels.push_back(percent_axes("trials in the order of that number [%]"));
+    plot.panels.front().series.push_back(series);
+  }
+  return plots;
+}
+
+void draw(const std::string& folder, const Found& found, const std::vector<Vector2d>& starts) {
   std::vector<std::pair<std::string, std::vector<Ring>>> rings;
-  for (const Entry& e : entries) {
+  for (const Entry& e : found.entries) {
     rings.emplace_back(e.candidate.name, e.rings);
-    std::string name = "map_";
-    for (const char c : e.candidate.name)
-      if (c != ',') name += c == ' ' || c == '/' ? '_' : c;
-    write_svg(folder + "/" + name + ".svg", failure_map(e.candidate.name, e.results, starts));
+    write_svg(folder + "/map_" + file_of(e.candidate.name),
+              failure_map(e.candidate.name, e.results, starts));
   }
   write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
-  if (!learning.empty()) write_svg(folder + "/demonstrations.svg", learning_plot(learning));
+  if (!found.learning.empty())
+    write_svg(folder + "/demonstrations.svg", learning_plot(found.learning));
+  for (const auto& [rung, plot] : rung_plots(found.ladder))
+    write_svg(folder + "/" + file_of(rung), plot);
 }
 
 // Which force acted when in what was learned from.
@@ -65,6 +102,7 @@ void write_report(const CompareArguments& a, const Scene& scene, const Demonstra
       replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) + "</pre>\n" +
       figure(misalignment_plot(rings), "") + to_html(forces) + maps_drawn;
   if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
+  for (const auto& [_, plot] : rung_plots(found.ladder)) html += figure(plot, "");
   write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
                                           escaped(provenance.foot()) + "</p>\n</body></html>\n");
 }
@@ -74,7 +112,7 @@ void write_report(const CompareArguments& a, const Scene& scene, const Demonstra
 void write_plots(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
                  const Found& found, const std::vector<Vector2d>& starts,
                  const Provenance& provenance) {
-  draw(a.plot, found.entries, found.learning, starts);
+  draw(a.plot, found, starts);
   write_report(a, scene, set, found, starts, provenance);
 }
 

@@ -93,6 +93,7 @@ Json to_json(const LadderRow& r) {
           {"wilson_low", number_or_null(r.summary.wilson.low)},
           {"wilson_high", number_or_null(r.summary.wilson.high)},
           {"worst_tenth", number_or_null(rate_of(r.worst))},
+          {"decided_by", {{"key", r.deciding.name}, {"share", number_or_null(r.deciding.share)}}},
           {"worst_tenth_of",
            {{"key", r.worst.name},
             {"low", number_or_null(r.worst.low)},

@@ -16,6 +16,27 @@ bool succeeded(const TrialResult& result) {
   return result.outcome == Outcome::inserted;
 }
 
+// Of every `stride`-th trial.
+std::vector<Tenth> by_tenths(const DrawnQuantity& quantity, const std::vector<TrialResult>& results,
+                             std::size_t stride) {
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < results.size(); k += stride)
+    if (std::isfinite(quantity.values[k])) order.push_back(k);
+  if (order.size() < kTenths) return {};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return quantity.values[a] < quantity.values[b];
+  });
+  std::vector<Tenth> tenths;
+  for (std::size_t part = 0; part < kTenths; ++part) {
+    const std::size_t begin = part * order.size() / kTenths,
+                      end = (part + 1) * order.size() / kTenths;
+    Tenth tenth{quantity.values[order[begin]], quantity.values[order[end - 1]], 0, end - begin};
+    for (std::size_t i = begin; i < end; ++i) tenth.successes += succeeded(results[order[i]]);
+    tenths.push_back(tenth);
+  }
+  return tenths;
+}
+
 }  // namespace
 
 std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t seed,
@@ -36,28 +57,37 @@ std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t se
   return drawn;
 }
 
+Deciding deciding_quantity(const std::vector<DrawnQuantity>& drawn,
+                           const std::vector<TrialResult>& results) {
+  Deciding most{"", 0, {}};
+  for (const DrawnQuantity& quantity : drawn) {
+    const std::vector<Tenth> tenths = by_tenths(quantity, results, 1);
+    double trials = 0, successes = 0, within = 0;
+    for (const Tenth& tenth : tenths) {
+      const auto n = static_cast<double>(tenth.trials), k = static_cast<double>(tenth.successes);
+      trials += n;
+      successes += k;
+      within += k * (n - k) / n;
+    }
+    const double all = successes * (trials - successes) / trials;
+    const double free = (trials - 1) / (trials - static_cast<double>(kTenths));
+    const double share = 1 - within / all * free;
+    // Not where nothing or everything succeeds, nor by rounding alone.
+    if (share > most.share + 1e-12) most = {quantity.name, share, tenths};
+  }
+  return most;
+}
+
 WorstTenth worst_tenth(const std::vector<DrawnQuantity>& drawn,
                        const std::vector<TrialResult>& results) {
   WorstTenth worst{"", NAN, NAN, 0, 0};
   double least = std::numeric_limits<double>::infinity();
   for (const DrawnQuantity& quantity : drawn) {
-    std::vector<std::size_t> even;
-    for (std::size_t k = 0; k < results.size(); k += 2)
-      if (std::isfinite(quantity.values[k])) even.push_back(k);
-    if (even.size() < kTenths) continue;
-    std::stable_sort(even.begin(), even.end(), [&](std::size_t a, std::size_t b) {
-      return quantity.values[a] < quantity.values[b];
-    });
-    for (std::size_t part = 0; part < kTenths; ++part) {
-      const std::size_t begin = part * even.size() / kTenths,
-                        end = (part + 1) * even.size() / kTenths;
-      const auto inserted = std::count_if(even.begin() + static_cast<std::ptrdiff_t>(begin),
-                                          even.begin() + static_cast<std::ptrdiff_t>(end),
-                                          [&](std::size_t k) { return succeeded(results[k]); });
-      const double rate = static_cast<double>(inserted) / static_cast<double>(end - begin);
+    for (const Tenth& tenth : by_tenths(quantity, results, 2)) {
+      const double rate = static_cast<double>(tenth.successes) / static_cast<double>(tenth.trials);
       if (!(rate < least)) continue;
       least = rate;
-      worst = {quantity.name, quantity.values[even[begin]], quantity.values[even[end - 1]], 0, 0};
+      worst = {quantity.name, tenth.low, tenth.high, 0, 0};
       for (std::size_t k = 1; k < results.size(); k += 2) {
         const double value = quantity.values[k];
         if (!(value >= worst.low && value <= worst.high)) continue;

@@ -1,4 +1,5 @@
-// Where a controller fails: in which tenth of what chance decides it inserts least.
+// Where a controller fails: by which of what chance decides, and in which tenth of that it inserts
+// least.
 #pragma once
 
 #include <string>
@@ -19,6 +20,25 @@ struct DrawnQuantity {
 // its unit; those that are infeasible have NaN.
 std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t seed,
                                             std::size_t trials);
+
+// Trials between two values of a quantity.
+struct Tenth {
+  double low, high;
+  std::size_t successes, trials;
+};
+
+// The quantity that success depends on most.
+struct Deciding {
+  std::string name;  // empty: no share is above 0, or there are fewer than ten trials
+  // Of the variance of success, between tenths of the trials sorted by the quantity, less what is
+  // there by chance: epsilon squared (Kelley 1935). 1: it says which trials succeed.
+  double share;
+  std::vector<Tenth> tenths;
+};
+
+// Infeasible trials do not count.
+Deciding deciding_quantity(const std::vector<DrawnQuantity>& drawn,
+                           const std::vector<TrialResult>& results);
 
 struct WorstTenth {
   std::string name;       // of the quantity; empty: there is none

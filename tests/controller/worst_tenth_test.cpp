@@ -35,6 +35,54 @@ TEST(WorstTenth, IsWhereItFails) {
   EXPECT_NEAR(rate, 0.3, 4 * std::sqrt(0.3 * 0.7 / 200));
 }
 
+// Success at a rate of p(x), uniform x: the share is the variance of the rate over that of success.
+TEST(Deciding, IsTheQuantityThatTheRateFollows) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  for (const double slope : {0.2, 0.6, 1.0}) {
+    std::vector<DrawnQuantity> drawn = {{"no matter", {}}, {"decides", {}}, {"neither", {}}};
+    std::vector<bool> inserted;
+    for (int k = 0; k < 40000; ++k) {
+      for (DrawnQuantity& quantity : drawn) quantity.values.push_back(uniform(random));
+      inserted.push_back(uniform(random) < 0.5 + slope * (drawn[1].values.back() - 0.5));
+    }
+    const Deciding found = deciding_quantity(drawn, results_of(inserted));
+    EXPECT_EQ(found.name, "decides");
+    // Of tenths: 0.99 of the variance slope^2 / 12, over 1 / 4.
+    EXPECT_NEAR(found.share, 0.99 * slope * slope / 3, 0.01);
+    ASSERT_EQ(found.tenths.size(), 10U);
+    for (std::size_t i = 0; i < 10; ++i) {
+      const Tenth& tenth = found.tenths[i];
+      EXPECT_EQ(tenth.trials, 4000U);
+      const double rate = 0.5 + slope * (0.1 * (static_cast<double>(i) + 0.5) - 0.5);
+      EXPECT_NEAR(static_cast<double>(tenth.successes) / 4000, rate, 4 * 0.5 / std::sqrt(4000));
+      EXPECT_NEAR(tenth.low, 0.1 * static_cast<double>(i), 0.01);
+    }
+  }
+}
+
+// Its share is 0 on average; of one quantity it is told in about half of all campaigns.
+TEST(Deciding, IsNothingWhereChanceAloneDecides) {
+  std::mt19937 random(4);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  double sum = 0;
+  for (int campaign = 0; campaign < 400; ++campaign) {
+    std::vector<DrawnQuantity> drawn = {{"no matter", {}}};
+    std::vector<bool> inserted;
+    for (int k = 0; k < 100; ++k) {
+      drawn[0].values.push_back(uniform(random));
+      inserted.push_back(uniform(random) < 0.7);
+    }
+    sum += deciding_quantity(drawn, results_of(inserted)).share;
+  }
+  // The positive part of a mean of nine squares less 1, times 9/99: 0.017, one of them 0.027.
+  EXPECT_NEAR(sum / 400, 0.017, 0.006);
+  const std::vector<DrawnQuantity> drawn = {{"x", {1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12}}};
+  for (const bool each : {false, true})
+    EXPECT_EQ(deciding_quantity(drawn, results_of(std::vector<bool>(12, each))).name, "");
+  EXPECT_EQ(deciding_quantity({{"x", {1, 2}}}, results_of({true, false})).name, "");
+}
+
 // The least of many parts is low by chance; what is told is not.
 TEST(WorstTenth, OfWhatNothingDecidesIsTheMean) {
   std::mt19937 random(2);

@@ -146,8 +146,14 @@ class Compare(Case):
             self.assertEqual(row["time_s"], alone["time_s"]["median"])
             self.assertEqual(row["peak_force_uN"], alone["peak_force_uN"]["median"])
         # One learner that was fitted once has the seed of that.
+        plots = self.path("rungs")
         once = self.done("compare", self.out, *SCENE, "--trials", 20, "--learners", "linear", "--fit-seed", 9,
-                         "--ladder").stdout
+                         "--ladder", "--plot", plots).stdout
+        drawn = glob.glob(plots + "/ladder_*.svg")
+        self.assertTrue(drawn)
+        for file in drawn:
+            self.assertIn("ladder/" + os.path.basename(file)[len("ladder_"):-len(".svg")], rungs)
+            xml.dom.minidom.parse(file)
         self.assertIn("ceres, linear, seed 9", once)
         self.assertRegex(once, r"constant velocity .* of \S+ to \S+")  # its worst tenth
 
