@@ -225,6 +225,25 @@ def climbers(_: Result, compared: Result) -> str:
                             " | worst tenth of the search"), rows)
 
 
+def followers(_: Result, compared: Result) -> str:
+    def mean(rows: list[Any], key: str) -> float | None:
+        known = [r[key] for r in rows if r[key] is not None]
+        return sum(known) / len(known) if known else None
+
+    lines = []
+    for rung in dict.fromkeys(r["rung"] for r in compared["ladder"]):
+        def of(name: str) -> list[Any]:
+            return [r for r in compared["ladder"] if r["rung"] == rung and r["controller"] == name]
+
+        learned, (search,) = of("ceres, search"), of("search")
+        rates = [100 * r["success_rate"] for r in learned]
+        lines.append([f"`{rung}`", f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %",
+                      digits(100 * search["success_rate"], 3, " %"),
+                      *(", ".join(fixed(mean(rows, key), 1) for rows in (learned, [search]))
+                        for key in ("time_s", "search_s", "peak_force_uN"))])
+    return markdown(columns("rung | learned | search | time [s], of both | its search [s] | peak force [uN]"), lines)
+
+
 def stepping(result: Result) -> str:
     def error(x: float | None, rounding: float, unit: str) -> str:
         return "diverges" if x is None else "exact" if x < rounding else digits(x, 3, unit)

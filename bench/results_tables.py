@@ -39,6 +39,8 @@ def ladder(trials: int) -> list[str]:
 
 
 CLIMB = f"search --ladder {SEEDS} --trials 200"
+SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
+FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
 QUICK_CLIMB = "./ferrule compare five search --ladder --learners linear --seeds 1..2 --trials 2"
 COST = "compare bench-episodes --learners insertion,torch --trials 1"
 TABLES = [
@@ -68,6 +70,8 @@ TABLES = [
     Table("ladder", "counts", ladder(1000), layouts.ladder, ladder(4)),
     Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
           [FIVE, QUICK_CLIMB]),
+    Table("followers", "counts", [SEARCHED, FOLLOW], layouts.followers,
+          [SEARCHED.replace("20", "3"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
     Table("stepping", "timing", [STEPPING], layouts.stepping, None),
     Table("laws", "timing", [STEPPING], layouts.laws, None),
     Table("campaigns", "timing", [STEPPING], layouts.campaigns, None),
