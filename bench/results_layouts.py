@@ -244,6 +244,12 @@ def followers(_: Result, compared: Result) -> str:
     return markdown(columns("rung | learned | search | time [s], of both | its search [s] | peak force [uN]"), lines)
 
 
+def improved(_recorded: Result, _fitted: Result, _improved: Result, *results: Result) -> str:
+    return markdown(columns("rung | inserted | 95 % interval | time, median | its peak force, median and 95 %"),
+                    [[f"`{r['scene']}`", inserted(r), interval(r), time(r),
+                      f"{r['peak_force_uN']['median']:.1f}, {r['peak_force_uN']['p95']:.1f} uN"] for r in results])
+
+
 def stepping(result: Result) -> str:
     def error(x: float | None, rounding: float, unit: str) -> str:
         return "diverges" if x is None else "exact" if x < rounding else digits(x, 3, unit)

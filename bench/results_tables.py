@@ -32,15 +32,19 @@ def policies(what: str) -> list[str]:
             for policy in (f"{RNN} answer bc-rnn", f"{ACT} answer act")]
 
 
-def ladder(trials: int) -> list[str]:
-    return [f"./ferrule evaluate {how} --scene ladder/{rung} --trials {trials}"
-            for rung in ("a", "b1", "b2", "b3", "b", "c", "d", "d2_cleave", "d2_edge", "e", "f")
-            for how in ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")]
+def ladder(trials: int, *how: str) -> list[str]:
+    return [f"./ferrule evaluate {each} --scene ladder/{rung} --trials {trials}"
+            for rung in ("a", "b1", "b2", "b3", "b", "c", "d", "d2_cleave", "d2_edge", "e", "f") for each in how]
+
+
+KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")
 
 
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
+IMPROVE = ("./ferrule improve searched.json --scene ladder/f --objective success,time --trials 10000"
+           " --out improved.json")
 QUICK_CLIMB = "./ferrule compare five search --ladder --learners linear --seeds 1..2 --trials 2"
 COST = "compare bench-episodes --learners insertion,torch --trials 1"
 TABLES = [
@@ -67,11 +71,14 @@ TABLES = [
     Table("scenes", "counts",
           [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
           layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
-    Table("ladder", "counts", ladder(1000), layouts.ladder, ladder(4)),
+    Table("ladder", "counts", ladder(1000, *KNOWN), layouts.ladder, ladder(4, *KNOWN)),
     Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
           [FIVE, QUICK_CLIMB]),
     Table("followers", "counts", [SEARCHED, FOLLOW], layouts.followers,
           [SEARCHED.replace("20", "3"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
+    Table("improved", "counts",
+          [SEARCHED, "./ferrule fit searched --method search --out searched.json", IMPROVE,
+           *ladder(1000, "improved.json")], layouts.improved, None),
     Table("stepping", "timing", [STEPPING], layouts.stepping, None),
     Table("laws", "timing", [STEPPING], layouts.laws, None),
     Table("campaigns", "timing", [STEPPING], layouts.campaigns, None),
