@@ -1,9 +1,12 @@
 #include "app/compare_plot.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
 namespace ferrule {
+namespace {
 
 Axes percent_axes(const char* x_label) {
   Axes axes;
@@ -17,6 +20,8 @@ Axes percent_axes(const char* x_label) {
 double percent(std::size_t part, std::size_t all) {
   return all > 0 ? 100 * static_cast<double>(part) / static_cast<double>(all) : NAN;
 }
+
+}  // namespace
 
 std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
                                   const std::vector<Vector2d>& starts) {
@@ -65,6 +70,26 @@ Plot learning_plot(const std::vector<Learning>& learning) {
     series->y.push_back(100 * l.summary.success_rate);
   }
   return {"Success against the number of demonstrations", {axes}};
+}
+
+Plot rung_plot(const std::string& rung,
+               const std::vector<std::pair<std::string, Deciding>>& controllers) {
+  Axes axes = percent_axes("trials in the order of that number [%]");
+  for (const auto& [name, decided] : controllers) {
+    Series series{
+        fmt::format("{}: {} of {:.3g} to {:.3g} ({:.0f} %)", name, decided.name,
+                    decided.tenths.front().low, decided.tenths.back().high, 100 * decided.share),
+        {},
+        {},
+        Series::points_on_line};
+    for (const Tenth& tenth : decided.tenths) {
+      series.x.push_back(10 * static_cast<double>(series.x.size()) + 5);
+      series.y.push_back(percent(tenth.successes, tenth.trials));
+    }
+    axes.series.push_back(series);
+  }
+  return {rung + ": success against the number that decides it (its share of the variance)",
+          {axes}};
 }
 
 Plot failure_map(const std::string& controller, const std::vector<TrialResult>& results,

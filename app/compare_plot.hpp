@@ -2,13 +2,10 @@
 #pragma once
 
 #include "app/plot.hpp"
+#include "controller/worst_tenth.hpp"
 #include "learn/candidates.hpp"
 
 namespace ferrule {
-
-// Axes for how many inserted [%], and that number.
-Axes percent_axes(const char* x_label);
-double percent(std::size_t part, std::size_t all);
 
 // Trials whose starts are about as far from the axis: an eighth of all.
 struct Ring {
@@ -27,6 +24,9 @@ struct Learning {
 
 Plot misalignment_plot(const std::vector<std::pair<std::string, std::vector<Ring>>>& controllers);
 Plot learning_plot(const std::vector<Learning>& learning);
+// On a rung of the ladder: success of each controller in tenths of the drawn number that decides it.
+Plot rung_plot(const std::string& rung,
+               const std::vector<std::pair<std::string, Deciding>>& controllers);
 // The starts [m] of the trials of one controller, by whether it inserted.
 Plot failure_map(const std::string& controller, const std::vector<TrialResult>& results,
                  const std::vector<Vector2d>& starts);

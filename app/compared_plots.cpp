@@ -20,31 +20,15 @@ std::string file_of(const std::string& name) {
   return file + ".svg";
 }
 
-// By rung: how often each controller inserts in each tenth of the drawn number that decides it. Of
-// what was trained with several seeds the first.
-std::map<std::string, Plot> rung_plots(const std::vector<LadderRow>& ladder) {
-  std::map<std::string, Plot> plots;
+// By rung: what decides the success of whom. Of what was trained with several seeds the first.
+std::map<std::string, std::vector<std::pair<std::string, Deciding>>> decided_by_rung(
+    const std::vector<LadderRow>& ladder) {
+  std::map<std::string, std::vector<std::pair<std::string, Deciding>>> rungs;
   std::set<std::pair<std::string, std::string>> seen;
-  for (const LadderRow& row : ladder) {
-    const Deciding& d = row.deciding;
-    if (!seen.insert({row.rung, row.controller}).second || d.tenths.empty()) continue;
-    Series series{fmt::format("{}: {} of {:.3g} to {:.3g} ({:.0f} %)", row.controller, d.name,
-                              d.tenths.front().low, d.tenths.back().high, 100 * d.share),
-                  {},
-                  {},
-                  Series::points_on_line};
-    for (const Tenth& tenth : d.tenths) {
-      series.x.push_back(10 * static_cast<double>(series.x.size()) + 5);
-      series.y.push_back(percent(tenth.successes, tenth.trials));
-    }
-    Plot& plot = plots[row.rung];
-    plot.title =
-        row.rung + ": success against the number that decides it (its share of the variance)";
-    if (plot.panels.empty())
-      plot.panels.push_back(percent_axes("trials in the order of that number [%]"));
-    plot.panels.front().series.push_back(series);
-  }
-  return plots;
+  for (const LadderRow& row : ladder)
+    if (seen.insert({row.rung, row.controller}).second && !row.deciding.tenths.empty())
+      rungs[row.rung].emplace_back(row.controller, row.deciding);
+  return rungs;
 }
 
 void draw(const std::string& folder, const Found& found, const std::vector<Vector2d>& starts) {
@@ -57,8 +41,8 @@ void draw(const std::string& folder, const Found& found, const std::vector<Vecto
   write_svg(folder + "/misalignment.svg", misalignment_plot(rings));
   if (!found.learning.empty())
     write_svg(folder + "/demonstrations.svg", learning_plot(found.learning));
-  for (const auto& [rung, plot] : rung_plots(found.ladder))
-    write_svg(folder + "/" + file_of(rung), plot);
+  for (const auto& [rung, controllers] : decided_by_rung(found.ladder))
+    write_svg(folder + "/" + file_of(rung), rung_plot(rung, controllers));
 }
 
 // Which force acted when in what was learned from.
@@ -102,7 +86,8 @@ void write_report(const CompareArguments& a, const Scene& scene, const Demonstra
       replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) + "</pre>\n" +
       figure(misalignment_plot(rings), "") + to_html(forces) + maps_drawn;
   if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
-  for (const auto& [_, plot] : rung_plots(found.ladder)) html += figure(plot, "");
+  for (const auto& [rung, controllers] : decided_by_rung(found.ladder))
+    html += figure(rung_plot(rung, controllers), "");
   write_text(a.plot + "/report.html", html + "<p>" + escaped(provenance.head()) + "</p>\n<p>" +
                                           escaped(provenance.foot()) + "</p>\n</body></html>\n");
 }

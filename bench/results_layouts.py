@@ -47,6 +47,11 @@ def time(s: Result) -> str:
     return fixed(s["time_s"]["median"], 1, " s")
 
 
+def peaks(s: Result) -> str:
+    peak = s["peak_force_uN"]
+    return f"{peak['median']:.1f}, {peak['p95']:.1f} uN"
+
+
 def force(s: Result) -> str:
     peak = s["peak_force_uN"]["median"]
     return "-" if peak is None else f"{peak:#.3g}".rstrip(".") + " uN"
@@ -195,30 +200,37 @@ def ladder(*results: Result) -> str:
         name = searched["scene"]
         about = json.loads((SCENES / f"{name}.json").read_text())["about"]
         what = re.sub(r"^Rung \w+: (.*)\.$", r"\1", about)
-        peak = searched["peak_force_uN"]
         rows.append([f"`{name}`", what, inserted(searched["baseline"]), inserted(tuned["baseline"]),
                      inserted(tuned),
-                     f"{inserted(searched)} ({interval(searched)})", time(searched),
-                     f"{peak['median']:.1f}, {peak['p95']:.1f} uN"])
+                     f"{inserted(searched)} ({interval(searched)})", time(searched), peaks(searched)])
     return markdown(columns("rung | what | constant velocity | blind spiral | tuned by hand | search"
                             " | its time | its peak force, median and 95 %"), rows)
 
 
+def by_rung(compared: Result) -> dict[str, dict[str, list[Any]]]:
+    """The rows of each controller on each rung: one, or one a seed."""
+    rungs: dict[str, dict[str, list[Any]]] = {}
+    for row in compared["ladder"]:
+        rungs.setdefault(row["rung"], {}).setdefault(row["controller"], []).append(row)
+    return rungs
+
+
+def mean_and_worst(rows: list[Any]) -> str:
+    rates = [100 * r["success_rate"] for r in rows]
+    return f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %"
+
+
 def climbers(_: Result, compared: Result) -> str:
     rows, names = [], dict.fromkeys(r["controller"] for r in compared["ladder"] if r["training_seed"] is not None)
-    for rung in dict.fromkeys(r["rung"] for r in compared["ladder"]):
-        def of(name: str) -> list[Any]:
-            return [r for r in compared["ladder"] if r["rung"] == rung and r["controller"] == name]
-
-        (operator,), (search,), (spiral,) = of("simulated operator"), of("search"), of("blind spiral")
-        learned = [[100 * r["success_rate"] for r in of(name)] for name in names]
+    for rung, of in by_rung(compared).items():
+        (operator,), (search,), (spiral,) = of["simulated operator"], of["search"], of["blind spiral"]
         tenth = search["worst_tenth_of"]
         worst = "-"
         if search["success_rate"] < 1 and tenth["trials"]:
             worst = (f"{round(search['worst_tenth'] * tenth['trials'])} of {tenth['trials']}, {tenth['key']} of"
                      f" {tenth['low']:.4g} to {tenth['high']:.4g}")
         rows.append([f"`{rung}`", digits(100 * operator["success_rate"], 3, " %"),
-                     *(f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %" for rates in learned),
+                     *(mean_and_worst(of[name]) for name in names),
                      digits(100 * search["success_rate"], 3, " %"), digits(search["search_s"], 2, " s"),
                      digits(spiral["search_s"], 2, " s"), worst])
     return markdown(columns(f"rung | operator | {' | '.join(names)} | search | its search | that of a spiral"
@@ -231,14 +243,9 @@ def followers(_: Result, compared: Result) -> str:
         return sum(known) / len(known) if known else None
 
     lines = []
-    for rung in dict.fromkeys(r["rung"] for r in compared["ladder"]):
-        def of(name: str) -> list[Any]:
-            return [r for r in compared["ladder"] if r["rung"] == rung and r["controller"] == name]
-
-        learned, (search,) = of("ceres, search"), of("search")
-        rates = [100 * r["success_rate"] for r in learned]
-        lines.append([f"`{rung}`", f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %",
-                      digits(100 * search["success_rate"], 3, " %"),
+    for rung, of in by_rung(compared).items():
+        learned, (search,) = of["ceres, search"], of["search"]
+        lines.append([f"`{rung}`", mean_and_worst(learned), digits(100 * search["success_rate"], 3, " %"),
                       *(", ".join(fixed(mean(rows, key), 1) for rows in (learned, [search]))
                         for key in ("time_s", "search_s", "peak_force_uN"))])
     return markdown(columns("rung | learned | search | time [s], of both | its search [s] | peak force [uN]"), lines)
@@ -246,8 +253,7 @@ def followers(_: Result, compared: Result) -> str:
 
 def improved(_recorded: Result, _fitted: Result, _improved: Result, *results: Result) -> str:
     return markdown(columns("rung | inserted | 95 % interval | time, median | its peak force, median and 95 %"),
-                    [[f"`{r['scene']}`", inserted(r), interval(r), time(r),
-                      f"{r['peak_force_uN']['median']:.1f}, {r['peak_force_uN']['p95']:.1f} uN"] for r in results])
+                    [[f"`{r['scene']}`", inserted(r), interval(r), time(r), peaks(r)] for r in results])
 
 
 def stepping(result: Result) -> str:

@@ -38,8 +38,6 @@ def ladder(trials: int, *how: str) -> list[str]:
 
 
 KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")
-
-
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"

@@ -29,7 +29,7 @@ struct Tenth {
 
 // The quantity that success depends on most.
 struct Deciding {
-  std::string name;  // empty: no share is above 0, or there are fewer than ten trials
+  std::string name;  // empty: no share is above 0, or there are no more than ten trials
   // Of the variance of success, between tenths of the trials sorted by the quantity, less what is
   // there by chance: epsilon squared (Kelley 1935). 1: it says which trials succeed.
   double share;

@@ -1,10 +1,8 @@
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 
 #include "capture/child.hpp"
 #include "capture/episode.hpp"
-#include "capture/mapped_file.hpp"
 #include "sim/base/content_hash.hpp"
 #include "sim/base/random.hpp"
 #include "tests/episodes.hpp"
@@ -100,23 +98,6 @@ TEST(EpisodeRows, OfAFileThatIsCutMeanwhileAreATrouble) {
   EXPECT_EQ(stored.row(5), episode.rows.row(5));
   std::filesystem::resize_file(file, std::filesystem::file_size(file) / 2);
   EXPECT_THROW(stored.row(kLong - 1), FileTrouble);
-}
-
-TEST(MappedFile, HasTheBytesAndTheHashOfTheFile) {
-  const testing::TemporaryFolder folder;
-  const std::string file = folder / "file";
-  for (const std::size_t size : {0UL, 1UL, 5000UL, (1UL << 22) + 3}) {
-    std::string bytes(size, 'a');
-    for (std::size_t i = 0; i < size; i += 100) bytes[i] = static_cast<char>(i / 100);
-    std::ofstream(file) << bytes;
-    const MappedFile mapped(file);
-    EXPECT_EQ(mapped.sha1(), sha1(bytes));
-    mapped.forget();
-    EXPECT_TRUE(
-        std::equal(bytes.begin(), bytes.end(), mapped.data(), mapped.data() + mapped.size()));
-  }
-  EXPECT_THROW(MappedFile(folder / "none"), FileTrouble);
-  EXPECT_THROW(MappedFile(folder.path()), FileTrouble);
 }
 
 TEST(EpisodeRows, AreRatedWithoutChangingAnyOfThem) {
