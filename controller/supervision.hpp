@@ -15,7 +15,7 @@ enum class Intervention {
   not_finite,    // what it commanded or observed was not a finite number
   disagreement,  // it was slowed because its models disagreed
   held,          // the force held it for too long
-  jam,           // the force rose against a motion that did not advance
+  jam,           // it pressed on and did not advance
   retreat,       // it was taken back to try again
 };
 inline constexpr std::size_t kInterventions = 9;

@@ -13,10 +13,10 @@
 namespace ferrule {
 namespace {
 
-constexpr double kSlow = 0.1;      // of the speed: held by the force below it, no jam looked for
+constexpr double kSlow = 0.1;      // of the speed: held by the force below it, or hardly pressing
 constexpr double kAside = 0.1;     // of the force: a lateral force that tells where to go
 constexpr double kHugest = 1e100;  // components beyond are cut, so that their squares are finite
-constexpr double kToFullSpeed = 5e-3;  // [s]
+constexpr double kToFullSpeed = 2e-3;  // [s]
 constexpr double kRounding = 1e-9;     // of the speed
 constexpr double kLeastForce = 0.25;   // of the force limit, to brake for: less stops everything
 constexpr double kDeviations = 4;      // of noise and bias, that the margin covers
@@ -41,6 +41,13 @@ HandTwist straining_part(const HandTwist& v, const Eigen::Vector3d& force) noexc
   const Eigen::Vector3d along = force / f;
   w.head<3>() -= std::max(0.0, along.dot(v.head<3>())) * along;
   return w;
+}
+
+// The same, or all of `v` where that is the greater part: what is left when it is braked would go
+// where nobody wanted to.
+HandTwist straining_unturned(const HandTwist& v, const Eigen::Vector3d& force) noexcept {
+  const HandTwist straining = straining_part(v, force);
+  return 2 * straining.squaredNorm() > v.squaredNorm() ? v : straining;
 }
 
 }  // namespace
@@ -90,9 +97,9 @@ Supervisor::Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits
     : inner_(std::move(inner)),
       limits_(limits),
       // At a steady speed s the way that is unseen is s T (1 - follows) / follows.
-      fastest_(std::min(limits.speed,
-                        speed_within(limits.brakes_for() / limits.stiffness,
-                                     limits.period * (1 - limits.follows) / limits.follows))) {}
+      stoppable_(speed_within(limits.brakes_for() / limits.stiffness,
+                              limits.period * (1 - limits.follows) / limits.follows)),
+      fastest_(std::min(limits.speed, stoppable_)) {}
 
 HandTwist Supervisor::command(const Observation& observation) noexcept {
   pose_ += limits_.period * velocity_;
@@ -122,9 +129,8 @@ HandTwist Supervisor::command(const Observation& observation) noexcept {
 // The controller's velocity as far as it makes sense; may begin a retreat.
 HandTwist Supervisor::follow(const Observation& observation, HandTwist wanted) noexcept {
   remember_way();
-  const double speed = slower_ * limits_.speed;
-  note(Intervention::speed, wanted.norm() > speed);
-  wanted = cut(wanted, speed);
+  note(Intervention::speed, wanted.head<3>().norm() > limits_.speed);
+  wanted = slower_ * limit_speed(wanted, limits_.speed);
 
   const double apart = inner_->disagreement();
   const bool disagree = !(apart <= limits_.disagreement);
@@ -137,8 +143,8 @@ HandTwist Supervisor::follow(const Observation& observation, HandTwist wanted) n
   };
   const Eigen::Vector3d force = observation.wrench.head<3>();
   const double braked = braked_speed(by_now(force));
-  const bool held = braked < kSlow * fastest_ && straining_part(wanted, force).norm() > braked;
-  if (jammed(observation))
+  const bool held = braked < kSlow * fastest_ && straining_unturned(wanted, force).norm() > braked;
+  if (jammed(observation, wanted))
     give_way(Intervention::jam, observation);
   else if (lasts(held, held_since_))
     give_way(Intervention::held, observation);
@@ -147,24 +153,27 @@ HandTwist Supervisor::follow(const Observation& observation, HandTwist wanted) n
   return wanted;
 }
 
-// Looks once per window. A window in which it hardly moved says nothing.
-bool Supervisor::jammed(const Observation& observation) noexcept {
-  window_advance_ -= limits_.period * velocity_[0];
-  if (observation.time - window_time_ < limits_.jam_window) return false;
-  const double force = observation.wrench[0], grown = force - window_force_,
-               commanded = window_advance_;
-  const bool encoder_tells = observation.depth > 0 && window_depth_ > 0;
-  const double moved = encoder_tells ? observation.depth - window_depth_ : commanded;
-  begin_window(observation);
-  return commanded > kSlow * fastest_ * limits_.jam_window && force > limits_.jam_force &&
-         grown > 0 && moved - grown / limits_.stiffness < 0.5 * commanded;
-}
-
-void Supervisor::begin_window(const Observation& observation) noexcept {
-  window_time_ = observation.time;
-  window_depth_ = observation.depth;
-  window_force_ = observation.wrench[0];
-  window_advance_ = 0;
+bool Supervisor::jammed(const Observation& observation, const HandTwist& wanted) noexcept {
+  const double force = observation.wrench[0];
+  if (!(wanted[0] < 0 && force > limits_.jam_force)) {
+    pressed_since_ = -1;
+    return false;
+  }
+  if (pressed_since_ < 0) {
+    pressed_since_ = observation.time;
+    depth_then_ = observation.depth;
+    force_then_ = force;
+    commanded_ = wanted_ = 0;
+  }
+  commanded_ -= limits_.period * velocity_[0];
+  wanted_ -= limits_.period * wanted[0];
+  if (observation.time - pressed_since_ < limits_.patience) return false;
+  pressed_since_ = -1;  // looks again from now on
+  const bool encoder_tells = observation.depth > 0 && depth_then_ > 0;
+  const double moved = encoder_tells ? observation.depth - depth_then_ : commanded_;
+  return wanted_ > kSlow * fastest_ * limits_.patience &&
+         moved - (force - force_then_) / limits_.stiffness <
+             std::max(0.5 * commanded_, kSlow * wanted_);
 }
 
 void Supervisor::give_way(Intervention why, const Observation& observation) noexcept {
@@ -235,7 +244,7 @@ HandTwist Supervisor::go_back(const Observation& observation) noexcept {
   const double left = path.norm();
   if (observation.time >= phase_end_ || (!retreating && left < 1e-3 * spacing)) {
     phase_ = Phase::follow;
-    begin_window(observation);
+    pressed_since_ = -1;
   }
   const double speed = speed_within(left + (retreating ? (to_go_ - 1) * spacing : 0));
   return path * (std::min({fastest_, speed, left / limits_.period}) / std::max(left, 1e-300));
@@ -248,8 +257,9 @@ HandTwist Supervisor::keep_limits(const HandTwist& wanted, const Eigen::Vector3d
   const double braked = braked_speed(strength);
   const bool following = phase_ == Phase::follow;
 
-  HandTwist goal = cut(wanted, fastest_);
-  const HandTwist straining = straining_part(goal, force);
+  HandTwist goal = cut(wanted, stoppable_);
+  const HandTwist straining =
+      following ? straining_unturned(goal, force) : straining_part(goal, force);
   const bool brakes = straining.norm() > braked;
   goal += cut(straining, braked) - straining;
   HandTwist v = velocity_ + cut(goal - velocity_, change);

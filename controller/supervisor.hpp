@@ -2,17 +2,18 @@
 // the limits, and does what a careful operator does where they lead nowhere.
 //
 // Limits, in the hand's world, for every period T and every wrapped controller:
-//   speed         |u| <= speed, u = (v, lever omega): tilts count at a lever
-//   acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start
+//   speed         |v| <= speed
+//   acceleration  |u_n - u_n-1| <= acceleration T, from rest at the start; u = (v, lever omega):
+//                 tilts count at a lever, by what they strain
 //   force         the speed falls with what is left to the force it brakes for,
 //                 F_b = min((1 - margin) force, force - misread):
 //                   s^2 / (2 acceleration) + s T / 2 <= (F_b - F) / k,
 //                 k the largest stiffness in the hand's world: a hand that brakes with the
 //                 acceleration stops before F_b if the force rises by no more than k per metre.
-//                 The part of v along the observed force f relieves it, and is not braked.
+//                 The part of v along the observed force f relieves it, and is not braked where it
+//                 is the greater part: braking the rest turns the hand, and a late hand overshoots.
 //                 F is what the force may be by now: |f| + k l, l the way of which a sensor of
-// first
-//                 order has not shown the force yet, l_n = (1 - follows) (l_n-1 + |u_n| T).
+//                 first order has not shown the force yet, l_n = (1 - follows) (l_n-1 + |u_n| T).
 // Force wins over acceleration: where F + misread + k s T > force, the next period could exceed the
 // limit itself; all but the relieving part is then stopped at once, however fast it was. A jerk can
 // be mended, a broken fibre cannot. Nothing else exceeds the acceleration: stopping, retreating and
@@ -27,9 +28,11 @@
 //
 // What leads nowhere:
 //   held          the force held it below a tenth of the speed for `patience`
-//   jam           over `jam_window` the force against motion along -x grew, is above `jam_force`,
-//                 and the tip advanced by less than half of what was commanded: the advance is that
-//                 of the encoder where it tells (in the bore), less what the holder was compressed
+//   jam           for `patience` the controller pressed along -x with more than `jam_force`, and
+//                 the tip advanced by less than half of what was commanded to the hand, or than a
+//                 tenth of what the controller wanted: the advance is that of the encoder where it
+//                 tells (in the bore), less what the holder was compressed. Who stops pressing
+//                 sooner touches
 //   disagreement  the controller's models disagreed by more than `disagreement` for `patience`;
 //                 while they do, it goes slower by their ratio
 // Then it goes back along the way it came by `retreat`, and tries again: after `held` and `jam`
@@ -58,7 +61,6 @@ struct SupervisorLimits {
   double misread = 0;  // by which the sensor errs beside its lag, hardly ever more [N], >= 0
   double disagreement = 0;  // [m/s], > 0
   double jam_force = 0;     // [N], > 0
-  double jam_window = 0.2;  // [s], > 0
   double patience = 0.5;    // [s], > 0
   double retreat = 0;       // [m], > 0
   double offset = 0;        // [m], > 0
@@ -71,8 +73,8 @@ struct SupervisorLimits {
 // Of a scene: its speed and force limits and its holder's stiffness; what its sensor's bandwidth
 // lets through in a period, and four standard deviations of its errors (at the force limit and the
 // end of the longest trial) and its dead band with its resolution as misread; acceleration to full
-// speed in 5 ms (6 mm/s^2 for a tip that goes 30 um/s, little for any stage); a fifth of the speed
-// as disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and
+// speed in 2 ms (15 mm/s^2 for a tip that goes 30 um/s, little for any stage: with less, braking for
+// a stiff holder takes most of the speed); a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and
 // offsets of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene);
 
@@ -95,8 +97,7 @@ class Supervisor : public Controller {
   static constexpr int kPerRetreat = 32;    // points of a retreat
 
   HandTwist follow(const Observation& observation, HandTwist wanted) noexcept;
-  bool jammed(const Observation& observation) noexcept;
-  void begin_window(const Observation& observation) noexcept;
+  bool jammed(const Observation& observation, const HandTwist& wanted) noexcept;
   void give_way(Intervention why, const Observation& observation) noexcept;
   void stop(Intervention why) noexcept;
   void remember_way() noexcept;
@@ -109,7 +110,8 @@ class Supervisor : public Controller {
 
   std::unique_ptr<Controller> inner_;
   SupervisorLimits limits_;
-  double fastest_;  // `speed`, or what can be braked for where nothing is felt, if less [m/s]
+  double stoppable_;  // |u| that can be braked for where nothing is felt [m/s]
+  double fastest_;    // that, or `speed` if less [m/s]
   Supervision supervision_;
   std::array<bool, kInterventions> going_on_{};
 
@@ -130,8 +132,9 @@ class Supervisor : public Controller {
   double slower_ = 1;                              // factor on the speed after disagreement
   double held_since_ = -1, disagreed_since_ = -1;  // [s]; < 0: not now
   Eigen::Vector2d searched_ = Eigen::Vector2d::Zero();  // sideways, where nothing pushed [m]
-  // At the beginning of the window in which a jam is looked for.
-  double window_time_ = 0, window_depth_ = 0, window_force_ = 0, window_advance_ = 0;
+  // Since it presses: the depth and the force then, the ways along -x that were commanded and wanted.
+  double pressed_since_ = -1;  // [s]; < 0: it does not
+  double depth_then_ = 0, force_then_ = 0, commanded_ = 0, wanted_ = 0;
 };
 
 // A supervisor with its own copy of the controller for every trial.

@@ -72,8 +72,16 @@ HandTwist levered(HandTwist v, const SupervisorLimits& limits) {
   return v;
 }
 
+// |u| that a force limit stops where nothing is felt, [m/s]: the larger root of
+// s^2 / 2a + s (T / 2 + l) = F_b / k, the sensor being late by l.
+double stoppable(const SupervisorLimits& limits) {
+  const double late = limits.period * (1 / limits.follows - 0.5), a = limits.acceleration;
+  return std::sqrt(a * a * late * late + 2 * a * limits.brakes_for() / limits.stiffness) - a * late;
+}
+
 struct Extremes {
-  double speed = 0, change = 0;  // relative to the limits; `change` where force does not win
+  // Relative to the limits; `change` where force does not win.
+  double speed = 0, with_tilt = 0, change = 0;
   bool always_finite = true, stops_are_whole = true;
 };
 
@@ -82,9 +90,10 @@ struct Extremes {
 void look(const SupervisorLimits& limits, const Eigen::Vector3d& force, const HandTwist& before,
           const HandTwist& now, Extremes& e, double hidden = 0) {
   e.always_finite &= now.allFinite();
-  e.speed = std::max(e.speed, now.norm() / limits.speed);
+  e.speed = std::max(e.speed, now.head<3>().norm() / limits.speed);
+  e.with_tilt = std::max(e.with_tilt, now.norm() / stoppable(limits));
   const double most = limits.acceleration * limits.period;
-  const double worth = limits.stiffness * limits.speed * limits.period + hidden;
+  const double worth = limits.stiffness * stoppable(limits) * limits.period + hidden;
   if (force.norm() + worth < limits.force) {
     e.change = std::max(e.change, (now - before).norm() / most);
     return;
@@ -128,6 +137,7 @@ TEST(Supervisor, KeepsSpeedAndAccelerationWhateverIsCommandedAndFelt) {
     EXPECT_TRUE(extremes.always_finite) << seed;
     EXPECT_TRUE(extremes.stops_are_whole) << seed;
     EXPECT_LE(extremes.speed, 1 + 1e-12) << seed;
+    EXPECT_LE(extremes.with_tilt, 1 + 1e-12) << seed;
     EXPECT_LE(extremes.change, 1 + 1e-9) << seed;
   }
 }
@@ -185,7 +195,7 @@ Closed run(const Scene& scene, int kind, std::uint64_t seed) {
     }
     v = supervisor.command({read - read_rest, hand_depth(pose), n * limits.period});
     look(limits, felt, moved, levered(v, limits), closed.extremes,
-         limits.misread + limits.stiffness * limits.speed * lag);
+         limits.misread + limits.stiffness * stoppable(limits) * lag);
     if (supervisor.supervision()->gave_up) {
       closed.outcome = Outcome::gave_up;
       return closed;
@@ -220,6 +230,7 @@ TEST(SupervisorAtLength, KeepsTheForceWithinTheLimitInTheSimulator) {
         EXPECT_LE(c.caused, 0.9 + 1e-4) << kind << " " << seed;  // what it brakes for
         EXPECT_LE(c.snapped, 0.02) << kind << " " << seed;
         EXPECT_LE(c.extremes.speed, 1 + 1e-12);
+        EXPECT_LE(c.extremes.with_tilt, 1 + 1e-12);
         EXPECT_LE(c.extremes.change, 1 + 1e-9);
         EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
       }
@@ -245,6 +256,7 @@ TEST(Supervisor, KeepsTheTrueForceWithinTheLimitWhateverTheSensor) {
       for (std::uint64_t seed = 1; seed <= 3; ++seed) {
         const Closed c = run(scene, kind, seed);
         EXPECT_LE(c.extremes.speed, 1 + 1e-12);
+        EXPECT_LE(c.extremes.with_tilt, 1 + 1e-12);
         EXPECT_LE(c.extremes.change, 1 + 1e-9);
         EXPECT_TRUE(c.extremes.always_finite && c.extremes.stops_are_whole);
         EXPECT_LE(c.force, 1) << kind << " " << seed;
@@ -266,7 +278,8 @@ TEST(Supervisor, StopsBeforeTheLimitBehindASensorThatLags) {
     Supervisor supervisor(std::make_unique<ConstantVelocity>(2 * limits.speed), limits);
     Observation observation{HandWrench::Zero(), 0, 0};
     double force = 0, shown = 0;
-    for (int n = 0; n < 20000 && !supervisor.supervision()->interventions[6]; ++n) {
+    const auto& interventions = supervisor.supervision()->interventions;
+    for (int n = 0; n < 20000 && !interventions[static_cast<int>(Intervention::retreat)]; ++n) {
       observation.wrench[0] = shown;
       observation.time = n * limits.period;
       force -= limits.stiffness * limits.period * supervisor.command(observation)[0];

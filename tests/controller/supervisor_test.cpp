@@ -49,6 +49,53 @@ TEST(Supervisor, LeavesAloneWhatKeepsTheLimits) {
   for (const std::size_t count : supervisor.supervision()->interventions) EXPECT_EQ(count, 0u);
 }
 
+// The scene's speed limit is none of tilts: they are slowed by what they may strain.
+TEST(Supervisor, LetsATiltGoFasterThanTheSpeedAtTheLever) {
+  SupervisorLimits limits = testing::demo_limits();
+  limits.acceleration = limits.speed / limits.period;
+  limits.stiffness = 0.1 * limits.force / (limits.speed * limits.period);
+  HandTwist tilt = HandTwist::Zero();
+  tilt[3] = 3 * limits.speed / limits.lever;
+  Supervisor supervisor(std::make_unique<Scripted>([&](double) { return tilt; }), limits);
+  for (int n = 0; n < 10; ++n) {
+    const HandTwist v = supervisor.command({HandWrench::Zero(), 0, n * limits.period});
+    EXPECT_CLOSE(v[3], std::min(n + 1, 3) * limits.speed / limits.lever, 1e-12) << n;
+  }
+}
+
+// A motion that is mostly across what is felt is slowed, and goes where it was sent.
+TEST(Supervisor, DoesNotTurnWhatItSlows) {
+  const SupervisorLimits limits = testing::demo_limits();
+  Supervisor supervisor(
+      std::make_unique<Scripted>([&](double) { return along(0, -limits.speed, 0); }), limits);
+  HandWrench wrench = HandWrench::Zero();
+  wrench.head<3>() = 0.899 * limits.force * Eigen::Vector3d(0.8, -0.6, 0);
+  for (int n = 0; n < 200; ++n) {
+    const HandTwist v = supervisor.command({wrench, 0, n * limits.period});
+    EXPECT_LT(v[1], 0);
+    EXPECT_GT(v[1], -0.9 * limits.speed);
+    EXPECT_EQ(v[0], 0) << n;
+  }
+}
+
+// Again and again it presses for 0.3 s and goes back by itself.
+TEST(Supervisor, LeavesWhoTouchesAlone) {
+  const SupervisorLimits limits = testing::demo_limits();
+  const auto touches = [&](double t) {
+    return along((std::fmod(t, 1.0) < 0.6 ? -0.1 : 0.15) * limits.speed, 0, 0);
+  };
+  Supervisor supervisor(std::make_unique<Scripted>(touches), limits);
+  double x = 0;
+  const double wall = -0.03 * limits.speed;
+  for (int n = 0; n < 10000; ++n) {
+    HandWrench wrench = HandWrench::Zero();
+    wrench[0] = std::max(0.0, wall - x) / (0.03 * limits.speed) * 0.7 * limits.force;
+    x += limits.period * supervisor.command({wrench, 0, n * limits.period})[0];
+  }
+  EXPECT_EQ(
+      supervisor.supervision()->interventions[static_cast<std::size_t>(Intervention::retreat)], 0u);
+}
+
 TEST(Supervisor, StopsAsItMayAndEndsWhenWhatIsCommandedIsNotFinite) {
   SupervisorLimits limits = testing::demo_limits();
   limits.acceleration = limits.speed / 0.1;
