@@ -25,7 +25,7 @@ struct CompareArguments {
   double skill = 0.8;
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
-  bool other_scaling = false, ladder = false;
+  bool other_scaling = false, ladder = false, supervise = false;
   StoppingArguments stopping;
   Output output;
 };
@@ -62,6 +62,7 @@ struct LadderRow {
   std::string rung, controller;
   std::optional<std::uint64_t> training_seed;  // empty: it does not learn
   CampaignSummary summary;
+  std::optional<CampaignSummary> supervised;  // with --supervise
   WorstTenth worst;
   double search;  // median of InsertionSummary::search_time of the inserted [s]; NaN without any
   Deciding deciding;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "app/shards.hpp"
+#include "controller/supervisor.hpp"
 #include "sim/base/shipped_files.hpp"
 
 namespace ferrule {
@@ -56,11 +57,18 @@ std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
   std::vector<LadderRow> rows;
   for (const Climber& c : climbers(a, rung, set, candidates, by_seeds)) {
     const std::string& name = c.candidate.name;
-    const auto results =
-        run_campaign(rung, c.candidate.make, a.seed, a.trials, a.threads,
-                     Progress(rung.name + ", " + name, a.trials), interrupted, {}, shared_trials());
+    const auto trials = [&](const MakeController& make, const std::string& what) {
+      return run_campaign(rung, make, a.seed, a.trials, a.threads, Progress(what, a.trials),
+                          interrupted, {}, shared_trials());
+    };
+    const std::string what = rung.name + ", " + name;
+    const auto results = trials(c.candidate.make, what);
+    std::optional<CampaignSummary> kept;
+    if (a.supervise)
+      kept = summarise(
+          trials(supervised(c.candidate.make, supervisor_limits(rung)), what + ", supervised"));
     if (interrupted()) break;  // of it, the trials are not whole
-    rows.push_back({rung.name, name, c.training_seed, summarise(results),
+    rows.push_back({rung.name, name, c.training_seed, summarise(results), kept,
                     worst_tenth(drawn, results), median_search_time(results),
                     deciding_quantity(drawn, results)});
   }

@@ -1,4 +1,4 @@
-// compare --ladder: every controller on every rung of data/scenes/ladder, alone.
+// compare --ladder: every controller on every rung of data/scenes/ladder.
 #pragma once
 
 #include "app/compared.hpp"

@@ -85,23 +85,26 @@ double rate_of(const WorstTenth& worst) {
 }
 
 Json to_json(const LadderRow& r) {
-  return {{"rung", r.rung},
-          {"controller", r.controller},
-          {"training_seed", r.training_seed ? Json(*r.training_seed) : Json()},
-          {"trials", r.summary.trials},
-          {"success_rate", number_or_null(r.summary.success_rate)},
-          {"wilson_low", number_or_null(r.summary.wilson.low)},
-          {"wilson_high", number_or_null(r.summary.wilson.high)},
-          {"worst_tenth", number_or_null(rate_of(r.worst))},
-          {"decided_by", {{"key", r.deciding.name}, {"share", number_or_null(r.deciding.share)}}},
-          {"worst_tenth_of",
-           {{"key", r.worst.name},
-            {"low", number_or_null(r.worst.low)},
-            {"high", number_or_null(r.worst.high)},
-            {"trials", r.worst.trials}}},
-          {"time_s", number_or_null(r.summary.time.median)},
-          {"search_s", number_or_null(r.search)},
-          {"peak_force_uN", number_or_null(1e6 * r.summary.peak_force.median)}};
+  Json row = {
+      {"rung", r.rung},
+      {"controller", r.controller},
+      {"training_seed", r.training_seed ? Json(*r.training_seed) : Json()},
+      {"trials", r.summary.trials},
+      {"success_rate", number_or_null(r.summary.success_rate)},
+      {"wilson_low", number_or_null(r.summary.wilson.low)},
+      {"wilson_high", number_or_null(r.summary.wilson.high)},
+      {"worst_tenth", number_or_null(rate_of(r.worst))},
+      {"decided_by", {{"key", r.deciding.name}, {"share", number_or_null(r.deciding.share)}}},
+      {"worst_tenth_of",
+       {{"key", r.worst.name},
+        {"low", number_or_null(r.worst.low)},
+        {"high", number_or_null(r.worst.high)},
+        {"trials", r.worst.trials}}},
+      {"time_s", number_or_null(r.summary.time.median)},
+      {"search_s", number_or_null(r.search)},
+      {"peak_force_uN", number_or_null(1e6 * r.summary.peak_force.median)}};
+  if (r.supervised) row["supervised"] = to_json(*r.supervised);
+  return row;
 }
 
 }  // namespace
@@ -225,13 +228,16 @@ void print_transfer(const std::vector<Transfer>& transfer) {
 
 void print_ladder(const std::vector<LadderRow>& rung) {
   if (rung.empty()) return;
-  fmt::print("\n{:<32}{} {:>10}  {}\n", rung.front().rung, kOutcomeColumns, "search [s]",
-             "worst tenth [%]");
+  const bool supervised = rung.front().supervised.has_value();
+  fmt::print("\n{:<32}{}{} {:>10}  {}\n",
+             rung.front().rung + (supervised ? "; right: supervised" : ""), kOutcomeColumns,
+             supervised ? kOutcomeColumns : "", "search [s]", "worst tenth [%]");
   for (const LadderRow& r : rung)
     fmt::print(
-        "{:<32}{} {:>10}  {}\n",
+        "{:<32}{}{} {:>10}  {}\n",
         r.training_seed ? fmt::format("{}, seed {}", r.controller, *r.training_seed) : r.controller,
-        outcome_columns(r.summary), cell(r.search, 2),
+        outcome_columns(r.summary), r.supervised ? outcome_columns(*r.supervised) : "",
+        cell(r.search, 2),
         r.worst.name.empty()
             ? "-"
             : fmt::format("{}: {} of {:.4g} to {:.4g}", cell(100 * rate_of(r.worst), 1),

@@ -237,6 +237,22 @@ def climbers(_: Result, compared: Result) -> str:
                             " | worst tenth of the search"), rows)
 
 
+def supervised(_: Result, compared: Result) -> str:
+    def both(row: Result, key: str, scale: float, unit: str) -> str:
+        return f"{fixed(scale * row[key], 1)}, {fixed(scale * row['supervised'][key], 1)}{unit}"
+
+    who = ("constant velocity", "tuned by hand", "torch", "search")
+    lines = []
+    for rung, of in by_rung(compared).items():
+        (search,) = of["search"]
+        kept = search["supervised"]
+        lines.append([f"`{rung}`", *(both(of[name][0], "success_rate", 100, " %") for name in who),
+                      f"{fixed(search['time_s'], 1)}, {fixed(kept['time_s']['median'], 1)} s",
+                      str(kept["interventions"]["retreat"]["count"]), str(kept["outcomes"]["force_limit"])])
+    return markdown(columns(f"rung | {' | '.join(who)} | time of the search | its retreats | over the force limit"),
+                    lines)
+
+
 def followers(_: Result, compared: Result) -> str:
     def mean(rows: list[Any], key: str) -> float | None:
         known = [r[key] for r in rows if r[key] is not None]

@@ -40,6 +40,7 @@ def ladder(trials: int, *how: str) -> list[str]:
 KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
+SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --learners torch --trials 200"
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
 IMPROVE = ("./ferrule improve searched.json --scene ladder/f --objective success,time --trials 10000"
            " --out improved.json")
@@ -72,6 +73,8 @@ TABLES = [
     Table("ladder", "counts", ladder(1000, *KNOWN), layouts.ladder, ladder(4, *KNOWN)),
     Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
           [FIVE, QUICK_CLIMB]),
+    Table("supervised", "counts", [TWENTY, SUPERVISE], layouts.supervised,
+          [FIVE, "./ferrule compare five search --ladder --supervise --learners torch --trials 2"]),
     Table("followers", "counts", [SEARCHED, FOLLOW], layouts.followers,
           [SEARCHED.replace("20", "3"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
     Table("improved", "counts",

@@ -120,7 +120,7 @@ class Compare(Case):
     def test_everybody_climbs_the_ladder(self):
         trials = 4
         found = json.loads(self.done("compare", self.out, "search", *SCENE, "--trials", trials, "--learners",
-                                     "linear", "--seeds", "3,5", "--ladder", "--json").stdout)["ladder"]
+                                     "linear", "--seeds", "3,5", "--ladder", "--supervise", "--json").stdout)["ladder"]
         rungs = sorted("ladder/" + os.path.basename(file)[:-5]
                        for file in glob.glob(SOURCE + "/data/scenes/ladder/*.json"))
         who = [(row["controller"], row["training_seed"]) for row in found if row["rung"] == rungs[0]]
@@ -145,6 +145,10 @@ class Compare(Case):
             self.assertEqual(row["success_rate"], alone["success_rate"])
             self.assertEqual(row["time_s"], alone["time_s"]["median"])
             self.assertEqual(row["peak_force_uN"], alone["peak_force_uN"]["median"])
+            kept = json.loads(self.done("evaluate", *arguments, "--scene", "ladder/c", "--trials", trials, "--supervise",
+                                        "--json").stdout)
+            for key in ("success_rate", "time_s", "peak_force_uN", "interventions", "gave_up"):
+                self.assertEqual(row["supervised"][key], kept[key])
         # One learner that was fitted once has the seed of that.
         plots = self.path("rungs")
         once = self.done("compare", self.out, *SCENE, "--trials", 20, "--learners", "linear", "--fit-seed", 9,
