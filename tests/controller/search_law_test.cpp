@@ -95,12 +95,17 @@ void expect_hardly_slower_under_the_supervisor(const Scene& scene, double times)
 
 // Which lets it tilt in free air, where nothing is strained.
 TEST(SearchLaw, IsHardlySlowerUnderTheSupervisor) {
-  expect_hardly_slower_under_the_supervisor(load_scene("bench", sharp_with({})), 1.35);
+  expect_hardly_slower_under_the_supervisor(load_scene("bench", sharp_with({})), 1.15);
 }
 
 // A noisy sensor makes the supervisor brake in free air; the hand is not late for that.
 TEST(SearchLaw, IsHardlySlowerUnderASupervisorThatTheNoiseDisturbs) {
-  expect_hardly_slower_under_the_supervisor(load_scene("ladder/b3"), 1.6);
+  expect_hardly_slower_under_the_supervisor(load_scene("ladder/b3"), 1.4);
+}
+
+// Nor is a touch with a gripper that gives way a jam, and a late hand goes where it is sent.
+TEST(SearchLaw, IsHardlySlowerUnderASupervisorWithASoftGripperAndALateHand) {
+  expect_hardly_slower_under_the_supervisor(load_scene("ladder/f"), 1.3);
 }
 
 TEST(SearchLaw, InABoreThatHoldsATiltedFibreItStraightens) {
