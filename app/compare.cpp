@@ -407,7 +407,8 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_flag("--ladder", a->ladder,
                  "Try all, and a blind spiral, on every rung of the ladder too (docs/results.md); "
                  "with --seeds what each seed of training learned");
-  verb->add_flag("--supervise", a->supervise, "There under the supervisor, too")->needs("--ladder");
+  verb->add_flag("--supervise", a->supervise, "Try all there under the supervisor, too")
+      ->needs("--ladder");
   verb->add_option("--learners", a->learners, "Only these; all unless given")
       ->delimiter(',')
       ->check(one_of(learner_keys()));
