@@ -10,8 +10,9 @@
 //                   s^2 / (2 acceleration) + s T / 2 <= (F_b - F) / k,
 //                 k the largest stiffness in the hand's world: a hand that brakes with the
 //                 acceleration stops before F_b if the force rises by no more than k per metre.
-//                 The part of v along the observed force f relieves it, and is not braked where it
-//                 is the greater part: braking the rest turns the hand, and a late hand overshoots.
+//                 The part of v along the observed force f relieves it. In a retreat it is not
+//                 braked, nor where it is the greater part of v: else braking the rest would turn
+//                 the hand, and a late hand overshoot.
 //                 F is what the force may be by now: |f| + k l, l the way of which a sensor of
 //                 first order has not shown the force yet, l_n = (1 - follows) (l_n-1 + |u_n| T).
 // Force wins over acceleration: where F + misread + k s T > force, the next period could exceed the
@@ -73,9 +74,9 @@ struct SupervisorLimits {
 // Of a scene: its speed and force limits and its holder's stiffness; what its sensor's bandwidth
 // lets through in a period, and four standard deviations of its errors (at the force limit and the
 // end of the longest trial) and its dead band with its resolution as misread; acceleration to full
-// speed in 2 ms (15 mm/s^2 for a tip that goes 30 um/s, little for any stage: with less, braking for
-// a stiff holder takes most of the speed); a fifth of the speed as disagreement; a quarter of the force as that of a jam; at the tip a retreat of 20 um and
-// offsets of 10 um.
+// speed in 2 ms (15 mm/s^2 for a tip that goes 30 um/s, little for any stage: with less, braking
+// for a stiff holder takes most of the speed); a fifth of the speed as disagreement; a quarter of
+// the force as that of a jam; at the tip a retreat of 20 um and offsets of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene);
 
 // Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.
@@ -132,7 +133,7 @@ class Supervisor : public Controller {
   double slower_ = 1;                              // factor on the speed after disagreement
   double held_since_ = -1, disagreed_since_ = -1;  // [s]; < 0: not now
   Eigen::Vector2d searched_ = Eigen::Vector2d::Zero();  // sideways, where nothing pushed [m]
-  // Since it presses: the depth and the force then, the ways along -x that were commanded and wanted.
+  // Since it presses: depth and force then, the ways along -x that were commanded and wanted.
   double pressed_since_ = -1;  // [s]; < 0: it does not
   double depth_then_ = 0, force_then_ = 0, commanded_ = 0, wanted_ = 0;
 };
