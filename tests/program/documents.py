@@ -19,6 +19,7 @@ CUTS = [(r"\s+#.*", ""), (r"(?m)^((?!./ferrule improve).*)--trials \d+", r"\1--t
         (r"^(./ferrule improve .*)ladder/f", r"\1ladder/d"), (r"--scenes \d+", "--scenes 1"),
         (r"^(./ferrule (?:compare|evaluate|sweep|map|sensitivity)\b(?!.*--trials).*)", r"\1 --trials 4"),
         (r"(--ladder .*--trials) 4", r"\1 1"),
+        (r"^(./ferrule compare (?!.*--learners).*)", r"\1 --learners insertion"),
         (r"--seeds 1\.\.5", "--seeds 1..2"), (r"--demonstrations \S+", "--demonstrations 5"),
         (r"--episodes (20|100)\b", "--episodes 6"), (r"insertion,(torch,)?dagger", "insertion")]
 
