@@ -238,16 +238,17 @@ def climbers(_: Result, compared: Result) -> str:
 
 
 def supervised(_: Result, compared: Result) -> str:
-    def both(row: Result, key: str, scale: float, unit: str) -> str:
-        return f"{fixed(scale * row[key], 1)}, {fixed(scale * row['supervised'][key], 1)}{unit}"
+    def both(alone: float | None, kept: float | None, unit: str) -> str:
+        return f"{fixed(alone, 1)}, {fixed(kept, 1)}{unit}"
 
     who = ("constant velocity", "tuned by hand", "torch", "search")
     lines = []
     for rung, of in by_rung(compared).items():
-        (search,) = of["search"]
-        kept = search["supervised"]
-        lines.append([f"`{rung}`", *(both(of[name][0], "success_rate", 100, " %") for name in who),
-                      f"{fixed(search['time_s'], 1)}, {fixed(kept['time_s']['median'], 1)} s",
+        rows = [of[name][0] for name in who]
+        search, kept = rows[-1], rows[-1]["supervised"]
+        lines.append([f"`{rung}`",
+                      *(both(100 * r["success_rate"], 100 * r["supervised"]["success_rate"], " %") for r in rows),
+                      both(search["time_s"], kept["time_s"]["median"], " s"),
                       str(kept["interventions"]["retreat"]["count"]), str(kept["outcomes"]["force_limit"])])
     return markdown(columns(f"rung | {' | '.join(who)} | time of the search | its retreats | over the force limit"),
                     lines)
