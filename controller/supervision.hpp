@@ -35,6 +35,9 @@ struct Supervision {
   std::size_t& operator[](Intervention kind) noexcept {
     return interventions[static_cast<std::size_t>(kind)];
   }
+  std::size_t operator[](Intervention kind) const noexcept {
+    return interventions[static_cast<std::size_t>(kind)];
+  }
 };
 
 }  // namespace ferrule

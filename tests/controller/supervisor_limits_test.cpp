@@ -278,8 +278,8 @@ TEST(Supervisor, StopsBeforeTheLimitBehindASensorThatLags) {
     Supervisor supervisor(std::make_unique<ConstantVelocity>(2 * limits.speed), limits);
     Observation observation{HandWrench::Zero(), 0, 0};
     double force = 0, shown = 0;
-    const auto& interventions = supervisor.supervision()->interventions;
-    for (int n = 0; n < 20000 && !interventions[static_cast<int>(Intervention::retreat)]; ++n) {
+    const Supervision& done = *supervisor.supervision();
+    for (int n = 0; n < 20000 && !done[Intervention::retreat]; ++n) {
       observation.wrench[0] = shown;
       observation.time = n * limits.period;
       force -= limits.stiffness * limits.period * supervisor.command(observation)[0];

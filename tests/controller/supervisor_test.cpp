@@ -92,8 +92,7 @@ TEST(Supervisor, LeavesWhoTouchesAlone) {
     wrench[0] = std::max(0.0, wall - x) / (0.03 * limits.speed) * 0.7 * limits.force;
     x += limits.period * supervisor.command({wrench, 0, n * limits.period})[0];
   }
-  EXPECT_EQ(
-      supervisor.supervision()->interventions[static_cast<std::size_t>(Intervention::retreat)], 0u);
+  EXPECT_EQ((*supervisor.supervision())[Intervention::retreat], 0u);
 }
 
 TEST(Supervisor, StopsAsItMayAndEndsWhenWhatIsCommandedIsNotFinite) {
@@ -151,8 +150,7 @@ TEST(Supervisor, GoesBackTheWayItCameAndGivesUpAfterItsTries) {
     const HandWrench wrench = wall.push(where);
     largest = std::max(largest, wrench.norm());
     const HandTwist v = supervisor.command({wrench, 0, n * limits.period});
-    const auto retreats =
-        supervisor.supervision()->interventions[static_cast<std::size_t>(Intervention::retreat)];
+    const auto retreats = (*supervisor.supervision())[Intervention::retreat];
     if (retreats == 0) {
       way.push_back(where);
       turned = where;
@@ -171,9 +169,9 @@ TEST(Supervisor, GoesBackTheWayItCameAndGivesUpAfterItsTries) {
   EXPECT_LE(largest, 0.9 * limits.force * (1 + 1e-9));
   ASSERT_TRUE(done.gave_up.has_value());
   EXPECT_EQ(*done.gave_up, Intervention::jam);
-  EXPECT_EQ(done.interventions[static_cast<std::size_t>(Intervention::retreat)], 3u);
-  EXPECT_EQ(done.interventions[static_cast<std::size_t>(Intervention::jam)], 4u);
-  EXPECT_EQ(done.interventions[static_cast<std::size_t>(Intervention::force_stop)], 0u);
+  EXPECT_EQ(done[Intervention::retreat], 3u);
+  EXPECT_EQ(done[Intervention::jam], 4u);
+  EXPECT_EQ(done[Intervention::force_stop], 0u);
   EXPECT_LT(furthest_off, limits.retreat / 16);
   EXPECT_GT(back, 0.6 * limits.retreat);
   EXPECT_LT(back, 1.1 * limits.retreat);
@@ -196,8 +194,7 @@ TEST(Supervisor, MovesTowardsWhereItWasPushedAndThenGetsPast) {
   EXPECT_LT(n, 20000);
   EXPECT_CLOSE(where[2], 2 * limits.offset, 0.02);
   EXPECT_LE(std::abs(where[1]), 1e-6 * limits.offset);
-  EXPECT_EQ(
-      supervisor.supervision()->interventions[static_cast<std::size_t>(Intervention::retreat)], 2u);
+  EXPECT_EQ((*supervisor.supervision())[Intervention::retreat], 2u);
 }
 
 TEST(Supervisor, DisagreementSlowsThenRetreatsThenGivesUp) {
@@ -215,8 +212,7 @@ TEST(Supervisor, DisagreementSlowsThenRetreatsThenGivesUp) {
   }
   EXPECT_CLOSE(fastest, limits.speed / 4, 1e-12);
   EXPECT_EQ(supervisor.supervision()->gave_up, Intervention::disagreement);
-  EXPECT_EQ(
-      supervisor.supervision()->interventions[static_cast<std::size_t>(Intervention::retreat)], 2u);
+  EXPECT_EQ((*supervisor.supervision())[Intervention::retreat], 2u);
 }
 
 TEST(SupervisorAtLength, MakesConstantVelocityInsertMoreOften) {
