@@ -6,7 +6,8 @@
 //                        double velocity[5]);       once per period
 //
 // with the arguments of Controller::command, in the hand's world and SI units: the wrench, then the
-// scalars of kObservation (controller/observation.hpp).
+// scalars of kObservation (controller/observation.hpp). A policy with a memory also takes, before
+// the velocity, `const double displacement[5], double height`.
 #pragma once
 
 #include <string>

@@ -51,6 +51,13 @@ inline double observed_depth(const Observation& o) noexcept {
 inline double observed_time(const Observation& o) noexcept {
   return o.time;
 }
+template <int component>
+double observed_displacement(const Observation& o) noexcept {
+  return o.displacement[component];
+}
+inline double observed_height(const Observation& o) noexcept {
+  return o.height;
+}
 
 // The components of the wrench, then scalars, in the order of the arguments of the C header. Time
 // is for laws alone: with it a policy could ignore what it feels.
@@ -63,6 +70,17 @@ inline constexpr auto kObservation = std::to_array<ObservationChannel>({
     {"depth", "m", "of the hand past the bore's entrance [m], >= 0", observed_depth,
      PolicyInput::present, 1e-6},
     {"time", "s", "since the start [s]", observed_time, PolicyInput::none, 1e-3},
+});
+
+// The hand's own motion.
+inline constexpr auto kMotion = std::to_array<ObservationChannel>({
+    {"displacement_x", "m", "along x", observed_displacement<0>, PolicyInput::present, 1e-6},
+    {"displacement_y", "m", "along y", observed_displacement<1>, PolicyInput::present, 1e-6},
+    {"displacement_z", "m", "along z", observed_displacement<2>, PolicyInput::present, 1e-6},
+    {"tilt_y", "rad", "about y", observed_displacement<3>, PolicyInput::present, 1e-6},
+    {"tilt_z", "rad", "about z", observed_displacement<4>, PolicyInput::present, 1e-6},
+    {"height", "m", "of the hand before the bore's entrance [m], < 0 past it", observed_height,
+     PolicyInput::present, 1e-6},
 });
 
 constexpr int policy_channels(PolicyInput which) noexcept {
@@ -81,6 +99,15 @@ inline constexpr auto kPolicyInputs = [] {
   for (const PolicyInput which : {PolicyInput::past, PolicyInput::present})
     for (const ObservationChannel& channel : kObservation)
       if (channel.policy == which) inputs[n++] = channel;
+  return inputs;
+}();
+
+// What one with a memory takes in: the wrench, and its own motion.
+inline constexpr int kMemoryChannels = kWrenchChannels + static_cast<int>(kMotion.size());
+inline constexpr auto kMemoryInputs = [] {
+  std::array<ObservationChannel, kMemoryChannels> inputs{};
+  std::copy_n(kObservation.begin(), kWrenchChannels, inputs.begin());
+  std::copy(kMotion.begin(), kMotion.end(), inputs.begin() + kWrenchChannels);
   return inputs;
 }();
 

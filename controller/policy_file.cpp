@@ -25,22 +25,35 @@ std::string weight_name(std::size_t member, std::size_t layer, const char* what)
   return fmt::format("members.{}.layers.{}.{}", member, layer, what);
 }
 
-Tensors to_tensors(const std::vector<Network>& members) {
+std::string memory_name(std::size_t member, const char* what) {
+  return fmt::format("members.{}.memory.{}", member, what);
+}
+
+using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+Tensor to_tensor(const RowMajor& m) {
+  return {{static_cast<std::size_t>(m.rows()), static_cast<std::size_t>(m.cols())},
+          std::vector<float>(m.data(), m.data() + m.size())};
+}
+
+Tensor vector_to_tensor(const Eigen::VectorXf& v) {
+  return {{static_cast<std::size_t>(v.size())}, std::vector<float>(v.data(), v.data() + v.size())};
+}
+
+Tensors to_tensors(const Policy& policy) {
   Tensors tensors;
-  for (std::size_t m = 0; m < members.size(); ++m)
-    for (std::size_t i = 0; i < members[m].size(); ++i) {
-      const Layer& layer = members[m][i];
-      const auto rows = static_cast<std::size_t>(layer.weight.rows());
-      const auto columns = static_cast<std::size_t>(layer.weight.cols());
-      Tensor weight{{rows, columns}, {}}, bias{{rows}, {}};
-      for (Eigen::Index r = 0; r < layer.weight.rows(); ++r) {
-        bias.values.push_back(layer.bias[r]);
-        for (Eigen::Index c = 0; c < layer.weight.cols(); ++c)
-          weight.values.push_back(layer.weight(r, c));
-      }
-      tensors[weight_name(m, i, "weight")] = weight;
-      tensors[weight_name(m, i, "bias")] = bias;
+  for (std::size_t m = 0; m < policy.members.size(); ++m)
+    for (std::size_t i = 0; i < policy.members[m].size(); ++i) {
+      tensors[weight_name(m, i, "weight")] = to_tensor(policy.members[m][i].weight);
+      tensors[weight_name(m, i, "bias")] = vector_to_tensor(policy.members[m][i].bias);
     }
+  for (std::size_t m = 0; m < policy.memories.size(); ++m) {
+    const Gru& gru = policy.memories[m];
+    tensors[memory_name(m, "input_weight")] = to_tensor(gru.input_weight);
+    tensors[memory_name(m, "memory_weight")] = to_tensor(gru.memory_weight);
+    tensors[memory_name(m, "input_bias")] = vector_to_tensor(gru.input_bias);
+    tensors[memory_name(m, "memory_bias")] = vector_to_tensor(gru.memory_bias);
+  }
   return tensors;
 }
 
@@ -57,22 +70,38 @@ std::vector<float> take(Tensors& tensors, const std::string& name,
   return values;
 }
 
-std::vector<Network> from_tensors(Tensors tensors, std::size_t members,
-                                  const std::vector<std::size_t>& widths, const std::string& file) {
-  using RowMajor = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  std::vector<Network> all(members);
-  for (std::size_t m = 0; m < members; ++m)
-    for (std::size_t i = 0; i + 1 < widths.size(); ++i) {
-      const std::size_t in = widths[i], out = widths[i + 1];
-      const auto weight = take(tensors, weight_name(m, i, "weight"), {out, in}, file);
-      const auto bias = take(tensors, weight_name(m, i, "bias"), {out}, file);
-      const auto rows = static_cast<Eigen::Index>(out), columns = static_cast<Eigen::Index>(in);
-      all[m].push_back({Eigen::Map<const RowMajor>(weight.data(), rows, columns),
-                        Eigen::Map<const Eigen::VectorXf>(bias.data(), rows)});
-    }
+Eigen::MatrixXf take_matrix(Tensors& tensors, const std::string& name, std::size_t rows,
+                            std::size_t columns, const std::string& file) {
+  const std::vector<float> values = take(tensors, name, {rows, columns}, file);
+  return Eigen::Map<const RowMajor>(values.data(), static_cast<Eigen::Index>(rows),
+                                    static_cast<Eigen::Index>(columns));
+}
+
+Eigen::VectorXf take_vector(Tensors& tensors, const std::string& name, std::size_t size,
+                            const std::string& file) {
+  const std::vector<float> values = take(tensors, name, {size}, file);
+  return Eigen::Map<const Eigen::VectorXf>(values.data(), static_cast<Eigen::Index>(size));
+}
+
+// Of the policy, whose memories have no weights yet, `widths` from what is below the first layer.
+void from_tensors(Tensors tensors, const std::vector<std::size_t>& widths, const std::string& file,
+                  Policy& policy) {
+  const auto inputs = static_cast<std::size_t>(policy.inputs());
+  for (std::size_t m = 0; m < policy.memories.size(); ++m) {
+    const std::size_t units = widths.front();
+    policy.memories[m] = {
+        take_matrix(tensors, memory_name(m, "input_weight"), 3 * units, inputs, file),
+        take_matrix(tensors, memory_name(m, "memory_weight"), 3 * units, units, file),
+        take_vector(tensors, memory_name(m, "input_bias"), 3 * units, file),
+        take_vector(tensors, memory_name(m, "memory_bias"), 3 * units, file)};
+  }
+  for (std::size_t m = 0; m < policy.members.size(); ++m)
+    for (std::size_t i = 0; i + 1 < widths.size(); ++i)
+      policy.members[m].push_back(
+          {take_matrix(tensors, weight_name(m, i, "weight"), widths[i + 1], widths[i], file),
+           take_vector(tensors, weight_name(m, i, "bias"), widths[i + 1], file)});
   if (!tensors.empty())
     throw BadInput(file + ": " + tensors.begin()->first + ": no such array in the controller");
-  return all;
 }
 
 template <class Channel>
@@ -99,21 +128,32 @@ std::size_t count(JsonFields& fields, const std::string& key) {
   return static_cast<std::size_t>(fields.integer(key, 0, INT64_MAX));
 }
 
-// What a policy takes in and answers, and when.
-void read_signature(JsonFields& fields, Policy& policy) {
+// How many members, with a memory of how many units (0: none), what a policy takes in and answers,
+// and when.
+std::size_t read_signature(JsonFields& fields, Policy& policy) {
+  policy.members.resize(static_cast<std::size_t>(fields.integer("ensemble", 1, kMostMembers)));
+  std::size_t units = 0;
+  if (fields.has("memory")) {
+    units = static_cast<std::size_t>(fields.integer("memory", 1, kMostUnits));
+    policy.memories.resize(policy.members.size());
+  }
   policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
   JsonFields history = fields.object("history");
-  policy.samples = static_cast<int>(history.integer("samples", 1, kMostSamples));
+  policy.samples = static_cast<int>(history.integer("samples", 1, units > 0 ? 1 : kMostSamples));
   policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));
   history.finish();
-  for_each(fields, "inputs", kPolicyChannels, kPolicyChannels,
+  const auto channels = policy.channels();
+  for_each(fields, "inputs", channels.size(), channels.size(),
            [&](JsonFields& entry, std::size_t i) {
-             entry.choice("name", {kPolicyInputs[i].name});
-             entry.choice("unit", {kPolicyInputs[i].unit});
+             entry.choice("name", {channels[i].name});
+             entry.choice("unit", {channels[i].unit});
              policy.mean[i] = entry.number("mean", rule::any());
              policy.scale[i] = entry.number("scale", rule::positive());
            });
-  for_each(fields, "outputs", kVelocity, kVelocity, [&](JsonFields& entry, std::size_t i) {
+  const Json& outputs = fields.raw("outputs");
+  const auto answers = outputs.is_array() && outputs.size() == kTwist ? kTwist : kVelocity;
+  policy.velocity_mean = policy.velocity_scale = PolicyTwist::Zero(answers);
+  for_each(fields, "outputs", answers, answers, [&](JsonFields& entry, std::size_t i) {
     entry.choice("name", {kPolicyAnswer[i].name});
     entry.choice("unit", {kPolicyAnswer[i].unit});
     policy.velocity_mean[static_cast<Eigen::Index>(i)] = entry.number("mean", rule::any());
@@ -126,6 +166,7 @@ void read_signature(JsonFields& fields, Policy& policy) {
        {std::pair("lowest_log_sd", kLowestLogSd), std::pair("highest_log_sd", kHighestLogSd)})
     limits.number(key, rule::between(value, value, fmt::format("must be {}", value)));
   limits.finish();
+  return units;
 }
 
 void read_metrics(JsonFields metrics, PolicyFile& p) {
@@ -144,9 +185,10 @@ void read_metrics(JsonFields metrics, PolicyFile& p) {
   metrics.finish();
 }
 
-// Inputs, units of each hidden layer, outputs.
-std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
-  std::vector<std::size_t> widths = {static_cast<std::size_t>(policy.inputs())};
+// Inputs or units of the memory, units of each hidden layer, outputs.
+std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy, std::size_t memory) {
+  std::vector<std::size_t> widths = {memory > 0 ? memory
+                                                : static_cast<std::size_t>(policy.inputs())};
   const std::string expected =
       fmt::format("must be a list of 1 to {} whole numbers from 1 to {}", kMostLayers, kMostUnits);
   const Json& hidden = fields.raw("hidden");
@@ -158,7 +200,7 @@ std::vector<std::size_t> read_widths(JsonFields& fields, const Policy& policy) {
       fields.refuse("hidden", expected);
     widths.push_back(each);
   }
-  widths.push_back(std::size_t{2} * kVelocity);
+  widths.push_back(std::size_t{2} * static_cast<std::size_t>(policy.answers()));
   return widths;
 }
 
@@ -209,13 +251,16 @@ std::size_t PolicyFile::parameters() const {
   Eigen::Index count = 0;
   for (const Network& network : policy.members)
     for (const Layer& layer : network) count += layer.weight.size() + layer.bias.size();
+  for (const Gru& gru : policy.memories)
+    count += gru.input_weight.size() + gru.memory_weight.size() + gru.input_bias.size() +
+             gru.memory_bias.size();
   return static_cast<std::size_t>(count);
 }
 
 void write_controller(const std::string& file, const PolicyFile& p) {
   const Policy& policy = p.policy;
-  const std::string bytes = safetensors_bytes(to_tensors(policy.members),
-                                              {{"format", kControllerFormat}, {"method", "torch"}});
+  const std::string bytes =
+      safetensors_bytes(to_tensors(policy), {{"format", kControllerFormat}, {"method", "torch"}});
   const std::string hash = sha1(bytes);
   const fs::path weights = weights_file(file, hash);
 
@@ -223,9 +268,9 @@ void write_controller(const std::string& file, const PolicyFile& p) {
   Json training = Json::array(), rounds = Json::array();
   for (std::size_t i = 0; i + 1 < policy.members.front().size(); ++i)
     hidden.push_back(policy.members.front()[i].bias.size());
-  for (std::size_t i = 0; i < kPolicyChannels; ++i)
-    inputs.push_back(scaled_channel(kPolicyInputs[i], policy.mean[i], policy.scale[i]));
-  for (int i = 0; i < kVelocity; ++i)
+  for (std::size_t i = 0; i < policy.channels().size(); ++i)
+    inputs.push_back(scaled_channel(policy.channels()[i], policy.mean[i], policy.scale[i]));
+  for (int i = 0; i < policy.answers(); ++i)
     outputs.push_back(scaled_channel(kPolicyAnswer[static_cast<std::size_t>(i)],
                                      policy.velocity_mean[i], policy.velocity_scale[i]));
   for (const MemberTraining& m : p.members)
@@ -238,32 +283,32 @@ void write_controller(const std::string& file, const PolicyFile& p) {
                       {"inserted", r.inserted},
                       {"rows", r.rows},
                       {"held_out_loss", r.held_out_loss}});
-  const Json json = {
-      {"format", kControllerFormat},
-      {"format_version", 1},
-      {"method", "torch"},
-      {"world", "hand"},
-      {"weights", weights.filename().string()},
-      {"weights_sha1", hash},
-      {"ensemble", policy.members.size()},
-      {"hidden", hidden},
-      {"activation", "tanh"},
-      {"period_s", policy.period},
-      {"history", {{"samples", policy.samples}, {"spacing_periods", policy.spacing}}},
-      {"inputs", inputs},
-      {"outputs", outputs},
-      {"limits",
-       {{"speed_m_s", policy.speed_limit},
-        {"lowest_log_sd", kLowestLogSd},
-        {"highest_log_sd", kHighestLogSd}}},
-      {"reaction_time_s", p.reaction_time},
-      {"training", {{"input_noise", p.input_noise}, {"weight_decay", p.weight_decay}}},
-      {"trained_on", to_json(p.trained_on)},
-      {"metrics",
-       {{"members", training},
-        {"residual_m_s", p.residual},
-        {"held_out_residual_m_s", p.held_out_residual},
-        {"dagger", rounds}}}};
+  Json json = {{"format", kControllerFormat},
+               {"format_version", 1},
+               {"method", "torch"},
+               {"world", "hand"},
+               {"weights", weights.filename().string()},
+               {"weights_sha1", hash},
+               {"ensemble", policy.members.size()},
+               {"hidden", hidden},
+               {"activation", "tanh"},
+               {"period_s", policy.period},
+               {"history", {{"samples", policy.samples}, {"spacing_periods", policy.spacing}}},
+               {"inputs", inputs},
+               {"outputs", outputs},
+               {"limits",
+                {{"speed_m_s", policy.speed_limit},
+                 {"lowest_log_sd", kLowestLogSd},
+                 {"highest_log_sd", kHighestLogSd}}},
+               {"reaction_time_s", p.reaction_time},
+               {"training", {{"input_noise", p.input_noise}, {"weight_decay", p.weight_decay}}},
+               {"trained_on", to_json(p.trained_on)},
+               {"metrics",
+                {{"members", training},
+                 {"residual_m_s", p.residual},
+                 {"held_out_residual_m_s", p.held_out_residual},
+                 {"dagger", rounds}}}};
+  if (!policy.memories.empty()) json["memory"] = policy.memories.front().units();
   // The weights first, under a name of their own: until the rename of `file` the controller of
   // before is whole, and from then on this one.
   WrittenFile written_weights(weights.string(), bytes);
@@ -282,7 +327,7 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
   PolicyFile p;
   expect_heading(fields, "torch", 1);
   fields.choice("activation", {"tanh"});
-  read_signature(fields, p.policy);
+  const std::size_t memory = read_signature(fields, p.policy);
   p.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   JsonFields training = fields.object("training");
   p.input_noise = training.number("input_noise", rule::not_negative());
@@ -290,8 +335,7 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
   training.finish();
   p.trained_on = read_trained_on(fields, file);
   read_metrics(fields.object("metrics"), p);
-  const auto members = static_cast<std::size_t>(fields.integer("ensemble", 1, kMostMembers));
-  const std::vector<std::size_t> widths = read_widths(fields, p.policy);
+  const std::vector<std::size_t> widths = read_widths(fields, p.policy, memory);
   const std::string name = fields.text("weights"), hash = fields.text("weights_sha1");
   if (name.empty() || name == "." || name == ".." || name.find('/') != name.npos ||
       name.find('\0') != name.npos)
@@ -300,7 +344,7 @@ PolicyFile parse_policy(const Json& json, const std::string& file) {
 
   const std::string weights = (fs::path(file).parent_path() / name).string();
   const std::string bytes = read_weights(weights);
-  p.policy.members = from_tensors(parse_safetensors(bytes, weights), members, widths, weights);
+  from_tensors(parse_safetensors(bytes, weights), widths, weights, p.policy);
   if (sha1(bytes) != hash)
     throw BadInput(weights + ": is not the file that " + file + " was written with (weights_sha1)");
   return p;

@@ -28,6 +28,7 @@ Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
   d.speed_limit = scene_scaling(scene).motion * scene.limits.speed;
   const Eigen::Index rows = (episode.count() + stride - 1) / stride;
   d.velocity.resize(rows, Eigen::NoChange);
+  d.tilt_rates.resize(rows, Eigen::NoChange);
   d.observations.reserve(static_cast<std::size_t>(rows));
   RecordedSensor sensor(info, scene);
   const double entrance = registered_entrance(scene);
@@ -44,6 +45,7 @@ Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
     before = now;
     if (n % stride != 0) continue;
     d.velocity.row(n / stride) = row.segment<3>(kCommand.begin);
+    d.tilt_rates.row(n / stride) = row.segment<2>(kCommand.begin + 3);
     d.observations.push_back(now);
   }
   return d;

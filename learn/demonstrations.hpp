@@ -32,8 +32,9 @@ struct Demonstration {
   double period;       // between rows [s]
   double speed_limit;  // of controllers, in the hand's world [m/s]
   std::vector<Observation> observations;
-  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;  // that answers them [m/s]
-  std::vector<DemonstratedPhase> phases{};            // where the demonstrator told them
+  Eigen::Matrix<double, Eigen::Dynamic, 3> velocity;    // that answers them [m/s]
+  Eigen::Matrix<double, Eigen::Dynamic, 2> tilt_rates;  // and the rates of tilt [rad/s]
+  std::vector<DemonstratedPhase> phases{};              // where the demonstrator told them
 
   Eigen::Index rows() const noexcept { return velocity.rows(); }
   // That of row n, and before the first row that one.

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "insertion/simulated_operator.hpp"
+#include "learn/policy_rows.hpp"
 #include "learn/relabel.hpp"
 #include "learn/samples.hpp"
 
@@ -15,99 +16,11 @@ namespace {
 using Demonstrations = std::vector<const Demonstration*>;
 
 constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger",
-                     *kNetworkSeed = "--network-seed";  // options
+                     *kNetworkSeed = "--network-seed", *kNetwork = "--network";  // options
+constexpr const char *kPerceptron = "perceptron", *kGru = "gru";
 constexpr const char* kAsSplit = "as --seed";
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
-
-// Slower than this share of the speed limit the hand rests: before it starts, after it has arrived,
-// or to think. A policy that learned to rest would do so for ever.
-constexpr double kResting = 0.1;
-
-constexpr double kLeastVelocity = 1e-9;  // standard deviation of one that does not vary [m/s]
-
-// Unscaled.
-struct RawRows {
-  Eigen::MatrixXd input, velocity;  // (inputs, rows), (3, rows)
-};
-
-RawRows rows_of(const Demonstrations& set, double reaction, const Policy& policy) {
-  std::size_t most = 0;
-  for (const Demonstration* d : set) most += d->observations.size();
-  RawRows rows{Eigen::MatrixXd(policy.inputs(), most), Eigen::MatrixXd(kVelocity, most)};
-  Eigen::Index count = 0;
-  for (const Demonstration* d : set) {
-    const Eigen::Index stride = rows_per_step(d->period);
-    const auto delay = static_cast<Eigen::Index>(std::lround(reaction / d->period));
-    const auto spacing =
-        static_cast<Eigen::Index>(std::lround(policy.spacing * policy.period / d->period));
-    for (Eigen::Index n = 0; n < d->rows(); n += stride) {
-      const bool rests = d->velocity.row(n).norm() < kResting * d->speed_limit;
-      if (rests || cut_to_limit(*d, n)) continue;
-      for (int i = 0; i < policy.inputs(); ++i) {
-        const ObservationChannel& channel = kPolicyInputs[policy.channel(i)];
-        const bool past = channel.policy == PolicyInput::past;
-        rows.input(i, count) =
-            channel.value(d->observed(past ? n - delay - i / kPastChannels * spacing : n));
-      }
-      rows.velocity.col(count) = d->velocity.row(n);
-      ++count;
-    }
-  }
-  rows.input.conservativeResize(Eigen::NoChange, count);
-  rows.velocity.conservativeResize(Eigen::NoChange, count);
-  return rows;
-}
-
-struct MeanAndSd {
-  double mean, sd;
-};
-MeanAndSd spread(const Eigen::RowVectorXd& values) {
-  const double mean = values.mean();
-  return {mean, std::sqrt((values.array() - mean).square().mean())};
-}
-
-void set_scales(Policy& policy, const RawRows& rows) {
-  // From the inputs of now: the first of the past, and those after it.
-  for (int i = 0; i < policy.inputs(); ++i) {
-    if (i >= kPastChannels && i < kPastChannels * policy.samples) continue;
-    const std::size_t channel = policy.channel(i);
-    const MeanAndSd s = spread(rows.input.row(i));
-    policy.mean[channel] = s.mean;
-    policy.scale[channel] = s.sd > kPolicyInputs[channel].negligible ? s.sd : 1;
-  }
-  for (int i = 0; i < kVelocity; ++i) {
-    const MeanAndSd s = spread(rows.velocity.row(i));
-    policy.velocity_mean[i] = s.mean;
-    policy.velocity_scale[i] = s.sd > kLeastVelocity ? s.sd : 0;
-  }
-}
-
-Eigen::MatrixXf scaled_inputs(const Policy& policy, const Eigen::MatrixXd& inputs) {
-  Eigen::MatrixXf z(inputs.rows(), inputs.cols());
-  for (int i = 0; i < policy.inputs(); ++i) {
-    const std::size_t channel = policy.channel(i);
-    z.row(i) =
-        ((inputs.row(i).array() - policy.mean[channel]) / policy.scale[channel]).cast<float>();
-  }
-  return z;
-}
-
-TrainingRows scaled(const Policy& policy, const RawRows& rows) {
-  TrainingRows s{scaled_inputs(policy, rows.input),
-                 Eigen::MatrixXf::Zero(kVelocity, rows.velocity.cols())};
-  for (int i = 0; i < kVelocity; ++i)
-    if (policy.velocity_scale[i] > 0)
-      s.velocity.row(i) =
-          ((rows.velocity.row(i).array() - policy.velocity_mean[i]) / policy.velocity_scale[i])
-              .cast<float>();
-  return s;
-}
-
-double root_mean_square(const Policy& policy, const RawRows& rows) {
-  const Eigen::MatrixXd error = policy_velocities(policy, rows.input) - rows.velocity;
-  return std::sqrt(error.squaredNorm() / static_cast<double>(error.cols()));
-}
 
 // What is known before the first training.
 PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
@@ -117,6 +30,10 @@ PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
   f.policy.samples = settings.samples;
   f.policy.spacing = std::max(1, static_cast<int>(std::lround(settings.spacing / f.policy.period)));
   f.policy.speed_limit = set.speed_scale;
+  if (settings.training.memory > 0) f.policy.memories.resize(1);  // until they are trained
+  if (std::any_of(training.begin(), training.end(),
+                  [](const Demonstration* d) { return !d->tilt_rates.isZero(0); }))
+    f.policy.velocity_mean = f.policy.velocity_scale = PolicyTwist::Zero(kTwist);
   f.reaction_time = reaction_time(training);
   f.input_noise = settings.training.input_noise;
   f.weight_decay = settings.training.weight_decay;
@@ -125,27 +42,34 @@ PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
 }
 
 // Trains all members anew on the rows, which the policy's scales are of.
-void train_members(PolicyFit& fit, const RawRows& train, const RawRows& test,
-                   const PolicySettings& settings, std::size_t round,
-                   const PolicyProgress& progress) {
+void train_members(PolicyFit& fit, const std::vector<PolicyRows>& train,
+                   const std::vector<PolicyRows>& test, const PolicySettings& settings,
+                   std::size_t round, const PolicyProgress& progress) {
   PolicyFile& f = fit.file;
   const auto epochs = static_cast<std::size_t>(settings.training.epochs);
-  const TrainingRows train_scaled = scaled(f.policy, train), test_scaled = scaled(f.policy, test);
+  const std::vector<TrainingRows> train_scaled = scaled(f.policy, train),
+                                  test_scaled = scaled(f.policy, test);
+  const bool remembers = settings.training.memory > 0;
+  f.policy.memories.clear();
   f.policy.members.clear();
   f.members.clear();
   fit.curves.clear();
   for (std::size_t m = 0; m < settings.members; ++m) {
     const std::size_t before = (round * settings.members + m) * epochs;
     bool stopped = false;
-    const TrainedNetwork trained = train_network(
-        train_scaled, test_scaled, settings.training,
-        settings.network_seed.value_or(settings.seed) + m, [&](std::size_t epoch, const Epoch& e) {
-          stopped = progress && !progress(before + epoch, e);
-          return !stopped;
-        });
+    const auto told = [&](std::size_t epoch, const Epoch& e) {
+      stopped = progress && !progress(before + epoch, e);
+      return !stopped;
+    };
+    const std::uint64_t seed = settings.network_seed.value_or(settings.seed) + m;
+    const TrainedNetwork trained =
+        remembers ? train_memory(train_scaled, test_scaled, settings.training, seed, told)
+                  : train_network(train_scaled.front(), test_scaled.front(), settings.training,
+                                  seed, told);
     if (trained.network.empty())
       throw BadInput("the training diverged: its loss was never a finite number");
     f.policy.members.push_back(trained.network);
+    if (remembers) f.policy.memories.push_back(trained.memory);
     f.members.push_back({static_cast<int>(trained.curve.size()), static_cast<int>(trained.best + 1),
                          trained.curve[trained.best].training_loss,
                          trained.curve[trained.best].held_out_loss});
@@ -212,6 +136,7 @@ std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
 Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
                      const LearnerProgress& progress) {
   PolicySettings settings;
+  if (chosen.options.at(kNetwork) == kGru) settings = memory_settings();
   settings.members = chosen.number(kEnsemble);
   settings.dagger_rounds = chosen.number(kDagger);
   settings.seed = chosen.seed;
@@ -229,18 +154,16 @@ Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
 
 }  // namespace
 
-Eigen::MatrixXd policy_velocities(const Policy& policy, const Eigen::MatrixXd& inputs) {
-  const Eigen::MatrixXf z = scaled_inputs(policy, inputs);
-  Eigen::MatrixXd mean = Eigen::MatrixXd::Zero(kVelocity, inputs.cols());
-  for (const Network& network : policy.members) {
-    Eigen::MatrixXf h = z;
-    for (std::size_t i = 0; i < network.size(); ++i) {
-      h = (network[i].weight * h).colwise() + network[i].bias;
-      if (i + 1 < network.size()) h = h.array().tanh();
-    }
-    mean += h.topRows<kVelocity>().cast<double>() / static_cast<double>(policy.members.size());
-  }
-  return (policy.velocity_scale.asDiagonal() * mean).colwise() + policy.velocity_mean;
+PolicySettings memory_settings() {
+  PolicySettings s;
+  s.samples = 1;
+  s.spacing = 0.02;
+  s.training.memory = 64;
+  s.training.hidden = {64};
+  s.training.epochs = 200;
+  s.training.patience = 40;
+  s.training.learning_rate = 3e-3;
+  return s;
 }
 
 PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings,
@@ -251,16 +174,16 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
   if (settings.dagger_rounds > 0) skills = teachers(training);
   PolicyFit fit = begun(set, settings, training, held_out);
   PolicyFile& f = fit.file;
-  const RawRows test = rows_of(held_out, f.reaction_time, f.policy);
+  const std::vector<PolicyRows> test = policy_rows(held_out, f.reaction_time, f.policy);
   std::vector<Demonstration> met;  // by the policy, relabelled
   met.reserve(settings.dagger_rounds * kTrialsPerRound);
-  RawRows train;
+  std::vector<PolicyRows> train;
   for (std::size_t round = 0;; ++round) {
-    train = rows_of(training, f.reaction_time, f.policy);
-    if (train.input.cols() < Eigen::Index{kFewestRows} || test.input.cols() == 0)
+    train = policy_rows(training, f.reaction_time, f.policy);
+    if (count(train) < Eigen::Index{kFewestRows} || count(test) == 0)
       throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed",
-                                 train.input.cols(), kFewestRows));
-    const auto rows = static_cast<std::size_t>(train.input.cols());
+                                 count(train), kFewestRows));
+    const auto rows = static_cast<std::size_t>(count(train));
     if (round > 0) f.dagger.back().rows = rows - f.trained_on.rows;
     f.trained_on.rows = rows;
     set_scales(f.policy, train);
@@ -291,6 +214,11 @@ Learner policy_learner() {
                    {},
                    0,
                    LearnerOption::kSeed},
+                  {kNetwork,
+                   "With torch: gru remembers, and takes in its own motion; perceptron sees the "
+                   "last moments",
+                   kPerceptron,
+                   {kPerceptron, kGru}},
                   {kDagger,
                    "With torch: rounds of letting the policy insert and asking the simulated "
                    "operator what it would have done",
@@ -300,7 +228,8 @@ Learner policy_learner() {
                    100}},
       .variants = {{"torch", "torch", {}},
                    {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
-                   {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}}},
+                   {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}},
+                   {"gru", "torch, GRU", {{kNetwork, kGru}}}},
       .files =
           [](const std::string& file) {
             return std::vector{file, weights_file(file, "")};

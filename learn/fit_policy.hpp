@@ -1,12 +1,11 @@
 // Behaviour cloning: trains a policy (controller/policy.hpp) on demonstrations with libtorch.
 //
-// Rows every 10 ms, but for those cut to the speed limit and those in which the hand rests (slower
-// than a tenth of the limit: a policy that learned to rest would do so for ever). The observed
-// wrench of a row is that of one reaction time before (identified as in fit_law), at H samples of
-// the past; the depth is that of the row. Inputs and velocities are scaled by their mean and
-// standard deviation over the training rows; a velocity that does not vary is answered exactly.
-// About a fifth of the demonstrations is held out, whole, and decides which epoch's weights are
-// kept.
+// A perceptron learns from rows every 10 ms (learn/policy_rows.hpp), with the wrench at H samples of
+// the past; one with a memory from each demonstration as it went, every 20 ms. The reaction time of
+// the demonstrators is identified as in fit_law, and undone. Inputs and velocities are scaled by
+// their mean and standard deviation over the training rows; a velocity that does not vary is
+// answered exactly. About a fifth of the demonstrations is held out, whole, and decides which
+// epoch's weights are kept.
 //
 // DAgger (Ross et al. 2011), for simulated operators: each round lets the policy insert in new
 // starts, asks the simulated operator what it would have done in every state met
@@ -21,11 +20,14 @@ struct PolicySettings {
   TrainingSettings training;
   std::size_t members = 1;  // of the ensemble, each from its own start
   int samples = 3;          // of the past
-  double spacing = 0.04;    // between them [s]
+  double spacing = 0.04;    // between them [s]; of one with a memory between its answers
   std::size_t dagger_rounds = 0;
   std::uint64_t seed = 1;  // of the split, of the members and of the trials of DAgger
   std::optional<std::uint64_t> network_seed{};  // of the members, apart from the others
 };
+
+// Of networks with a memory.
+PolicySettings memory_settings();
 
 struct PolicyFit {
   PolicyFile file;
@@ -43,9 +45,5 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
 
 // fit_policy in the table of learners.
 Learner policy_learner();
-
-// The mean answer of a policy to unscaled inputs (inputs, rows), without the speed limit
-// [m/s], (3, rows).
-Eigen::MatrixXd policy_velocities(const Policy& policy, const Eigen::MatrixXd& inputs);
 
 }  // namespace ferrule

@@ -25,21 +25,23 @@ Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, do
   Demonstration d;
   d.period = static_cast<double>(stride) * policy.period;
   d.speed_limit = scaling.motion * scene.limits.speed;
+  HandPose begun;
   std::vector<Eigen::Vector3d> answers;
   d.outcome =
-      run_insertion(
-          scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-          {.scaling = scaling, .period = policy.period, .past_success = true},
-          [&](const Tick& tick) {
-            const HandTwist answer = trainee.answer(tick.time, tick.hand, tick.relative);
-            if (n++ % stride != 0) return true;
-            d.observations.push_back(
-                {tick.relative, hand_depth(tick.hand, registered_entrance(scene)), tick.time});
-            answers.push_back(answer.head<3>());
-            return true;
-          })
+      run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+                    {.scaling = scaling, .period = policy.period, .past_success = true},
+                    [&](const Tick& tick) {
+                      const HandTwist answer = trainee.answer(tick.time, tick.hand, tick.relative);
+                      if (n++ % stride != 0) return true;
+                      if (d.observations.empty()) begun = tick.hand;
+                      d.observations.push_back(observe(tick.relative, tick.hand, begun,
+                                                       registered_entrance(scene), tick.time));
+                      answers.push_back(answer.head<3>());
+                      return true;
+                    })
           .outcome;
   d.velocity.resize(static_cast<Eigen::Index>(answers.size()), Eigen::NoChange);
+  d.tilt_rates.setZero(d.velocity.rows(), Eigen::NoChange);
   for (std::size_t i = 0; i < answers.size(); ++i)
     d.velocity.row(static_cast<Eigen::Index>(i)) = answers[i].transpose();
   return d;

@@ -23,12 +23,20 @@ TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& h
   return torch().train(training, held_out, settings, seed, progress);
 }
 
+TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
+                            const std::vector<TrainingRows>& held_out,
+                            const TrainingSettings& settings, std::uint64_t seed,
+                            const TrainingProgress& progress) {
+  return torch().memory(training, held_out, settings, seed, progress);
+}
+
 std::string torchscript_bytes(const Policy& policy) {
   return torch().script(policy);
 }
 
-Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs) {
-  return torch().run(bytes, inputs);
+Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs,
+                                std::array<int, 2> memory) {
+  return torch().run(bytes, inputs, memory);
 }
 
 std::unique_ptr<Controller> torchscript_controller(const std::string& bytes) {

@@ -16,7 +16,8 @@ namespace ferrule {
 // Scaled rows: what was observed, and the velocity that answers it.
 struct TrainingRows {
   Eigen::MatrixXf input;     // (inputs, rows)
-  Eigen::MatrixXf velocity;  // (3, rows)
+  Eigen::MatrixXf velocity;  // (answers, rows)
+  Eigen::RowVectorXf told;   // (rows): 1 where the velocity counts, 0 where it says nothing
 };
 
 struct TrainingSettings {
@@ -27,6 +28,10 @@ struct TrainingSettings {
   double learning_rate = 1e-3;         // falls to 0 along half a cosine
   double weight_decay = 1e-4;          // decoupled, of AdamW (Loshchilov and Hutter 2019)
   double input_noise = 0.05;           // standard deviation added to scaled inputs, each batch anew
+  // Of networks with a memory; the others have none.
+  int memory = 0;    // units
+  int window = 500;  // rows that an error is traced back through
+  int together = 8;  // episodes of a step
 };
 
 // Losses are negative log likelihoods per row, without the constant:
@@ -37,6 +42,7 @@ struct Epoch {
 
 struct TrainedNetwork {
   Network network;           // of the best epoch by held-out loss
+  Gru memory{};              // and what it remembers by
   std::vector<Epoch> curve;  // one per epoch
   std::size_t best = 0;      // index into it
 };
@@ -51,19 +57,33 @@ TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& h
                              const TrainingSettings& settings, std::uint64_t seed,
                              const TrainingProgress& progress);
 
+// The same of one with a memory, from episodes as they went: each step goes through a window of
+// some of them, and what they left in the memory goes on into the next window. The noise is added
+// to the wrench alone, as a motion is known. The norm of a step's gradient is cut to 1.
+TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
+                            const std::vector<TrainingRows>& held_out,
+                            const TrainingSettings& settings, std::uint64_t seed,
+                            const TrainingProgress& progress);
+
 // A TorchScript module whose forward takes unscaled inputs (rows, inputs), float64, and returns
-// (velocity, deviation, disagreement), each (rows, 3) float64: the velocity as the controller
-// commands it, the others as in PolicyAnswer. Throws as train_network.
+// (velocity, deviation, disagreement), each (rows, answers) float64: the velocity as the controller
+// commands it, the others as in PolicyAnswer. One with a memory also takes what it remembers,
+// (members, rows, units) float32, 0 at the start, and returns what it remembers then. Throws as
+// train_network.
 std::string torchscript_bytes(const Policy& policy);
 
-// What libtorch answers when it runs these bytes, (9, rows). For tests. Throws as train_network.
-Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs);
+// What libtorch answers when it runs these bytes, (3 answers, rows); of one with a memory, `memory`
+// numbers in all, row after row. For tests. Throws as train_network.
+Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd& inputs,
+                                std::array<int, 2> memory = {});
 
 // A controller for TorchScript of anybody's: forward takes an observation, float32 (1, 7), in the
-// order of kObservation: Fx Fy Fz [N], My Mz [N m], depth [m], time [s] in the hand's world; and
-// returns a velocity, (1, 5) or (5): x y z [m/s], tilt_y tilt_z [rad/s], or the first three. Every
-// trial has a module of its own, so that it may remember; where it has a method `reset`, that is
-// called first. Throws FileTrouble where these bytes are none, and as train_network.
+// order of kObservation and kMotion: Fx Fy Fz [N], My Mz [N m], depth [m], time [s], and where it
+// refuses (1, 7) also displacement x y z [m], tilt_y tilt_z [rad], height [m], all in the hand's
+// world; and returns a velocity, (1, 5) or (5): x y z [m/s], tilt_y tilt_z [rad/s], or the first
+// three. Every trial has a module of its own, so that it may remember; where it has a method
+// `reset`, that is called first. Throws FileTrouble where these bytes are none, and as
+// train_network.
 std::unique_ptr<Controller> torchscript_controller(const std::string& bytes);
 // What makes it for each trial, of a file of a stranger: in processes of their own
 // (controller/program_policy.hpp), for such a module may crash, hang or take all memory. At most
@@ -73,6 +93,7 @@ MakeController load_torchscript(const std::string& file, const ProgramSettings& 
 // The same functions in the library of their own.
 struct TorchFunctions {
   decltype(&train_network) train;
+  decltype(&train_memory) memory;
   decltype(&torchscript_bytes) script;
   decltype(&run_torchscript) run;
   decltype(&torchscript_controller) controller;

@@ -31,6 +31,7 @@ DemonstrationSet demonstrations(const LawOf& law, double speed_scale, int episod
     d.period = 1e-3;
     d.speed_limit = speed_scale;
     d.velocity.resize(kRows, 3);
+    d.tilt_rates.setZero(kRows, 2);
     Eigen::Vector3d phase, frequency;
     for (int i = 0; i < 3; ++i) {
       phase[i] = 6.28 * random.uniform();

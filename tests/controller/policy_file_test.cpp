@@ -43,6 +43,33 @@ TEST(PolicyFile, IsReadBackExactly) {
   EXPECT_EQ(read_text(weights_of(folder / "c.json")), read_text(weights_of(folder / "d.json")));
 }
 
+TEST(PolicyFile, OfOneThatRemembersIsReadBackExactly) {
+  const testing::TemporaryFolder folder;
+  PolicyFile file = testing::random_policy_file();
+  file.policy = testing::random_policy(2, {7, 5}, 1, 20, 1, 9, true);
+  write_controller(folder / "c.json", file);
+  const PolicyFile back = read_policy(folder / "c.json");
+  EXPECT_EQ(back.parameters(), file.parameters());
+  EXPECT_EQ(back.policy.mean, file.policy.mean);
+  EXPECT_EQ(back.policy.velocity_scale, file.policy.velocity_scale);
+  PolicyController before(file.policy), after(back.policy);
+  RandomStream random(6, 0, Draw::plan);
+  for (int n = 0; n < 50; ++n) {
+    const Observation o = testing::random_observation(random);
+    EXPECT_EQ(after.command(o), before.command(o));
+  }
+  const Json good = parse_json(read_text(folder / "c.json"), "c.json");
+  const auto says = [&](const char* pointer, const Json& value, const char* reason) {
+    const std::string said = testing::refusal(folder / "c.json", good, pointer, value, read_policy);
+    EXPECT_NE(said.find(reason), std::string::npos) << pointer << ": " << said;
+  };
+  says("/memory", 8, "members.0.memory.input_weight.shape: must be [24,11]");
+  says("/memory", 0, "memory");
+  says("/history/samples", 2, "samples");
+  says("/inputs/5/name", "depth", "displacement_x");
+  says("/outputs/4/name", "velocity_z", "tilt_rate_z");
+}
+
 TEST(PolicyFile, IsLoadedLikeAnyController) {
   const testing::TemporaryFolder folder;
   const PolicyFile file = testing::random_policy_file();

@@ -72,12 +72,73 @@ TEST(Policy, TakesInTheWrenchesNewestFirstThenTheDepth) {
 
 TEST(Policy, CutsItsSpeed) {
   Policy p = random_policy(1, {8}, 1, 1);
-  p.velocity_mean = {-0.3, 0.4, 0};
+  p.velocity_mean = Eigen::Vector3d(-0.3, 0.4, 0);
   p.velocity_scale.setZero();
   PolicyController controller(p);
   const HandTwist v = controller.command({HandWrench::Zero(), 0, 0});
   EXPECT_CLOSE(v[0], -0.6 * p.speed_limit, 1e-12);
   EXPECT_CLOSE(v[1], 0.8 * p.speed_limit, 1e-12);
+}
+
+// The equations of controller/gru.hpp in double precision, and s(a) = 1/(1 + e^-a).
+Eigen::VectorXd reference(const Gru& gru, const Eigen::VectorXd& x, const Eigen::VectorXd& h) {
+  const Eigen::Index m = gru.units();
+  const Eigen::VectorXd a = gru.input_weight.cast<double>() * x + gru.input_bias.cast<double>();
+  const Eigen::VectorXd c = gru.memory_weight.cast<double>() * h + gru.memory_bias.cast<double>();
+  Eigen::VectorXd next(m);
+  for (Eigen::Index i = 0; i < m; ++i) {
+    const double r = 1 / (1 + std::exp(-a[i] - c[i])), u = 1 / (1 + std::exp(-a[m + i] - c[m + i]));
+    next[i] = (1 - u) * std::tanh(a[2 * m + i] + r * c[2 * m + i]) + u * h[i];
+  }
+  return next;
+}
+
+TEST(Policy, RemembersByItsGatedUnitsTo1e5OfItsScaleAndAnswersTilts) {
+  Policy p = random_policy(2, {16}, 1, 5, 3, 24, true);
+  p.speed_limit = 1;
+  PolicyController controller(p);
+  RandomStream random(3, 0, Draw::plan);
+  std::vector<Eigen::VectorXd> h(2, Eigen::VectorXd::Zero(24));
+  HandTwist expected = HandTwist::Zero();
+  for (int n = 0; n < 400; ++n) {
+    const Observation o = random_observation(random);
+    if (n % 5 == 0) {
+      Eigen::VectorXd z = testing::policy_inputs(p, {o}), mean = Eigen::VectorXd::Zero(5);
+      for (int i = 0; i < p.inputs(); ++i)
+        z[i] = (z[i] - p.mean[p.channel(i)]) / p.scale[p.channel(i)];
+      for (std::size_t m = 0; m < 2; ++m) {
+        h[m] = reference(p.memories[m], z, h[m]);
+        const Eigen::VectorXd hidden =
+            (p.members[m][0].weight.cast<double>() * h[m] + p.members[m][0].bias.cast<double>())
+                .array()
+                .tanh();
+        mean +=
+            (p.members[m][1].weight.cast<double>() * hidden + p.members[m][1].bias.cast<double>())
+                .head(5) /
+            2;
+      }
+      expected = p.velocity_mean + p.velocity_scale.cwiseProduct(mean);
+    }
+    // In between it goes on.
+    const HandTwist v = controller.command(o);
+    for (int i = 0; i < 5; ++i) EXPECT_NEAR(v[i], expected[i], 1e-5 * p.velocity_scale[i]) << n;
+  }
+}
+
+// A touch of long ago decides what it does now.
+TEST(Policy, WithAMemoryDependsOnWhatWasLongAgo) {
+  const Policy p = random_policy(1, {8}, 1, 1, 7, 16);
+  PolicyController touched(p), not_touched(p);
+  Observation o{HandWrench::Ones(), 0, 0};
+  touched.command(o);
+  o.wrench.setZero();
+  not_touched.command(o);
+  for (int n = 0; n < 20; ++n) {
+    const HandTwist a = touched.command(o), b = not_touched.command(o);
+    if (n >= 10) {
+      EXPECT_GT((a - b).norm(), 1e-9);
+    }
+  }
 }
 
 TEST(Policy, OneMemberDoesNotDisagreeWithItself) {
@@ -92,27 +153,31 @@ TEST(Policy, OneMemberDoesNotDisagreeWithItself) {
 }
 
 TEST(Policy, ACopyStartsAfresh) {
-  const PolicyController fresh(random_policy(1, {16}, 3, 2));
-  PolicyController used = fresh, again = fresh;
-  RandomStream random(5, 0, Draw::plan);
-  std::vector<Observation> seen;
-  for (int n = 0; n < 9; ++n) seen.push_back(random_observation(random));
-  std::vector<HandTwist> first;
-  for (const Observation& o : seen) first.push_back(used.command(o));
-  for (std::size_t n = 0; n < seen.size(); ++n) EXPECT_EQ(again.command(seen[n]), first[n]);
+  for (const Eigen::Index units : {0, 12}) {
+    const PolicyController fresh(random_policy(1, {16}, units > 0 ? 1 : 3, 2, 1, units));
+    PolicyController used = fresh, again = fresh;
+    RandomStream random(5, 0, Draw::plan);
+    std::vector<Observation> seen;
+    for (int n = 0; n < 9; ++n) seen.push_back(random_observation(random));
+    std::vector<HandTwist> first;
+    for (const Observation& o : seen) first.push_back(used.command(o));
+    for (std::size_t n = 0; n < seen.size(); ++n) EXPECT_EQ(again.command(seen[n]), first[n]);
+  }
 }
 
 TEST(Policy, DoesNotAllocate) {
-  PolicyController controller(random_policy(3, {64, 64}, 3, 40));
-  RandomStream random(1, 0, Draw::plan);
-  double sum = 0;
-  const std::size_t before = testing::allocations();
-  for (int n = 0; n < 500; ++n) {
-    sum += controller.command(random_observation(random)).norm();
-    sum += controller.answer().disagreement.norm();
+  for (const Eigen::Index units : {0, 64}) {
+    PolicyController controller(random_policy(3, {64, 64}, units > 0 ? 1 : 3, 40, 1, units));
+    RandomStream random(1, 0, Draw::plan);
+    double sum = 0;
+    const std::size_t before = testing::allocations();
+    for (int n = 0; n < 500; ++n) {
+      sum += controller.command(random_observation(random)).norm();
+      sum += controller.answer().disagreement.norm();
+    }
+    EXPECT_EQ(testing::allocations(), before);
+    EXPECT_GT(sum, 0);
   }
-  EXPECT_EQ(testing::allocations(), before);
-  EXPECT_GT(sum, 0);
 }
 
 }  // namespace

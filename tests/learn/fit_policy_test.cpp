@@ -102,6 +102,50 @@ TEST(FitPolicy, TheSameSeedGivesTheSameBytes) {
   EXPECT_NE(p.members[0][0].weight, p.members[1][0].weight) << "members start differently";
 }
 
+// Demonstrations of who goes the faster the harder the touch was that came in the first half second.
+DemonstrationSet demonstrations_by_memory(int episodes, std::uint64_t seed) {
+  DemonstrationSet set = testing::demonstrations(
+      [](const Eigen::Vector3d&, double, double) { return Eigen::Vector3d(-3e-3, 0, 0); }, 0.01,
+      episodes, 0, 0, seed);
+  RandomStream random(seed, 1, Draw::plan);
+  for (Demonstration& d : set.demonstrations) {
+    const double touch = random.uniform();
+    d.velocity.conservativeResize(4000, Eigen::NoChange);
+    d.tilt_rates.conservativeResize(4000, Eigen::NoChange);
+    for (Eigen::Index n = 0; n < d.rows(); ++n) {
+      Observation& o = d.observations[static_cast<std::size_t>(n)];
+      o.wrench.setZero();
+      if (o.time < 0.5) o.wrench[0] = touch;
+      d.velocity.row(n) << -2e-3 - (o.time < 0.5 ? 0 : 4e-3 * touch), 0, 0;
+      d.tilt_rates.row(n) << 0.1 * touch, 0;
+    }
+  }
+  return set;
+}
+
+TEST(FitPolicy, WithAMemoryAnswersWhatWasFeltLongAgo) {
+  NEEDS_LIBTORCH;
+  PolicySettings settings = memory_settings();
+  settings.training.memory = 16;
+  settings.training.hidden = {16};
+  settings.training.epochs = 80;
+  const PolicyFile fitted = fit_policy(demonstrations_by_memory(20, 1), settings, {}).file;
+  const PolicyFile forgets = fit_policy(demonstrations_by_memory(10, 1), quick(), {}).file;
+  ASSERT_EQ(fitted.policy.answers(), kTwist);
+  double error = 0, without = 0;
+  const DemonstrationSet others = demonstrations_by_memory(8, 99);
+  for (const Demonstration& d : others.demonstrations) {
+    PolicyController remembers(fitted.policy), does_not(forgets.policy);
+    for (Eigen::Index n = 0; n < d.rows(); ++n) {
+      const HandTwist v = remembers.command(d.observed(n)), w = does_not.command(d.observed(n));
+      error += std::abs(v[0] - d.velocity(n, 0)) / 4e-3 + std::abs(v[3] - d.tilt_rates(n, 0)) / 0.1;
+      without +=
+          std::abs(w[0] - d.velocity(n, 0)) / 4e-3 + std::abs(w[3] - d.tilt_rates(n, 0)) / 0.1;
+    }
+  }
+  EXPECT_LT(error, 0.25 * without);
+}
+
 TEST(FitPolicy, AVelocityThatDoesNotVaryIsAnsweredExactly) {
   NEEDS_LIBTORCH;
   DemonstrationSet set = demonstrations(4, 0);
@@ -153,13 +197,38 @@ TEST(TorchScript, IsThePolicyTo1e6) {
   }
 }
 
+TEST(TorchScript, OfOneThatRemembersIsThePolicyTo1e5) {
+  NEEDS_LIBTORCH;
+  Policy p = testing::random_policy(2, {32}, 1, 1, 5, 24, true);
+  p.speed_limit = p.velocity_mean.head<3>().norm();
+  Eigen::MatrixXd inputs(p.inputs(), 100);
+  std::vector<HandTwist> ours;
+  std::vector<PolicyAnswer> answers;
+  RandomStream random(2, 0, Draw::plan);
+  PolicyController controller(p);
+  for (int n = 0; n < 100; ++n) {
+    const Observation o = testing::random_observation(random);
+    inputs.col(n) = testing::policy_inputs(p, {o});
+    ours.push_back(controller.command(o));
+    answers.push_back(controller.answer());
+  }
+  const Eigen::MatrixXd theirs = run_torchscript(torchscript_bytes(p), inputs, {2, 24});
+  for (int n = 0; n < 100; ++n)
+    for (int i = 0; i < kTwist; ++i) {
+      const auto at = static_cast<std::size_t>(n);
+      EXPECT_NEAR(theirs(i, n), ours[at][i], 1e-5 * p.velocity_scale[i]);
+      EXPECT_NEAR(theirs(5 + i, n), answers[at].deviation[i], 1e-5 * answers[at].deviation[i]);
+      EXPECT_NEAR(theirs(10 + i, n), answers[at].disagreement[i], 1e-5 * p.velocity_scale[i]);
+    }
+}
+
 // The operator who is asked answers what was felt one reaction time before, and slows down towards
 // the end of the way, wherever the policy has led the hand.
 TEST(Relabel, IsWhatTheOperatorWouldDo) {
   const Scene scene = load_scene("demo");
   Policy p = testing::random_policy(1, {4}, 1, 1);
   p.velocity_scale.setZero();
-  p.velocity_mean = {-4e-3, 0, 0};
+  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
   p.period = kStep;
   const double reaction = 0.15;
   const Demonstration d = relabelled_trial(scene, p, 0.8, reaction, 1, 3);
@@ -184,7 +253,7 @@ TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
   const Scene scene = load_scene("bench");
   Policy p = testing::random_policy(1, {4}, 1, 1);
   p.velocity_scale.setZero();
-  p.velocity_mean = {-4e-3, 0, 0};
+  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
   PolicyController controller(p);
   const std::string file = testing::record(scene, folder.path(), 3, &controller);
   const Demonstration recorded = demonstration(read_episode(file), scene, file);
@@ -196,6 +265,8 @@ TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
     EXPECT_EQ(ours.wrench, theirs.wrench) << n;
     EXPECT_EQ(ours.depth, theirs.depth) << n;
     EXPECT_EQ(ours.time, theirs.time) << n;
+    EXPECT_EQ(ours.displacement, theirs.displacement) << n;
+    EXPECT_EQ(ours.height, theirs.height) << n;
   }
   EXPECT_EQ(d.speed_limit, recorded.speed_limit);
   EXPECT_NE(d.velocity, recorded.velocity);

@@ -1,5 +1,6 @@
 """Policies of somebody else's: programs behind a pipe, and TorchScript."""
 
+import csv
 import ctypes
 import json
 import os
@@ -152,6 +153,20 @@ for line in sys.stdin:
         with open(self.path("broken.pt"), "wb") as out:
             out.write(b"no module")
         self.refused(3, "evaluate", self.path("broken.pt"), says=("TorchScript",))
+
+        class ByItsMotion(torch.nn.Module):  # goes on by 200 um of the tip: 30 um into the bore
+            def forward(self, x):
+                on = (x[0, 7] > -0.05).to(torch.float64)
+                assert x.shape[1] == 13
+                return torch.stack([-2e-3 * on, 0 * on, 0 * on])
+
+        torch.jit.script(ByItsMotion()).save(self.path("motion.pt"))
+        trials = self.path("trials.csv")
+        self.done("evaluate", self.path("motion.pt"), "--scene", "bench", "--trials", 1, "--set", "start.lateral_sd_um=0",
+                  "--set", "limits.time_s=40", "--trials-out", trials)
+        with open(trials) as table:
+            [row] = csv.DictReader(table)
+        self.assertAlmostEqual(float(row["depth_um"]), 30, delta=0.5)
 
         class Short(torch.nn.Module):
             def forward(self, x):

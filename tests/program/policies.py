@@ -33,7 +33,12 @@ class Policies(Case):
         run = ferrule("fit", cls.episodes, "--method", "torch", "--ensemble", 2, "--out", cls.file,
                       "--plot", cls.shared + "/training.svg")
         cls.torch = run.returncode == 0
-        if not cls.torch:
+        cls.gru = cls.shared + "/gru.json"
+        if cls.torch:
+            files = sorted(glob.glob(cls.episodes + "/*.h5"))[:5]
+            run = ferrule("fit", *files, "--method", "torch", "--network", "gru", "--out", cls.gru)
+            assert run.returncode == 0, run.stderr
+        else:
             assert run.returncode == 2 and "libtorch-dev" in run.stderr, run.stderr
 
     def needs_torch(self):
@@ -104,8 +109,31 @@ class Policies(Case):
         speed = numpy.linalg.norm(velocity, axis=1, keepdims=True)
         return velocity * numpy.minimum(1, controller["limits"]["speed_m_s"] / speed)
 
-    # What the controller of `file` observed and did: wrench at the hand, depth, time, velocity.
-    def recorded(self, file):
+    # The same of one that remembers, at every answer, from the equations in controller/README.md.
+    def answers_from_memory(self, controller, arrays, inputs):
+        def sigmoid(x):
+            return 1 / (1 + numpy.exp(-x))
+        scales, units, answers = controller["inputs"], controller["memory"], []
+        arrays = {name[len("members.0."):]: array for name, array in arrays.items()}
+        h = numpy.zeros(units)
+        for x in inputs:
+            z = (x - [c["mean"] for c in scales]) / [c["scale"] for c in scales]
+            a = arrays["memory.input_weight"] @ z + arrays["memory.input_bias"]
+            c = arrays["memory.memory_weight"] @ h + arrays["memory.memory_bias"]
+            (a_r, a_u, a_n), (c_r, c_u, c_n) = a.reshape(3, units), c.reshape(3, units)
+            u = sigmoid(a_u + c_u)
+            h = (1 - u) * numpy.tanh(a_n + sigmoid(a_r + c_r) * c_n) + u * h
+            y = arrays["layers.1.weight"] @ numpy.tanh(arrays["layers.0.weight"] @ h + arrays["layers.0.bias"])
+            y = (y + arrays["layers.1.bias"])[:len(controller["outputs"])]
+            velocity = y * [c["scale"] for c in controller["outputs"]] + [c["mean"] for c in controller["outputs"]]
+            speed = numpy.linalg.norm(velocity[:3])
+            velocity[:3] *= min(1, controller["limits"]["speed_m_s"] / speed)
+            answers.append(velocity[:3])
+        return numpy.array(answers)
+
+    # What the controller of `file` observed and did: wrench at the hand, depth, time, velocity; with
+    # `motion` also displacement and height before that.
+    def recorded(self, file, motion=False):
         out = self.path("by " + os.path.basename(file))
         self.done("record", "--operator", file, "--scene", "demo", "--episodes", 1, "--seed", 5,
                   "--set", "limits.speed_um_s=1000", "--out", out)
@@ -114,8 +142,9 @@ class Policies(Case):
             x, force = f.attrs["alpha_x"], f.attrs["alpha_f"]
             wrench = demo["rows/holder_wrench"][:] * [force] * [1, 1, 1, x, x]
             pose = demo["rows/hand_pose"][:]
-            return (wrench - wrench[0], numpy.maximum(0, -pose[:, 0]),
-                    demo["rows/time"][:].ravel(), demo["rows/command"][:, :3])
+            own = (pose - pose[0], pose[:, 0]) if motion else ()
+            return (wrench - wrench[0], numpy.maximum(0, -pose[:, 0]), demo["rows/time"][:].ravel(), *own,
+                    demo["rows/command"][:, :3])
 
     def close(self, a, b, tolerance=1e-6):
         self.assertGreater(len(a), 1000)
@@ -143,7 +172,7 @@ class Policies(Case):
         self.assertIn("</svg>", open(self.shared + "/training.svg").read())
 
     def test_schema_and_program_agree_on_broken_controllers(self):
-        for file in (self.law, self.file) if self.torch else (self.law,):
+        for file in (self.law, self.file, self.gru) if self.torch else (self.law,):
             self.broken(file, self.schema_validator("controller.schema.json"))
 
     def broken(self, controller, validator):
@@ -162,7 +191,7 @@ class Policies(Case):
         for _ in range(60):
             bad, path = copy.deepcopy(good), draw.choice(paths)
             # What no schema can say: what belongs to the weights.
-            if path[0] in ("weights", "weights_sha1", "ensemble", "hidden") or path[-1] == "samples":
+            if path[0] in ("weights", "weights_sha1", "ensemble", "hidden", "memory") or path[-1] == "samples":
                 continue
             place = bad
             for key in path[:-1]:
@@ -203,6 +232,34 @@ class Policies(Case):
         *observed, velocity = self.recorded(self.file)
         self.close(self.answer(controller, arrays, self.inputs(controller, *observed)), velocity)
 
+    # Every 20 ms, and in between it goes on.
+    def test_one_that_remembers_gives_the_same_answers_to_another_reader(self):
+        self.needs_torch()
+        controller, arrays = self.read(self.gru)
+        self.schema_validator("controller.schema.json").validate(controller)
+        wrench, _, _, displacement, height, velocity = self.recorded(self.gru, motion=True)
+        every = controller["history"]["spacing_periods"]
+        self.assertEqual(every, 20)
+        answers = self.answers_from_memory(
+            controller, arrays, numpy.column_stack([wrench, displacement, height])[::every])
+        self.close(numpy.repeat(answers, every, axis=0)[:len(velocity)], velocity, 1e-5)
+
+    def test_torchscript_of_one_that_remembers_answers_alike_in_python(self):
+        self.needs_torch()
+        try:
+            import torch
+        except ImportError:
+            self.skipTest("no torch for Python")
+        script = self.path("g.pt")
+        self.done("export", self.gru, "--torchscript", script)
+        wrench, _, _, displacement, height, velocity = self.recorded(self.gru, motion=True)
+        inputs = torch.from_numpy(numpy.column_stack([wrench, displacement, height])[::20].copy())
+        module, memory, answers = torch.jit.load(script), torch.zeros(1, 1, 64), []
+        for row in inputs:
+            answer, deviation, disagreement, memory = module(row.unsqueeze(0), memory)
+            answers.append(answer[0, :3].numpy())
+        self.close(numpy.repeat(answers, 20, axis=0)[:len(velocity)], velocity, 1e-5)
+
     def test_torchscript_answers_alike_in_python(self):
         self.needs_torch()
         try:
@@ -226,7 +283,7 @@ class Policies(Case):
             self.assertEqual(os.listdir(folder), ["taken.h"])
 
     # Feeds the header's controller what the recorded one observed.
-    def by_header(self, file):
+    def by_header(self, file, motion=False):
         header, source, program = self.path("c.h"), self.path("c.c"), self.path("c")
         self.done("export", file, "--header", header)
         with open(source, "w") as out:
@@ -234,22 +291,25 @@ class Policies(Case):
 #include <stdio.h>
 int main(void) {
   ferrule_state s;
-  double w[5], d, t, v[5];
+  double x[13], v[5];
   ferrule_start(&s);
-  while (scanf("%lf %lf %lf %lf %lf %lf %lf", w, w + 1, w + 2, w + 3, w + 4, &d, &t) == 7) {
-    ferrule_command(&s, w, d, t, v);
+  for (;;) {
+    int i;
+    for (i = 0; i < COUNT; ++i)
+      if (scanf("%lf", x + i) != 1) return 0;
+    ferrule_command(&s, x, x[5], x[6],MOTION v);
     printf("%.17g %.17g %.17g\\n", v[0], v[1], v[2]);
   }
-  return 0;
 }
-''')
+'''.replace("COUNT", "13" if motion else "7").replace("MOTION", " x + 7, x[12]," if motion else ""))
         subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", source,
                         "-o", program, "-lm"], check=True)
-        *observed, velocity = self.recorded(file)
+        *observed, velocity = self.recorded(file, motion)
         rows = "\n".join(" ".join(f"{x:.17g}" for x in row)
                          for row in numpy.column_stack(observed))
         run = subprocess.run([program], input=rows, capture_output=True, text=True, check=True)
-        self.close(numpy.array([line.split() for line in run.stdout.splitlines()], float), velocity)
+        self.close(numpy.array([line.split() for line in run.stdout.splitlines()], float), velocity,
+                   1e-5 if motion else 1e-6)
 
     def test_the_header_of_a_law_answers_alike(self):
         self.by_header(self.law)
@@ -257,6 +317,7 @@ int main(void) {
     def test_the_header_of_a_policy_answers_alike(self):
         self.needs_torch()
         self.by_header(self.file)
+        self.by_header(self.gru, motion=True)
 
     def test_rounds_of_dagger(self):
         self.needs_torch()
