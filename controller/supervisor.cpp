@@ -73,6 +73,7 @@ SupervisorLimits supervisor_limits(const Scene& scene) {
       scaling.force * (kDeviations * sensor.deviation(scene.limits.force,
                                                       scene.limits.time) +
                        sensor.dead_band + sensor.resolution);  // half of it now, half in the tare
+  limits.late = scene.hand.gain * (scene.hand.delay + scene.hand.smoothing);
   limits.lever = scaling.motion * lever;
   limits.disagreement = 0.2 * limits.speed;
   limits.jam_force = 0.25 * limits.force;
@@ -86,11 +87,18 @@ double SupervisorLimits::brakes_for() const noexcept {
 }
 
 std::string cannot_hold(const SupervisorLimits& limits) {
-  if (limits.force - limits.misread >= kLeastForce * limits.force) return {};
-  return fmt::format(
-      "the force limit cannot be held: the sensor may err by {:.3g} of it (four standard "
-      "deviations of its errors); the supervisor brakes for {:.3g} of it",
-      limits.misread / limits.force, limits.brakes_for() / limits.force);
+  const double right = limits.force - limits.misread;
+  if (right < kLeastForce * limits.force)
+    return fmt::format(
+        "the force limit cannot be held: the sensor may err by {:.3g} of it (four standard "
+        "deviations of its errors); the supervisor brakes for {:.3g} of it",
+        limits.misread / limits.force, limits.brakes_for() / limits.force);
+  if (limits.stiffness * limits.speed * limits.late > right - limits.brakes_for())
+    return fmt::format(
+        "the force limit cannot be held: the hand is late, and goes on for {:.3g} ms after it was "
+        "told to stop; the supervisor brakes for {:.3g} of the limit",
+        1e3 * limits.late, limits.brakes_for() / limits.force);
+  return {};
 }
 
 Supervisor::Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits)

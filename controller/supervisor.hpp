@@ -24,8 +24,9 @@
 // period, and the sensor has shown all of it but k l, so the true force exceeds no limit while the
 // sensor errs by no more than `misread` beside its lag. A surface that snaps the fibre in can raise
 // it without any motion of the hand; nobody can brake for that. A sensor whose `misread` leaves
-// less than a quarter of the force to brake for is taken to err by less: the limit does not hold
-// then, and cannot_hold() says so.
+// less than a quarter of the force to brake for is taken to err by less. A hand that is `late` goes
+// on by v late after it was told to stop; nothing brakes for that. Where the sensor errs so, or
+// k speed late exceeds what is left beyond F_b, the limit does not hold, and cannot_hold() says so.
 //
 // What leads nowhere:
 //   held          the force held it below a tenth of the speed for `patience`
@@ -60,6 +61,7 @@ struct SupervisorLimits {
   double margin = 0.1;      // of the force, kept free by braking [-], 0 to 1
   double follows = 1;  // of a step of the force, the sensor shows so much a period later, (0, 1]
   double misread = 0;  // by which the sensor errs beside its lag, hardly ever more [N], >= 0
+  double late = 0;     // for which the holder goes on as it was told before [s], >= 0
   double disagreement = 0;  // [m/s], > 0
   double jam_force = 0;     // [N], > 0
   double patience = 0.5;    // [s], > 0
@@ -71,8 +73,8 @@ struct SupervisorLimits {
   double brakes_for() const noexcept;  // F_b [N], hand's world
 };
 
-// Of a scene: its speed and force limits and its holder's stiffness; what its sensor's bandwidth
-// lets through in a period, and four standard deviations of its errors (at the force limit and the
+// Of a scene: its speed and force limits and its holder's stiffness; the delay and smoothing of its
+// hand, times its gain, as `late`; what its sensor's bandwidth lets through in a period, and four standard deviations of its errors (at the force limit and the
 // end of the longest trial) and its dead band with its resolution as misread; acceleration to full
 // speed in 2 ms (15 mm/s^2 for a tip that goes 30 um/s, little for any stage: with less, braking
 // for a stiff holder takes most of the speed); a fifth of the speed as disagreement; a quarter of

@@ -1,5 +1,7 @@
 // A supervisor keeps its limits whatever is commanded and observed.
+#include "controller/campaign.hpp"
 #include "controller/supervisor.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "insertion/watch.hpp"
 #include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
@@ -311,6 +313,23 @@ TEST(Supervisor, SaysWhatItCannotHold) {
   EXPECT_EQ(cannot_hold(supervisor_limits(bench)), "");
   const std::string why = cannot_hold(supervisor_limits(blind));
   EXPECT_NE(why.find("cannot be held"), std::string::npos) << why;
+}
+
+// What a late hand goes on by is a force by the holder's stiffness.
+TEST(Supervisor, SaysThatALateHandMayExceedTheLimitWhereTheHolderIsStiff) {
+  for (const char* hand : {"hand.delay_ms=5", "hand.smoothing_ms=5"}) {
+    const Scene stiff = load_scene("bench", {hand}),
+                soft = load_scene("bench", {hand, "holder.gripper_stiffness_N_m=20"});
+    EXPECT_NE(cannot_hold(supervisor_limits(stiff)).find("late, and goes on for 5 ms"),
+              std::string::npos);
+    EXPECT_EQ(cannot_hold(supervisor_limits(soft)), "");
+    const double speed = scene_scaling(soft).motion * soft.limits.speed;
+    const Campaign straight{
+        &soft, supervised(controller_maker(ConstantVelocity(speed)), supervisor_limits(soft))};
+    const auto results = run_campaigns({straight}, 3, 20, 0, {});
+    for (const TrialResult& trial : results.front())
+      EXPECT_NE(trial.outcome, Outcome::force_limit);
+  }
 }
 
 // Perfectly smooth surfaces snap together and pull the fibre in with more than any limit. That is
