@@ -63,9 +63,9 @@ Columns<Told> columns() {
 }
 
 void tell(const ControllerFile& before, const ControllerFile& after) {
-  fmt::print("{:>16} {:>14} {:>14}\n", "gain", "before", "after");
+  fmt::print("{:>20} {:>14} {:>14}\n", "gain", "before", "after");
   for (const std::size_t i : free_gains(before))
-    fmt::print("{:>16} {:>14.4g} {:>14.4g}\n", gain_name(before, i), gain(before, i),
+    fmt::print("{:>20} {:>14.4g} {:>14.4g}\n", gain_name(before, i), gain(before, i),
                gain(after, i));
 }
 
@@ -97,7 +97,6 @@ int improve_verb(ImproveArguments a) {
   a.settings.shared = shared_trials();
   if (!runs_a_shard()) expect_place_for(a.out);
   const ControllerFile before = read_controller(a.controller);
-  free_gains(before);  // refuses networks
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
   const ChosenScene chosen = a.scene.choose(brought);
   refuse_other_scaling(trained_on(before).scaling, a.controller, chosen.scene, a.other_scaling);
@@ -143,7 +142,7 @@ void add_improve(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand(
       "improve", "Change the gains of a controller until it inserts better and sooner");
   auto a = std::make_shared<ImproveArguments>();
-  verb->add_option("controller", a->controller, "Law or search: a file, or a shipped one")
+  verb->add_option("controller", a->controller, "Controller: a file, or a shipped one")
       ->type_name("FILE.json")
       ->required();
   verb->add_option("--out", a->out, "The better one")->type_name("FILE.json")->required();

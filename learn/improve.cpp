@@ -22,6 +22,15 @@ std::uint64_t seed_of_generation(std::uint64_t seed, std::uint64_t n) {
   return RandomStream(seed, n, "improve").bits() >> 1;
 }
 
+// The means of a network's answers, their scales, and the scales of its inputs.
+template <class AnyPolicy>
+auto& network_number(AnyPolicy& policy, std::size_t i) {
+  const auto answers = static_cast<std::size_t>(policy.answers());
+  if (i >= 2 * answers) return policy.scale[i - 2 * answers];
+  const auto k = static_cast<Index>(i % answers);
+  return i < answers ? policy.velocity_mean[k] : policy.velocity_scale[k];
+}
+
 }  // namespace
 
 double Objective::of(const std::vector<TrialResult>& results) const {
@@ -42,20 +51,25 @@ double Objective::of(const std::vector<TrialResult>& results) const {
 
 double gain(const ControllerFile& controller, std::size_t i) {
   if (const auto* law = std::get_if<LawFile>(&controller)) return law->gains[i].value;
-  return std::get<SearchFile>(controller).gains[i];
+  if (const auto* search = std::get_if<SearchFile>(&controller)) return search->gains[i];
+  return network_number(std::get<PolicyFile>(controller).policy, i);
 }
 
-const char* gain_name(const ControllerFile& controller, std::size_t i) {
+std::string gain_name(const ControllerFile& controller, std::size_t i) {
   if (const auto* law = std::get_if<LawFile>(&controller)) return gain_table(law->kind)[i].name;
-  return kSearchGains[i].name;
+  if (std::holds_alternative<SearchFile>(controller)) return kSearchGains[i].name;
+  const Policy& policy = std::get<PolicyFile>(controller).policy;
+  const auto answers = static_cast<std::size_t>(policy.answers());
+  if (i >= 2 * answers) return policy.channels()[i - 2 * answers].name + std::string(" scale");
+  return kPolicyAnswer[i % answers].name + std::string(i < answers ? " mean" : " scale");
 }
 
 std::vector<std::size_t> free_gains(const ControllerFile& controller) {
   std::size_t count = kSearchGains.size() - kSearchSizes;
-  if (const auto* law = std::get_if<LawFile>(&controller))
-    count = law->gains.size();
-  else if (!std::holds_alternative<SearchFile>(controller))
-    throw BadInput("improve takes laws and searches, not networks");
+  if (const auto* law = std::get_if<LawFile>(&controller)) count = law->gains.size();
+  if (const auto* network = std::get_if<PolicyFile>(&controller))
+    count =
+        2 * static_cast<std::size_t>(network->policy.answers()) + network->policy.channels().size();
   std::vector<std::size_t> free;
   for (std::size_t i = 0; i < count; ++i)
     if (gain(controller, i) != 0) free.push_back(i);
@@ -69,8 +83,10 @@ ControllerFile with_gains(const ControllerFile& controller, const std::vector<st
     const double value = gain(controller, free[k]) * std::exp(x[static_cast<Index>(k)]);
     if (auto* law = std::get_if<LawFile>(&changed))
       law->gains[free[k]] = {.value = value};
+    else if (auto* search = std::get_if<SearchFile>(&changed))
+      search->gains[free[k]] = value;
     else
-      std::get<SearchFile>(changed).gains[free[k]] = value;
+      network_number(std::get<PolicyFile>(changed).policy, free[k]) = value;
   }
   return changed;
 }

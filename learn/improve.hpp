@@ -21,10 +21,11 @@ struct Objective {
 };
 
 // The gains that `improve` changes, by their place: those that are not 0, as a 0 is a term that the
-// law does not have; of a search not the sizes of its parts. Throws BadInput for a network.
+// law does not have; of a search not the sizes of its parts; of a network not its weights, but mean
+// and scale of each answer and the scale of each input.
 std::vector<std::size_t> free_gains(const ControllerFile& controller);
 double gain(const ControllerFile& controller, std::size_t i);
-const char* gain_name(const ControllerFile& controller, std::size_t i);
+std::string gain_name(const ControllerFile& controller, std::size_t i);
 // The controller with the gains `free` times e^x, one x of each.
 ControllerFile with_gains(const ControllerFile& controller, const std::vector<std::size_t>& free,
                           const Eigen::VectorXd& x);

@@ -6,6 +6,7 @@
 
 #include "sim/base/error.hpp"
 #include "tests/compare.hpp"
+#include "tests/policies.hpp"
 
 namespace ferrule {
 namespace {
@@ -40,7 +41,33 @@ TEST(Improve, ChangesTheGainsThatTheControllerHas) {
   const ControllerFile search = read_controller("search");
   for (const std::size_t i : free_gains(search))
     for (const char* size : {"fibre_radius", "bore_radius", "mouth_radius", "lead_in_length"})
-      EXPECT_STRNE(gain_name(search, i), size);
+      EXPECT_NE(gain_name(search, i), size);
+}
+
+// Its weights stay. Twice the scale of an input is half of what it says.
+TEST(Improve, ChangesTheScalesOfANetwork) {
+  PolicyFile file = testing::random_policy_file();
+  file.policy.mean.fill(0);
+  file.policy.speed_limit = 1;
+  const ControllerFile network = file;
+  const std::vector<std::size_t> free = free_gains(network);
+  ASSERT_EQ(free.size(), 3U + 3U + kPolicyChannels);
+  EXPECT_EQ(gain_name(network, 0), "velocity_x mean");
+  EXPECT_EQ(gain_name(network, 4), "velocity_y scale");
+  EXPECT_EQ(gain_name(network, 6), "force_x scale");
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(free.size()));
+  x.head<6>().setConstant(std::log(3.0));
+  x.tail<kPolicyChannels>().setConstant(std::log(2.0));
+  PolicyController before(file.policy),
+      after(std::get<PolicyFile>(with_gains(network, free, x)).policy);
+  RandomStream random(1, 0, Draw::plan);
+  for (int n = 0; n < 20; ++n) {
+    Observation o = testing::random_observation(random);
+    const HandTwist v = before.command(o);
+    o.wrench *= 2;
+    o.depth *= 2;
+    EXPECT_LT((after.command(o) - 3 * v).norm(), 1e-6 * v.norm());
+  }
 }
 
 Scene short_insertion() {
