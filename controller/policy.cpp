@@ -10,7 +10,7 @@ PolicyController::PolicyController(const Policy& policy)
     : policy_(policy),
       past_(kPastChannels, (policy.samples - 1) * policy.spacing + 1),
       input_(policy.inputs()),
-      outputs_(policy.members.size(), Output::Zero(2 * policy.answers())) {
+      outputs_(policy.members.size(), Output::Zero(Eigen::Index{2} * policy.answers())) {
   // Before the start the hand was at rest: it felt nothing.
   for (int i = 0; i < kPastChannels; ++i) {
     const auto c = static_cast<std::size_t>(i);

@@ -110,8 +110,8 @@ DemonstrationSet demonstrations_by_memory(int episodes, std::uint64_t seed) {
   RandomStream random(seed, 1, Draw::plan);
   for (Demonstration& d : set.demonstrations) {
     const double touch = random.uniform();
-    d.velocity.conservativeResize(4000, Eigen::NoChange);
-    d.tilt_rates.conservativeResize(4000, Eigen::NoChange);
+    d.velocity.conservativeResize(2500, Eigen::NoChange);
+    d.tilt_rates.conservativeResize(2500, Eigen::NoChange);
     for (Eigen::Index n = 0; n < d.rows(); ++n) {
       Observation& o = d.observations[static_cast<std::size_t>(n)];
       o.wrench.setZero();
@@ -128,8 +128,8 @@ TEST(FitPolicy, WithAMemoryAnswersWhatWasFeltLongAgo) {
   PolicySettings settings = memory_settings();
   settings.training.memory = 16;
   settings.training.hidden = {16};
-  settings.training.epochs = 80;
-  const PolicyFile fitted = fit_policy(demonstrations_by_memory(20, 1), settings, {}).file;
+  settings.training.epochs = 100;
+  const PolicyFile fitted = fit_policy(demonstrations_by_memory(40, 1), settings, {}).file;
   const PolicyFile forgets = fit_policy(demonstrations_by_memory(10, 1), quick(), {}).file;
   ASSERT_EQ(fitted.policy.answers(), kTwist);
   double error = 0, without = 0;

@@ -1,0 +1,253 @@
+#include "learn/torch_training.hpp"
+
+#include <torch/torch.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "learn/tensors.hpp"
+
+namespace ferrule::by_libtorch {
+namespace {
+
+using torch::Tensor;
+
+struct Perceptron {
+  std::vector<Tensor> weights, biases;
+
+  Perceptron(std::int64_t inputs, const std::vector<int>& hidden, std::int64_t answers) {
+    std::vector<std::int64_t> widths = {inputs};
+    widths.insert(widths.end(), hidden.begin(), hidden.end());
+    widths.push_back(2 * answers);
+    for (std::size_t i = 0; i + 1 < widths.size(); ++i) {
+      // Glorot and Bengio 2010; the last layer begins near 0.
+      const double gain = i + 2 < widths.size() ? 1.0 : 0.1;
+      const double bound = gain * std::sqrt(6.0 / static_cast<double>(widths[i] + widths[i + 1]));
+      weights.push_back(
+          torch::empty({widths[i + 1], widths[i]}).uniform_(-bound, bound).requires_grad_());
+      biases.push_back(torch::zeros({widths[i + 1]}).requires_grad_());
+    }
+  }
+
+  std::vector<Tensor> parameters() const {
+    std::vector<Tensor> all = weights;
+    all.insert(all.end(), biases.begin(), biases.end());
+    return all;
+  }
+
+  Tensor forward(Tensor h) const {
+    for (std::size_t i = 0; i + 1 < weights.size(); ++i)
+      h = torch::tanh(torch::linear(h, weights[i], biases[i]));
+    return torch::linear(h, weights.back(), biases.back());
+  }
+
+  Network network() const {
+    Network n;
+    for (std::size_t i = 0; i < weights.size(); ++i)
+      n.push_back({to_matrix(weights[i]), to_vector(biases[i])});
+    return n;
+  }
+};
+
+// Of each row and channel.
+Tensor negative_log_likelihood(const Tensor& output, const Tensor& velocity) {
+  const std::int64_t answers = velocity.size(-1);
+  const Tensor mean = output.narrow(-1, 0, answers);
+  const Tensor log_sd = output.narrow(-1, answers, answers).clamp(kLowestLogSd, kHighestLogSd);
+  const Tensor error = (velocity - mean) * torch::exp(-log_sd);
+  return 0.5 * error * error + log_sd;
+}
+
+void begin(std::uint64_t seed) {
+  torch::set_num_threads(1);
+  torch::manual_seed(seed);
+  torch::globalContext().setDeterministicAlgorithms(true, false);
+}
+
+using AdamW = torch::optim::AdamW;
+
+// One epoch after the other, until the held-out loss has not fallen for long, or `progress` says so.
+// `epoch` trains on all rows once, and `keep` stores the weights of the best so far.
+TrainedNetwork trained(const std::vector<Tensor>& parameters, const TrainingSettings& settings,
+                       const TrainingProgress& progress, const std::function<Epoch(AdamW&)>& epoch,
+                       const std::function<void(TrainedNetwork&)>& keep) {
+  torch::optim::AdamWOptions options(settings.learning_rate);
+  AdamW optimiser(parameters, options.weight_decay(settings.weight_decay));
+  TrainedNetwork result;
+  double least = std::numeric_limits<double>::infinity();
+  for (int n = 0; n < settings.epochs; ++n) {
+    const double along = static_cast<double>(n) / settings.epochs;
+    static_cast<torch::optim::AdamWOptions&>(optimiser.param_groups()[0].options())
+        .lr(settings.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * along)));
+    const Epoch now = epoch(optimiser);
+    result.curve.push_back(now);
+    const bool go_on = !progress || progress(result.curve.size(), now);
+    if (now.held_out_loss < least) {
+      least = now.held_out_loss;
+      result.best = result.curve.size() - 1;
+      keep(result);
+    }
+    if (!go_on || result.curve.size() - result.best > static_cast<std::size_t>(settings.patience))
+      break;
+  }
+  return result;
+}
+
+// Episodes side by side: (rows, episodes, channels), those that have ended with nothing told.
+struct Episodes {
+  Tensor x, v, told;
+
+  explicit Episodes(const std::vector<TrainingRows>& all) {
+    Eigen::Index rows = 0;
+    for (const TrainingRows& one : all) rows = std::max(rows, one.input.cols());
+    const auto count = static_cast<std::int64_t>(all.size());
+    x = torch::zeros({rows, count, all.front().input.rows()});
+    v = torch::zeros({rows, count, all.front().velocity.rows()});
+    told = torch::zeros({rows, count});
+    for (std::int64_t e = 0; e < count; ++e) {
+      const TrainingRows& one = all[static_cast<std::size_t>(e)];
+      const auto put = [&](Tensor& to, const Eigen::MatrixXf& from) {
+        to.select(1, e)
+            .narrow(0, 0, from.cols())
+            .copy_(to_tensor(from).reshape_as(to.select(1, e).narrow(0, 0, from.cols())));
+      };
+      put(x, one.input);
+      put(v, one.velocity);
+      put(told, one.told);
+    }
+  }
+};
+
+// A network with a memory, and what it is trained on.
+struct Memory {
+  const TrainingSettings& settings;
+  Episodes train, held;
+  torch::nn::GRU gru;
+  Perceptron perceptron;
+  std::vector<Tensor> parameters;
+  Tensor noise;   // of each input
+  Tensor varies;  // each answer: 1 where it does; where it is always 0 the smallest error would
+                  // outweigh all others
+
+  Memory(const std::vector<TrainingRows>& training, const std::vector<TrainingRows>& held_out,
+         const TrainingSettings& chosen)
+      : settings(chosen),
+        train(training),
+        held(held_out),
+        gru(torch::nn::GRUOptions(train.x.size(2), chosen.memory)),
+        perceptron(chosen.memory, chosen.hidden, train.v.size(2)),
+        parameters(perceptron.parameters()),
+        noise(torch::zeros({train.x.size(2)})),
+        varies((train.v.abs().amax({0, 1}) > 0).to(torch::kFloat32)) {
+    for (const Tensor& each : gru->parameters()) parameters.push_back(each);
+    noise.narrow(0, 0, kWrenchChannels).fill_(settings.input_noise);
+    // Each unit begins with another time for which it remembers, of 1 to a window's rows: chrono
+    // initialisation (Tallec and Ollivier 2018).
+    const torch::NoGradGuard guard;
+    const auto weights = gru->named_parameters();
+    weights["bias_ih_l0"].fill_(0);
+    weights["bias_hh_l0"].fill_(0);
+    weights["bias_ih_l0"]
+        .narrow(0, settings.memory, settings.memory)
+        .uniform_(1, std::max(2, settings.window - 1))
+        .log_();
+  }
+
+  // Sum over the rows that tell something.
+  Tensor loss(const Tensor& h, const Tensor& v, const Tensor& told) const {
+    return (negative_log_likelihood(perceptron.forward(h), v) * varies * told.unsqueeze(2)).sum();
+  }
+
+  // Once through `some` of the episodes, window after window. Returns the sum of the losses.
+  double train_on(const Tensor& some, AdamW& optimiser) {
+    Tensor h = torch::zeros({1, some.size(0), settings.memory});
+    double sum = 0;
+    const std::int64_t rows = train.x.size(0);
+    for (std::int64_t row = 0; row < rows; row += settings.window) {
+      const auto window = [&](const Tensor& all) {
+        return all.narrow(0, row, std::min<std::int64_t>(settings.window, rows - row))
+            .index_select(1, some);
+      };
+      const Tensor told = window(train.told);
+      const double n = told.sum().item<double>();
+      const Tensor x = window(train.x);
+      const auto [all_h, last_h] = gru->forward(x + noise * torch::randn_like(x), h.detach());
+      h = last_h;
+      if (n == 0) continue;
+      const Tensor its = loss(all_h, window(train.v), told);
+      optimiser.zero_grad();
+      (its / n).backward();
+      torch::nn::utils::clip_grad_norm_(parameters, 1.0);
+      optimiser.step();
+      sum += its.item<double>();
+    }
+    return sum;
+  }
+
+  double held_out_loss() {
+    const torch::NoGradGuard guard;
+    const Tensor h = std::get<0>(gru->forward(held.x));
+    return loss(h, held.v, held.told).item<double>() / held.told.sum().item<double>();
+  }
+};
+
+}  // namespace
+
+TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& held_out,
+                             const TrainingSettings& settings, std::uint64_t seed,
+                             const TrainingProgress& progress) {
+  begin(seed);
+  const Tensor x = to_tensor(training.input), v = to_tensor(training.velocity);
+  const Tensor x_held = to_tensor(held_out.input), v_held = to_tensor(held_out.velocity);
+  const Perceptron perceptron(x.size(1), settings.hidden, v.size(1));
+  const auto epoch = [&](AdamW& optimiser) -> Epoch {
+    const Tensor order = torch::randperm(x.size(0));
+    double loss_sum = 0;
+    for (std::int64_t first = 0; first < x.size(0); first += settings.batch) {
+      const Tensor rows =
+          order.narrow(0, first, std::min<std::int64_t>(settings.batch, x.size(0) - first));
+      Tensor input = x.index_select(0, rows);
+      input = input + settings.input_noise * torch::randn_like(input);
+      const Tensor loss =
+          negative_log_likelihood(perceptron.forward(input), v.index_select(0, rows)).sum(1).mean();
+      optimiser.zero_grad();
+      loss.backward();
+      optimiser.step();
+      loss_sum += loss.item<double>() * static_cast<double>(rows.size(0));
+    }
+    const torch::NoGradGuard guard;
+    return {
+        loss_sum / static_cast<double>(x.size(0)),
+        negative_log_likelihood(perceptron.forward(x_held), v_held).sum(1).mean().item<double>()};
+  };
+  return trained(perceptron.parameters(), settings, progress, epoch,
+                 [&](TrainedNetwork& best) { best.network = perceptron.network(); });
+}
+
+TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
+                            const std::vector<TrainingRows>& held_out,
+                            const TrainingSettings& settings, std::uint64_t seed,
+                            const TrainingProgress& progress) {
+  begin(seed);
+  Memory memory(training, held_out, settings);
+  const auto epoch = [&](AdamW& optimiser) -> Epoch {
+    const std::int64_t count = memory.train.x.size(1);
+    const Tensor order = torch::randperm(count);
+    double sum = 0;
+    for (std::int64_t first = 0; first < count; first += settings.together) {
+      const std::int64_t n = std::min<std::int64_t>(settings.together, count - first);
+      sum += memory.train_on(order.narrow(0, first, n), optimiser);
+    }
+    return {sum / memory.train.told.sum().item<double>(), memory.held_out_loss()};
+  };
+  return trained(memory.parameters, settings, progress, epoch, [&](TrainedNetwork& best) {
+    best.network = memory.perceptron.network();
+    const auto weights = memory.gru->named_parameters();
+    best.memory = {to_matrix(weights["weight_ih_l0"]), to_matrix(weights["weight_hh_l0"]),
+                   to_vector(weights["bias_ih_l0"]), to_vector(weights["bias_hh_l0"])};
+  });
+}
+
+}  // namespace ferrule::by_libtorch
