@@ -327,8 +327,7 @@ TEST(Supervisor, SaysThatALateHandMayExceedTheLimitWhereTheHolderIsStiff) {
     const Campaign straight{
         &soft, supervised(controller_maker(ConstantVelocity(speed)), supervisor_limits(soft))};
     const auto results = run_campaigns({straight}, 3, 20, 0, {});
-    for (const TrialResult& trial : results.front())
-      EXPECT_NE(trial.outcome, Outcome::force_limit);
+    for (const TrialResult& trial : results.front()) EXPECT_NE(trial.outcome, Outcome::force_limit);
   }
 }
 
