@@ -7,9 +7,8 @@
 namespace ferrule {
 namespace {
 
-constexpr double kResting = 0.1;  // of the speed limit
-constexpr double kLeastVelocity =
-    1e-9;  // standard deviation of one that does not vary [m/s, rad/s]
+constexpr double kResting = 0.1;         // of the speed limit
+constexpr double kLeastVelocity = 1e-9;  // least standard deviation of one that varies [m/s, rad/s]
 
 PolicyRows rows_of(const Demonstration& d, double reaction, const Policy& policy) {
   const bool remembers = !policy.memories.empty();

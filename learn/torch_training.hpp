@@ -5,12 +5,7 @@
 
 namespace ferrule::by_libtorch {
 
-TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& held_out,
-                             const TrainingSettings& settings, std::uint64_t seed,
-                             const TrainingProgress& progress);
-TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
-                            const std::vector<TrainingRows>& held_out,
-                            const TrainingSettings& settings, std::uint64_t seed,
-                            const TrainingProgress& progress);
+decltype(ferrule::train_network) train_network;
+decltype(ferrule::train_memory) train_memory;
 
 }  // namespace ferrule::by_libtorch

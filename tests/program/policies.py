@@ -109,7 +109,7 @@ class Policies(Case):
         speed = numpy.linalg.norm(velocity, axis=1, keepdims=True)
         return velocity * numpy.minimum(1, controller["limits"]["speed_m_s"] / speed)
 
-    # The same of one that remembers, at every answer, from the equations in controller/README.md.
+    # The same of one that remembers, at every answer, from the equations in controller/gru.hpp.
     def answers_from_memory(self, controller, arrays, inputs):
         def sigmoid(x):
             return 1 / (1 + numpy.exp(-x))
