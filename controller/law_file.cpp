@@ -7,11 +7,6 @@ namespace {
 
 constexpr std::int64_t kControllerFormatVersion = 2;  // in 1 the insertion law sped up otherwise
 
-double optional_number(JsonFields& fields, const std::string& key) {
-  return fields.has(key) ? fields.number(key, rule::any())
-                         : std::numeric_limits<double>::quiet_NaN();
-}
-
 std::vector<std::string> law_names() {
   std::vector<std::string> names;
   for (const LawKind kind : kLaws) names.push_back(name(kind));
@@ -22,8 +17,8 @@ FittedGain read_gain(JsonFields fields, const Gain& gain) {
   FittedGain g;
   g.value = fields.number("value", range_of(gain));
   fields.choice("unit", {gain.unit});
-  g.low = optional_number(fields, "low");
-  g.high = optional_number(fields, "high");
+  g.low = fields.number_or_nan("low", rule::any());
+  g.high = fields.number_or_nan("high", rule::any());
   fields.finish();
   return g;
 }
@@ -45,7 +40,7 @@ std::vector<CrossValidated> read_cross_validation(JsonFields fields) {
       const auto gains = static_cast<std::int64_t>(gain_table(kind).size());
       law.integer("gains", gains, gains);
       laws.push_back(
-          {kind, optional_number(law, "error_m_s"), optional_number(law, "standard_error_m_s")});
+          {kind, law.number_or_nan("error_m_s", rule::any()), law.number_or_nan("standard_error_m_s", rule::any())});
       law.finish();
     }
   fields.finish();
@@ -102,7 +97,7 @@ LawFile parse_law(const Json& json, const std::string& file) {
   c.trained_on = read_trained_on(fields, file);
   JsonFields metrics = fields.object("metrics");
   c.residual = metrics.number("residual_m_s", rule::not_negative());
-  c.held_out_residual = optional_number(metrics, "held_out_residual_m_s");
+  c.held_out_residual = metrics.number_or_nan("held_out_residual_m_s", rule::any());
   if (metrics.has("cross_validation"))
     c.cross_validation = read_cross_validation(metrics.object("cross_validation"));
   metrics.finish();

@@ -177,7 +177,7 @@ void read_metrics(JsonFields metrics, PolicyFile& p) {
                          entry.number("held_out_loss", rule::any())});
   });
   p.residual = metrics.number("residual_m_s", rule::not_negative());
-  p.held_out_residual = metrics.number("held_out_residual_m_s", rule::not_negative());
+  p.held_out_residual = metrics.number_or_nan("held_out_residual_m_s", rule::not_negative());
   for_each(metrics, "dagger", 0, SIZE_MAX, [&](JsonFields& entry, std::size_t) {
     p.dagger.push_back({count(entry, "trials"), count(entry, "inserted"), count(entry, "rows"),
                         entry.number("held_out_loss", rule::any())});
@@ -306,7 +306,7 @@ void write_controller(const std::string& file, const PolicyFile& p) {
                {"metrics",
                 {{"members", training},
                  {"residual_m_s", p.residual},
-                 {"held_out_residual_m_s", p.held_out_residual},
+                 {"held_out_residual_m_s", number_or_null(p.held_out_residual)},
                  {"dagger", rounds}}}};
   if (!policy.memories.empty()) json["memory"] = policy.memories.front().units();
   // The weights first, under a name of their own: until the rename of `file` the controller of

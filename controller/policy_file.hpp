@@ -36,7 +36,9 @@ struct PolicyFile {
   // Provenance.
   TrainedOn trained_on;
   std::vector<MemberTraining> members;
-  double residual = 0, held_out_residual = 0;  // root mean square of the velocity error [m/s]
+  // Root mean square of the velocity error [m/s]. Held out: of each demonstration by the weights
+  // that the others held out chose; NaN where only one was.
+  double residual = 0, held_out_residual = 0;
   std::vector<DaggerRound> dagger;
 
   MakeController maker() const { return controller_maker(PolicyController(policy)); }

@@ -41,17 +41,24 @@ PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
   return fit;
 }
 
-// Trains all members anew on the rows, which the policy's scales are of.
-void train_members(PolicyFit& fit, const std::vector<PolicyRows>& train,
-                   const std::vector<PolicyRows>& test, const PolicySettings& settings,
-                   std::size_t round, const PolicyProgress& progress) {
+void add_member(Policy& policy, const Weights& weights) {
+  policy.members.push_back(weights.network);
+  if (weights.memory.units() > 0) policy.memories.push_back(weights.memory);
+}
+
+// Trains all members anew on the rows, which the policy's scales are of. `chosen_without`: for each
+// of `test` the policy of the epochs that the others chose, without members if there are none.
+void train_members(PolicyFit& fit, std::vector<Policy>& chosen_without,
+                   const std::vector<PolicyRows>& train, const std::vector<PolicyRows>& test,
+                   const PolicySettings& settings, std::size_t round,
+                   const PolicyProgress& progress) {
   PolicyFile& f = fit.file;
   const auto epochs = static_cast<std::size_t>(settings.training.epochs);
   const std::vector<TrainingRows> train_scaled = scaled(f.policy, train),
                                   test_scaled = scaled(f.policy, test);
-  const bool remembers = settings.training.memory > 0;
   f.policy.memories.clear();
   f.policy.members.clear();
+  chosen_without.assign(test.size(), f.policy);
   f.members.clear();
   fit.curves.clear();
   for (std::size_t m = 0; m < settings.members; ++m) {
@@ -63,13 +70,12 @@ void train_members(PolicyFit& fit, const std::vector<PolicyRows>& train,
     };
     const std::uint64_t seed = settings.network_seed.value_or(settings.seed) + m;
     const TrainedNetwork trained =
-        remembers ? train_memory(train_scaled, test_scaled, settings.training, seed, told)
-                  : train_network(train_scaled.front(), test_scaled.front(), settings.training,
-                                  seed, told);
-    if (trained.network.empty())
+        train_network(train_scaled, test_scaled, settings.training, seed, told);
+    if (trained.weights.network.empty())
       throw BadInput("the training diverged: its loss was never a finite number");
-    f.policy.members.push_back(trained.network);
-    if (remembers) f.policy.memories.push_back(trained.memory);
+    add_member(f.policy, trained.weights);
+    for (std::size_t e = 0; e < trained.chosen_without.size(); ++e)
+      add_member(chosen_without[e], trained.chosen_without[e]);
     f.members.push_back({static_cast<int>(trained.curve.size()), static_cast<int>(trained.best + 1),
                          trained.curve[trained.best].training_loss,
                          trained.curve[trained.best].held_out_loss});
@@ -77,6 +83,18 @@ void train_members(PolicyFit& fit, const std::vector<PolicyRows>& train,
     f.trained_on.partial |= stopped;
     if (stopped) return;
   }
+}
+
+// Of the error of the translation of each of `policies` on the rows of its own, without the speed
+// limit [m/s]; NaN where one has no members.
+double root_mean_square(const std::vector<const Policy*>& policies,
+                        const std::vector<PolicyRows>& rows) {
+  double squares = 0;
+  for (std::size_t e = 0; e < rows.size(); ++e) {
+    if (policies[e]->members.empty()) return NAN;
+    squares += squared_error(*policies[e], rows[e]);
+  }
+  return std::sqrt(squares / static_cast<double>(count(rows)));
 }
 
 // Skill of each simulated operator who demonstrated. Throws BadInput where there is none.
@@ -129,8 +147,11 @@ std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
                                         f.trained_on.rollouts)
                           : std::string(),
                       f.trained_on.held_out.size(), unsuccessful, f.trained_on.rows);
-  return text + fmt::format("velocity residual {:.4g} mm/s, held out {:.4g} mm/s (hand)\n",
-                            1e3 * f.residual, 1e3 * f.held_out_residual);
+  text += fmt::format("velocity residual {:.4g} mm/s, ", 1e3 * f.residual);
+  if (std::isnan(f.held_out_residual)) return text + "held out unknown: one chose the epoch\n";
+  return text +
+         fmt::format("held out {:.4g} mm/s (hand), each by the weights that the others chose\n",
+                     1e3 * f.held_out_residual);
 }
 
 Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
@@ -178,6 +199,7 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
   std::vector<Demonstration> met;  // by the policy, relabelled
   met.reserve(settings.dagger_rounds * kTrialsPerRound);
   std::vector<PolicyRows> train;
+  std::vector<Policy> chosen_without;
   for (std::size_t round = 0;; ++round) {
     train = policy_rows(training, f.reaction_time, f.policy);
     if (count(train) < Eigen::Index{kFewestRows} || count(test) == 0)
@@ -187,7 +209,7 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     if (round > 0) f.dagger.back().rows = rows - f.trained_on.rows;
     f.trained_on.rows = rows;
     set_scales(f.policy, train);
-    train_members(fit, train, test, settings, round, progress);
+    train_members(fit, chosen_without, train, test, settings, round, progress);
     if (round > 0)
       for (const MemberTraining& m : f.members)
         f.dagger.back().held_out_loss += m.held_out_loss / static_cast<double>(f.members.size());
@@ -197,8 +219,10 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     f.trained_on.rollouts = met.size();
     for (std::size_t k = before; k < met.size(); ++k) training.push_back(&met[k]);
   }
-  f.residual = root_mean_square(f.policy, train);
-  f.held_out_residual = root_mean_square(f.policy, test);
+  f.residual = root_mean_square(std::vector<const Policy*>(train.size(), &f.policy), train);
+  std::vector<const Policy*> blind;
+  for (const Policy& policy : chosen_without) blind.push_back(&policy);
+  f.held_out_residual = root_mean_square(blind, test);
   return fit;
 }
 

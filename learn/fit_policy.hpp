@@ -5,7 +5,8 @@
 // the demonstrators is identified as in fit_law, and undone. Inputs and velocities are scaled by
 // their mean and standard deviation over the training rows; a velocity that does not vary is
 // answered exactly. About a fifth of the demonstrations is held out, whole, and decides which
-// epoch's weights are kept.
+// epoch's weights are kept. The held-out error is another thing: each of them is predicted by the
+// weights of the epoch that the others of them would have chosen, which knew nothing of it.
 //
 // DAgger (Ross et al. 2011), for simulated operators: each round lets the policy insert in new
 // starts, asks the simulated operator what it would have done in every state met

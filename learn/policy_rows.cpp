@@ -107,7 +107,6 @@ std::vector<PolicyRows> policy_rows(const std::vector<const Demonstration*>& set
                                     const Policy& policy) {
   std::vector<PolicyRows> all;
   for (const Demonstration* d : set) all.push_back(rows_of(*d, reaction, policy));
-  if (policy.memories.empty()) return {joined(all, policy)};
   return all;
 }
 
@@ -149,12 +148,8 @@ std::vector<TrainingRows> scaled(const Policy& policy, const std::vector<PolicyR
   return scaled;
 }
 
-double root_mean_square(const Policy& policy, const std::vector<PolicyRows>& all) {
-  double squares = 0;
-  for (const PolicyRows& rows : all)
-    squares +=
-        (mean_answers(policy, rows.input) - rows.velocity).topRows<kVelocity>().squaredNorm();
-  return std::sqrt(squares / static_cast<double>(count(all)));
+double squared_error(const Policy& policy, const PolicyRows& rows) {
+  return (mean_answers(policy, rows.input) - rows.velocity).topRows<kVelocity>().squaredNorm();
 }
 
 }  // namespace ferrule

@@ -17,17 +17,11 @@ const TorchFunctions& torch() {
 
 }  // namespace
 
-TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& held_out,
+TrainedNetwork train_network(const std::vector<TrainingRows>& training,
+                             const std::vector<TrainingRows>& held_out,
                              const TrainingSettings& settings, std::uint64_t seed,
                              const TrainingProgress& progress) {
   return torch().train(training, held_out, settings, seed, progress);
-}
-
-TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
-                            const std::vector<TrainingRows>& held_out,
-                            const TrainingSettings& settings, std::uint64_t seed,
-                            const TrainingProgress& progress) {
-  return torch().memory(training, held_out, settings, seed, progress);
 }
 
 std::string torchscript_bytes(const Policy& policy) {

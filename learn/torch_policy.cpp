@@ -213,6 +213,5 @@ std::unique_ptr<Controller> script_controller(const std::string& bytes) {
 extern "C" {
 extern const ferrule::TorchFunctions ferrule_torch_functions;
 const ferrule::TorchFunctions ferrule_torch_functions = {
-    ferrule::by_libtorch::train_network, ferrule::by_libtorch::train_memory, ferrule::script,
-    ferrule::run, ferrule::script_controller};
+    ferrule::by_libtorch::train_network, ferrule::script, ferrule::run, ferrule::script_controller};
 }

@@ -13,7 +13,7 @@
 
 namespace ferrule {
 
-// Scaled rows: what was observed, and the velocity that answers it.
+// Scaled rows of one demonstration: what was observed, and the velocity that answers it.
 struct TrainingRows {
   Eigen::MatrixXf input;     // (inputs, rows)
   Eigen::MatrixXf velocity;  // (answers, rows)
@@ -40,11 +40,18 @@ struct Epoch {
   double training_loss, held_out_loss;
 };
 
+struct Weights {
+  Network network;
+  Gru memory{};  // what it remembers by; empty: it does not
+};
+
 struct TrainedNetwork {
-  Network network;           // of the best epoch by held-out loss
-  Gru memory{};              // and what it remembers by
+  Weights weights;           // of the best epoch by held-out loss
   std::vector<Epoch> curve;  // one per epoch
   std::size_t best = 0;      // index into it
+  // For each demonstration that was held out, those of the best epoch by the loss of the others:
+  // weights that it can grade, as it did not choose them. None where only one was held out.
+  std::vector<Weights> chosen_without{};
 };
 
 // `progress` is called after each epoch with its number, from 1; false ends the training there.
@@ -53,17 +60,14 @@ using TrainingProgress = std::function<bool(std::size_t epoch, const Epoch&)>;
 // Trains one network: Gaussian likelihood, AdamW, early stopping. One thread; the same arguments
 // give the same bits on one machine. Throws BadInput if the program was built without libtorch,
 // FileTrouble if libtorch cannot be loaded.
-TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& held_out,
+//
+// One with a memory learns from demonstrations as they went: each step goes through a window of some
+// of them, and what they left in the memory goes on into the next window. The noise is added to the
+// wrench alone, as a motion is known. The norm of a step's gradient is cut to 1.
+TrainedNetwork train_network(const std::vector<TrainingRows>& training,
+                             const std::vector<TrainingRows>& held_out,
                              const TrainingSettings& settings, std::uint64_t seed,
                              const TrainingProgress& progress);
-
-// The same of one with a memory, from episodes as they went: each step goes through a window of
-// some of them, and what they left in the memory goes on into the next window. The noise is added
-// to the wrench alone, as a motion is known. The norm of a step's gradient is cut to 1.
-TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
-                            const std::vector<TrainingRows>& held_out,
-                            const TrainingSettings& settings, std::uint64_t seed,
-                            const TrainingProgress& progress);
 
 // A TorchScript module whose forward takes unscaled inputs (rows, inputs), float64, and returns
 // (velocity, deviation, disagreement), each (rows, answers) float64: the velocity as the controller
@@ -93,7 +97,6 @@ MakeController load_torchscript(const std::string& file, const ProgramSettings& 
 // The same functions in the library of their own.
 struct TorchFunctions {
   decltype(&train_network) train;
-  decltype(&train_memory) memory;
   decltype(&torchscript_bytes) script;
   decltype(&run_torchscript) run;
   decltype(&torchscript_controller) controller;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <optional>
 
 #include "learn/tensors.hpp"
 
@@ -68,31 +69,70 @@ void begin(std::uint64_t seed) {
 
 using AdamW = torch::optim::AdamW;
 
+// Of an epoch: its losses, and of each demonstration held out the sum over its rows.
+struct Losses {
+  Epoch mean;
+  std::vector<double> held_out;
+};
+
+Losses losses(double training, double held_out, const Tensor& of_each) {
+  const Tensor each = of_each.to(torch::kFloat64).contiguous();
+  const double* first = each.data_ptr<double>();
+  return {{training, held_out}, std::vector<double>(first, first + each.numel())};
+}
+
+// Keeps the weights of the best epoch by some loss.
+struct Best {
+  double least = std::numeric_limits<double>::infinity();
+  std::optional<Weights> weights{};
+
+  bool better(double loss, const std::function<Weights()>& now) {
+    if (!(loss < least)) return false;
+    least = loss;
+    weights = now();
+    return true;
+  }
+};
+
 // One epoch after the other, until the held-out loss has not fallen for long, or `progress` says so.
-// `epoch` trains on all rows once, and `keep` stores the weights of the best so far.
+// `epoch` trains on all rows once.
 TrainedNetwork trained(const std::vector<Tensor>& parameters, const TrainingSettings& settings,
-                       const TrainingProgress& progress, const std::function<Epoch(AdamW&)>& epoch,
-                       const std::function<void(TrainedNetwork&)>& keep) {
+                       const TrainingProgress& progress, const std::function<Losses(AdamW&)>& epoch,
+                       const std::function<Weights()>& weights) {
   torch::optim::AdamWOptions options(settings.learning_rate);
   AdamW optimiser(parameters, options.weight_decay(settings.weight_decay));
   TrainedNetwork result;
-  double least = std::numeric_limits<double>::infinity();
+  Best best;
+  std::vector<Best> without;
   for (int n = 0; n < settings.epochs; ++n) {
     const double along = static_cast<double>(n) / settings.epochs;
     static_cast<torch::optim::AdamWOptions&>(optimiser.param_groups()[0].options())
         .lr(settings.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * along)));
-    const Epoch now = epoch(optimiser);
-    result.curve.push_back(now);
-    const bool go_on = !progress || progress(result.curve.size(), now);
-    if (now.held_out_loss < least) {
-      least = now.held_out_loss;
-      result.best = result.curve.size() - 1;
-      keep(result);
+    const Losses now = epoch(optimiser);
+    result.curve.push_back(now.mean);
+    const bool go_on = !progress || progress(result.curve.size(), now.mean);
+    if (best.better(now.mean.held_out_loss, weights)) result.best = result.curve.size() - 1;
+    if (now.held_out.size() > 1) without.resize(now.held_out.size());
+    for (std::size_t e = 0; e < without.size(); ++e) {
+      double others = 0;
+      for (std::size_t k = 0; k < now.held_out.size(); ++k)
+        if (k != e) others += now.held_out[k];
+      without[e].better(others, weights);
     }
     if (!go_on || result.curve.size() - result.best > static_cast<std::size_t>(settings.patience))
       break;
   }
+  result.weights = best.weights.value_or(Weights{});
+  for (const Best& each : without)
+    result.chosen_without.push_back(each.weights.value_or(Weights{}));
   return result;
+}
+
+// Of all demonstrations, one after the other.
+Tensor joined(const std::vector<TrainingRows>& all, Eigen::MatrixXf TrainingRows::*part) {
+  std::vector<Tensor> tensors;
+  for (const TrainingRows& rows : all) tensors.push_back(to_tensor(rows.*part));
+  return torch::cat(tensors);
 }
 
 // Episodes side by side: (rows, episodes, channels), those that have ended with nothing told.
@@ -155,9 +195,9 @@ struct Memory {
         .log_();
   }
 
-  // Sum over the rows that tell something.
+  // Of each row, episode and channel, 0 where the row tells nothing.
   Tensor loss(const Tensor& h, const Tensor& v, const Tensor& told) const {
-    return (negative_log_likelihood(perceptron.forward(h), v) * varies * told.unsqueeze(2)).sum();
+    return negative_log_likelihood(perceptron.forward(h), v) * varies * told.unsqueeze(2);
   }
 
   // Once through `some` of the episodes, window after window. Returns the sum of the losses.
@@ -176,7 +216,7 @@ struct Memory {
       const auto [all_h, last_h] = gru->forward(x + noise * torch::randn_like(x), h.detach());
       h = last_h;
       if (n == 0) continue;
-      const Tensor its = loss(all_h, window(train.v), told);
+      const Tensor its = loss(all_h, window(train.v), told).sum();
       optimiser.zero_grad();
       (its / n).backward();
       torch::nn::utils::clip_grad_norm_(parameters, 1.0);
@@ -186,23 +226,33 @@ struct Memory {
     return sum;
   }
 
-  double held_out_loss() {
+  Losses with_held_out(double training_loss) {
     const torch::NoGradGuard guard;
-    const Tensor h = std::get<0>(gru->forward(held.x));
-    return loss(h, held.v, held.told).item<double>() / held.told.sum().item<double>();
+    const Tensor its = loss(std::get<0>(gru->forward(held.x)), held.v, held.told);
+    return losses(training_loss, its.sum().item<double>() / held.told.sum().item<double>(),
+                  its.sum(std::vector<std::int64_t>{0, 2}));
+  }
+
+  Weights weights() {
+    const auto all = gru->named_parameters();
+    return {perceptron.network(),
+            {to_matrix(all["weight_ih_l0"]), to_matrix(all["weight_hh_l0"]),
+             to_vector(all["bias_ih_l0"]), to_vector(all["bias_hh_l0"])}};
   }
 };
 
-}  // namespace
-
-TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& held_out,
-                             const TrainingSettings& settings, std::uint64_t seed,
-                             const TrainingProgress& progress) {
-  begin(seed);
-  const Tensor x = to_tensor(training.input), v = to_tensor(training.velocity);
-  const Tensor x_held = to_tensor(held_out.input), v_held = to_tensor(held_out.velocity);
+TrainedNetwork train_perceptron(const std::vector<TrainingRows>& training,
+                                const std::vector<TrainingRows>& held_out,
+                                const TrainingSettings& settings,
+                                const TrainingProgress& progress) {
+  const Tensor x = joined(training, &TrainingRows::input),
+               v = joined(training, &TrainingRows::velocity),
+               x_held = joined(held_out, &TrainingRows::input),
+               v_held = joined(held_out, &TrainingRows::velocity);
+  std::vector<std::int64_t> rows_held;
+  for (const TrainingRows& one : held_out) rows_held.push_back(one.input.cols());
   const Perceptron perceptron(x.size(1), settings.hidden, v.size(1));
-  const auto epoch = [&](AdamW& optimiser) -> Epoch {
+  const auto epoch = [&](AdamW& optimiser) {
     const Tensor order = torch::randperm(x.size(0));
     double loss_sum = 0;
     for (std::int64_t first = 0; first < x.size(0); first += settings.batch) {
@@ -218,21 +268,21 @@ TrainedNetwork train_network(const TrainingRows& training, const TrainingRows& h
       loss_sum += loss.item<double>() * static_cast<double>(rows.size(0));
     }
     const torch::NoGradGuard guard;
-    return {
-        loss_sum / static_cast<double>(x.size(0)),
-        negative_log_likelihood(perceptron.forward(x_held), v_held).sum(1).mean().item<double>()};
+    const Tensor its = negative_log_likelihood(perceptron.forward(x_held), v_held).sum(1);
+    std::vector<Tensor> of_each;
+    for (const Tensor& one : its.split_with_sizes(rows_held)) of_each.push_back(one.sum());
+    return losses(loss_sum / static_cast<double>(x.size(0)), its.mean().item<double>(),
+                  torch::stack(of_each));
   };
   return trained(perceptron.parameters(), settings, progress, epoch,
-                 [&](TrainedNetwork& best) { best.network = perceptron.network(); });
+                 [&] { return Weights{perceptron.network()}; });
 }
 
 TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
                             const std::vector<TrainingRows>& held_out,
-                            const TrainingSettings& settings, std::uint64_t seed,
-                            const TrainingProgress& progress) {
-  begin(seed);
+                            const TrainingSettings& settings, const TrainingProgress& progress) {
   Memory memory(training, held_out, settings);
-  const auto epoch = [&](AdamW& optimiser) -> Epoch {
+  const auto epoch = [&](AdamW& optimiser) {
     const std::int64_t count = memory.train.x.size(1);
     const Tensor order = torch::randperm(count);
     double sum = 0;
@@ -240,14 +290,20 @@ TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
       const std::int64_t n = std::min<std::int64_t>(settings.together, count - first);
       sum += memory.train_on(order.narrow(0, first, n), optimiser);
     }
-    return {sum / memory.train.told.sum().item<double>(), memory.held_out_loss()};
+    return memory.with_held_out(sum / memory.train.told.sum().item<double>());
   };
-  return trained(memory.parameters, settings, progress, epoch, [&](TrainedNetwork& best) {
-    best.network = memory.perceptron.network();
-    const auto weights = memory.gru->named_parameters();
-    best.memory = {to_matrix(weights["weight_ih_l0"]), to_matrix(weights["weight_hh_l0"]),
-                   to_vector(weights["bias_ih_l0"]), to_vector(weights["bias_hh_l0"])};
-  });
+  return trained(memory.parameters, settings, progress, epoch, [&] { return memory.weights(); });
+}
+
+}  // namespace
+
+TrainedNetwork train_network(const std::vector<TrainingRows>& training,
+                             const std::vector<TrainingRows>& held_out,
+                             const TrainingSettings& settings, std::uint64_t seed,
+                             const TrainingProgress& progress) {
+  begin(seed);
+  const auto train = settings.memory > 0 ? train_memory : train_perceptron;
+  return train(training, held_out, settings, progress);
 }
 
 }  // namespace ferrule::by_libtorch

@@ -1,4 +1,4 @@
-// train_network and train_memory (learn/torch_policy.hpp), as the library that is loaded has them.
+// train_network (learn/torch_policy.hpp), as the library that is loaded has it.
 #pragma once
 
 #include "learn/torch_policy.hpp"
@@ -6,6 +6,5 @@
 namespace ferrule::by_libtorch {
 
 decltype(ferrule::train_network) train_network;
-decltype(ferrule::train_memory) train_memory;
 
 }  // namespace ferrule::by_libtorch

@@ -210,6 +210,10 @@ void JsonFields::number(const std::string& key, const Rule& rule, double& value,
   if (bound_) bound_->push_back({dotted(at_ / key), &value, unit, rule});
 }
 
+double JsonFields::number_or_nan(const std::string& key, const Rule& rule) {
+  return has(key) ? number(key, rule) : std::numeric_limits<double>::quiet_NaN();
+}
+
 double JsonFields::checked(const std::string& key, const Rule& rule) {
   const std::string expected = rule.text;
   const double would_do = rule.allows(1) ? 1 : rule.low + (rule.high - rule.low) / 2;

@@ -83,6 +83,8 @@ class JsonFields {
   JsonFields(const Json& object, std::string file, std::vector<BoundNumber>* bound = nullptr);
 
   double number(const std::string& key, const Rule& rule);
+  // NaN where there is none, or null.
+  double number_or_nan(const std::string& key, const Rule& rule);
   // Into `value`, times `unit`.
   void number(const std::string& key, const Rule& rule, double& value, double unit = 1);
   std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);

@@ -1,6 +1,7 @@
 #include "learn/fit_policy.hpp"
 
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "controller/campaign.hpp"
 #include "learn/relabel.hpp"
@@ -100,6 +101,59 @@ TEST(FitPolicy, TheSameSeedGivesTheSameBytes) {
   EXPECT_NE(write("c"), first);
   const Policy p = read_policy(folder / "a.json").policy;
   EXPECT_NE(p.members[0][0].weight, p.members[1][0].weight) << "members start differently";
+}
+
+// Scaled rows of noise, on which one epoch is as good as another.
+std::vector<TrainingRows> noise(int demonstrations, int rows, std::uint64_t seed) {
+  constexpr int kInputs = 13;
+  RandomStream random(seed, 0, Draw::plan);
+  std::vector<TrainingRows> all;
+  for (int d = 0; d < demonstrations; ++d) {
+    const auto normal = [&] { return static_cast<float>(random.normal()); };
+    all.push_back({Eigen::MatrixXf::NullaryExpr(kInputs, rows, normal),
+                   Eigen::MatrixXf::NullaryExpr(3, rows, normal), Eigen::RowVectorXf::Ones(rows)});
+  }
+  return all;
+}
+
+// What grades a held-out demonstration is what the others alone would have kept.
+TEST(TrainNetwork, ADemonstrationDoesNotChooseTheWeightsThatItGrades) {
+  NEEDS_LIBTORCH;
+  for (const int memory : {0, 8}) {
+    TrainingSettings settings;
+    settings.epochs = settings.patience = 12;
+    settings.learning_rate = 1e-2;
+    settings.hidden = {8};
+    settings.memory = memory;
+    settings.window = 50;
+    const std::vector<TrainingRows> training = noise(4, 200, 1), held_out = noise(4, 30, 2);
+    const TrainedNetwork all = train_network(training, held_out, settings, 1, {});
+    ASSERT_EQ(all.chosen_without.size(), held_out.size());
+    std::set<std::size_t> epochs;
+    for (std::size_t e = 0; e < held_out.size(); ++e) {
+      std::vector<TrainingRows> others = held_out;
+      others.erase(others.begin() + static_cast<std::ptrdiff_t>(e));
+      const TrainedNetwork by_others = train_network(training, others, settings, 1, {});
+      epochs.insert(by_others.best);
+      for (std::size_t i = 0; i < by_others.weights.network.size(); ++i)
+        EXPECT_EQ(all.chosen_without[e].network[i].weight, by_others.weights.network[i].weight);
+      EXPECT_EQ(all.chosen_without[e].memory.memory_weight, by_others.weights.memory.memory_weight);
+    }
+    EXPECT_GT(epochs.size(), 1u) << "all choose alike: this shows nothing";
+    EXPECT_TRUE(train_network(training, noise(1, 30, 2), settings, 1, {}).chosen_without.empty());
+  }
+}
+
+TEST(FitPolicy, OneDemonstrationThatChoseTheEpochDoesNotGradeIt) {
+  NEEDS_LIBTORCH;
+  const testing::TemporaryFolder folder;
+  PolicySettings settings = quick();
+  settings.training.epochs = 2;
+  EXPECT_GT(fit_policy(demonstrations(10, 0), settings, {}).file.held_out_residual, 0);
+  const PolicyFile few = fit_policy(demonstrations(9, 0), settings, {}).file;
+  EXPECT_TRUE(std::isnan(few.held_out_residual));
+  write_controller(folder / "few.json", few);
+  EXPECT_TRUE(std::isnan(read_policy(folder / "few.json").held_out_residual));
 }
 
 // Demonstrations of who goes the faster the harder the touch was that came in the first half second.
