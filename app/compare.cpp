@@ -5,6 +5,7 @@
 #include <chrono>
 
 #include "app/compared_ladder.hpp"
+#include "app/compared_learners.hpp"
 #include "app/csv.hpp"
 #include "app/damage.hpp"
 #include "app/shards.hpp"
@@ -19,12 +20,6 @@
 namespace ferrule {
 namespace {
 
-// A learner with the settings that are compared.
-struct ChosenLearner {
-  const Learner* learner;
-  const Learner::Variant* variant;
-};
-
 std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
                                   const MakeController& make, const std::string& what) {
   const auto begin = std::chrono::steady_clock::now();
@@ -34,48 +29,6 @@ std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;
-}
-
-std::vector<ChosenLearner> chosen_learners(const CompareArguments& a) {
-  std::vector<ChosenLearner> chosen;
-  for (const Learner& learner : learners())
-    for (const Learner::Variant& variant : learner.variants)
-      if (a.learners.empty() ||
-          std::find(a.learners.begin(), a.learners.end(), variant.key) != a.learners.end())
-        chosen.push_back({&learner, &variant});
-  return chosen;
-}
-
-std::vector<std::string> learner_keys() {
-  std::vector<std::string> keys;
-  for (const ChosenLearner& c : chosen_learners({})) keys.push_back(c.variant->key);
-  return keys;
-}
-
-// " and 30 labelled rollouts", or nothing.
-std::string rollouts_text(std::size_t rollouts) {
-  return rollouts ? fmt::format(" and {} labelled rollouts", rollouts) : std::string();
-}
-
-// `which`: the demonstrations of the set.
-Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
-                 const DemonstrationSet& set, const std::string& which) {
-  const std::string what = fmt::format("{} seed {} {}", chosen.variant->key, a.fit_seed, which);
-  const TimedController found = learned_once(what, [&] {
-    Progress progress(chosen.variant->name, 1);
-    ControllerFile controller =
-        learned(*chosen.learner, *chosen.variant, set, a.fit_seed,
-                [&](std::size_t done, std::size_t all, const std::string& note) {
-                  progress(done, note, all);
-                  return !interrupted();
-                });
-    end_if_interrupted();
-    return controller;
-  });
-  Candidate c = candidate(chosen.variant->name, found.controller, found.seconds);
-  fmt::print(stderr, "{}: fitted to {} demonstrations{} in {:.1f} s\n", c.name,
-             set.demonstrations.size(), rollouts_text(c.rollouts), c.fit_seconds);
-  return c;
 }
 
 std::vector<TrialResult> supervised_campaign(const CompareArguments& a, const Scene& scene,
@@ -109,7 +62,7 @@ std::vector<ChosenLearner> add_learned(const CompareArguments& a, const Demonstr
                                        std::vector<Candidate>& candidates) {
   std::vector<ChosenLearner> could;
   for (const ChosenLearner& chosen : chosen_learners(a)) {
-    const std::string& name = chosen.variant->name;
+    const std::string& name = chosen.variant.name;
     try {
       candidates.push_back(fitted(a, chosen, set, "all"));
       could.push_back(chosen);
@@ -138,6 +91,7 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
     const TrainedOn& training = trained_on(*c.file);
     refuse_other_scaling(training.scaling, file, scene, a.other_scaling);
     trained = std::max(trained, trained_starts(training, a.seed, a.trials));
+    all.back().file = c.file;
     std::visit(
         [&](const auto& learned) {
           all.back().parameters = learned.parameters();
@@ -187,7 +141,7 @@ std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
       } catch (const Stopped&) {  // what is found so far is told
         return learning;
       } catch (const BadInput& error) {
-        fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant->name, error.what());
+        fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant.name, error.what());
       }
     }
   }
@@ -216,7 +170,7 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
         return all;
       } catch (const BadInput& error) {
         end_if_interrupted();
-        fmt::print(stderr, "note: seed {}: {} is left out: {}\n", seed, chosen.variant->name,
+        fmt::print(stderr, "note: seed {}: {} is left out: {}\n", seed, chosen.variant.name,
                    error.what());
       }
     }
@@ -243,9 +197,10 @@ std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
 // What cannot be compared is said before anything is.
 void expect_comparable(const CompareArguments& a, const DemonstrationSet& set) {
   if (set.demonstrations.empty()) throw BadInput(a.folder + ": no successful demonstration");
-  for (auto each = a.learners.begin(); each != a.learners.end(); ++each)
-    if (std::find(a.learners.begin(), each, *each) != each)
-      throw BadInput("--learners: " + *each + " is there twice");
+  for (const auto& [flag, list] : {std::pair("--learners", &a.learners), {"--ablate", &a.ablate}})
+    for (auto each = list->begin(); each != list->end(); ++each)
+      if (std::find(list->begin(), each, *each) != each)
+        throw BadInput(std::string(flag) + ": " + *each + " is there twice");
   for (const std::size_t count : a.demonstrations)
     if (count > set.demonstrations.size())
       fmt::print(stderr, "note: {} demonstrations asked for, {} are there\n", count,
@@ -294,11 +249,12 @@ void write_trials(const CompareArguments& a, const Found& found, const Provenanc
   write_text(a.trials_out, csv_text(rows, provenance));
 }
 
-// What is asked for beside the first tables. Throws Stopped where Ctrl-C ends a fit.
+// What is asked for beside the first tables, of `candidates`, of which those from `first` on depend
+// on no scene. Throws Stopped where Ctrl-C ends a fit.
 void follow_up(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
                const std::vector<ChosenLearner>& learned_by, const std::vector<Scene>& others,
                const std::vector<Scene>& ladder, const std::vector<Candidate>& candidates,
-               Found& found) {
+               std::size_t first, Found& found) {
   found.learning = from_fewer(a, scene, set, learned_by);
   if (a.output.text()) print_learning(found.learning);
   found.by_seeds = by_seeds(a, scene, set, learned_by);
@@ -308,9 +264,12 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
     if (a.output.text()) print_transfer(there);
     found.transfer.insert(found.transfer.end(), there.begin(), there.end());
   }
+  std::vector<Climber> rest = climbers(a, candidates, first, found.by_seeds);
+  const std::vector<Climber> less = ablated(a, set, learned_by, candidates, first);
+  rest.insert(rest.end(), less.begin(), less.end());
   for (const Scene& rung : ladder) {
     if (interrupted()) break;
-    const std::vector<LadderRow> rows = climb(a, rung, set, candidates, found.by_seeds);
+    const std::vector<LadderRow> rows = climb(a, rung, set, rest);
     if (a.output.text()) print_ladder(rows);
     found.ladder.insert(found.ladder.end(), rows.begin(), rows.end());
   }
@@ -327,10 +286,9 @@ int compare_verb(const CompareArguments& a) {
   const std::vector<Scene> ladder =
       other_scenes(a, set, a.ladder ? rungs() : std::vector<std::string>());
   if (!a.plot.empty()) make_plot_folder(a.plot);
-  if (!a.seeds.empty()) {  // refused before anything is done
-    parse_seeds(a.seeds);
-    expect_recordable_again(set);
-  }
+  // Refused before anything is done.
+  if (!a.seeds.empty()) parse_seeds(a.seeds);
+  if (!a.seeds.empty() || asks_for(a, Ablation::variation)) expect_recordable_again(set);
   Provenance provenance;
   provenance.in(chosen).seed("trials", a.seed).seed("fits", a.fit_seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
@@ -340,6 +298,7 @@ int compare_verb(const CompareArguments& a) {
                             supervisor_note(supervisor_limits(scene));
 
   std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
+  const std::size_t first = candidates.size();
   const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
   candidates.insert(candidates.end(), brought.begin(), brought.end());
   if (a.output.text())
@@ -361,7 +320,7 @@ int compare_verb(const CompareArguments& a) {
     print_against_teacher(found.entries);
   }
   try {
-    follow_up(a, scene, set, learned_by, others, ladder, candidates, found);
+    follow_up(a, scene, set, learned_by, others, ladder, candidates, first, found);
   } catch (const Stopped&) {  // what is found so far is told
   }
   tell_partial(a, candidates, found, provenance);
@@ -409,6 +368,13 @@ void add_compare(CLI::App& app, Run& run) {
                  "with --seeds what each seed of training learned");
   verb->add_flag("--supervise", a->supervise, "Try all there under the supervisor, too")
       ->needs("--ladder");
+  verb->add_option("--ablate", a->ablate,
+                   "Try what learns and what is given there without this, too: what it feels, "
+                   "where it has moved, rates of tilt, variation in what it learns from")
+      ->needs("--ladder")
+      ->delimiter(',')
+      ->check(one_of({kAblations.begin(), kAblations.end()}))
+      ->type_name("force,memory,tilt,variation");
   verb->add_option("--learners", a->learners, "Only these; all unless given")
       ->delimiter(',')
       ->check(one_of(learner_keys()));
@@ -437,6 +403,7 @@ void add_compare(CLI::App& app, Run& run) {
   add_examples(*verb, {"compare episodes --trials 200 --learners linear,insertion",
                        "compare episodes policy.pt data/controllers/tuned_by_hand.json",
                        "compare episodes search --ladder --learners insertion --seeds 1..5",
+                       "compare episodes search --ladder --learners torch --ablate force,tilt",
                        "compare episodes --transfer tight,sloppy --plot compared --csv"});
   verb->callback([a, &run] { run = [a] { return compare_verb(*a); }; });
 }

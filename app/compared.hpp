@@ -1,6 +1,7 @@
 // What `ferrule compare` finds, and how it is shown: tables, JSON, plots and a page.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,7 @@
 #include "app/verb.hpp"
 #include "controller/campaign.hpp"
 #include "controller/worst_tenth.hpp"
+#include "learn/ablation.hpp"
 #include "learn/candidates.hpp"
 
 namespace ferrule {
@@ -18,7 +20,7 @@ namespace ferrule {
 struct CompareArguments {
   SceneArguments scene;
   std::string folder, plot, trials_out, seeds;
-  std::vector<std::string> controllers, transfer, learners;
+  std::vector<std::string> controllers, transfer, learners, ablate;
   PolicyArguments policy;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
@@ -31,6 +33,10 @@ struct CompareArguments {
 };
 
 inline constexpr const char* kTeacher = "simulated operator";
+
+inline bool asks_for(const CompareArguments& a, Ablation what) {
+  return std::find(a.ablate.begin(), a.ablate.end(), name(what)) != a.ablate.end();
+}
 
 // A candidate and its trials, alone and under the supervisor.
 struct Entry {
@@ -57,9 +63,16 @@ struct Transfer {
   CampaignSummary alone, supervised;
 };
 
+// A candidate on the ladder.
+struct Climber {
+  Candidate candidate;
+  std::optional<std::uint64_t> training_seed{};  // empty: it does not learn
+  std::string without{};                         // of kAblations; empty: it is whole
+};
+
 // On a rung of data/scenes/ladder.
 struct LadderRow {
-  std::string rung, controller;
+  std::string rung, controller, without;
   std::optional<std::uint64_t> training_seed;  // empty: it does not learn
   CampaignSummary summary;
   std::optional<CampaignSummary> supervised;  // with --supervise

@@ -12,28 +12,6 @@ namespace {
 
 constexpr ShippedFiles kRungs = {"scenes/ladder", "scene file", "rung"};
 
-// A candidate, made for a rung where it depends on the scene.
-struct Climber {
-  Candidate candidate;
-  std::optional<std::uint64_t> training_seed;
-};
-
-std::vector<Climber> climbers(const CompareArguments& a, const Scene& rung,
-                              const DemonstrationSet& set, const std::vector<Candidate>& candidates,
-                              const std::vector<BySeed>& by_seeds) {
-  std::vector<Climber> all;
-  for (const Candidate& c : baselines(rung, set, a.skill, a.seed)) all.push_back({c, {}});
-  const std::size_t count = all.size();
-  all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung, a.seed)}, {}});
-  for (std::size_t i = count; i < candidates.size(); ++i) {
-    const bool learned = candidates[i].parameters > 0 && std::isfinite(candidates[i].fit_seconds);
-    if (!learned) all.push_back({candidates[i], {}});
-    if (learned && by_seeds.empty()) all.push_back({candidates[i], a.fit_seed});
-  }
-  for (const BySeed& each : by_seeds) all.push_back({each.candidate, each.seed});
-  return all;
-}
-
 double median_search_time(const std::vector<TrialResult>& results) {
   std::vector<double> times;
   for (const TrialResult& r : results)
@@ -49,13 +27,28 @@ std::vector<std::string> rungs() {
   return all;
 }
 
+std::vector<Climber> climbers(const CompareArguments& a, const std::vector<Candidate>& candidates,
+                              std::size_t first, const std::vector<BySeed>& by_seeds) {
+  std::vector<Climber> all;
+  for (std::size_t i = first; i < candidates.size(); ++i) {
+    const bool learned = candidates[i].parameters > 0 && std::isfinite(candidates[i].fit_seconds);
+    if (!learned) all.push_back({candidates[i]});
+    if (learned && by_seeds.empty()) all.push_back({candidates[i], a.fit_seed});
+  }
+  for (const BySeed& each : by_seeds) all.push_back({each.candidate, each.seed});
+  return all;
+}
+
 std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
-                             const DemonstrationSet& set, const std::vector<Candidate>& candidates,
-                             const std::vector<BySeed>& by_seeds) {
+                             const DemonstrationSet& set, const std::vector<Climber>& others) {
+  std::vector<Climber> all;
+  for (const Candidate& c : baselines(rung, set, a.skill, a.seed)) all.push_back({c});
+  all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung, a.seed)}});
+  all.insert(all.end(), others.begin(), others.end());
   const std::vector<DrawnQuantity> drawn =
       drawn_quantities(rung, a.seed, runs_a_shard() ? 0 : a.trials);
   std::vector<LadderRow> rows;
-  for (const Climber& c : climbers(a, rung, set, candidates, by_seeds)) {
+  for (const Climber& c : all) {
     const std::string& name = c.candidate.name;
     const auto trials = [&](const MakeController& make, const std::string& what) {
       return run_campaign(rung, make, a.seed, a.trials, a.threads, Progress(what, a.trials),
@@ -68,7 +61,7 @@ std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
       kept = summarise(
           trials(supervised(c.candidate.make, supervisor_limits(rung)), what + ", supervised"));
     if (interrupted()) break;  // of it, the trials are not whole
-    rows.push_back({rung.name, name, c.training_seed, summarise(results), kept,
+    rows.push_back({rung.name, name, c.without, c.training_seed, summarise(results), kept,
                     worst_tenth(drawn, results), median_search_time(results),
                     deciding_quantity(drawn, results)});
   }

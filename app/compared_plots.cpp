@@ -20,13 +20,15 @@ std::string file_of(const std::string& name) {
   return file + ".svg";
 }
 
-// By rung: what decides the success of whom. Of what was trained with several seeds the first.
+// By rung: what decides the success of whom. Of what was trained with several seeds the first; of
+// who is not whole nothing.
 std::map<std::string, std::vector<std::pair<std::string, Deciding>>> decided_by_rung(
     const std::vector<LadderRow>& ladder) {
   std::map<std::string, std::vector<std::pair<std::string, Deciding>>> rungs;
   std::set<std::pair<std::string, std::string>> seen;
   for (const LadderRow& row : ladder)
-    if (seen.insert({row.rung, row.controller}).second && !row.deciding.tenths.empty())
+    if (row.without.empty() && seen.insert({row.rung, row.controller}).second &&
+        !row.deciding.tenths.empty())
       rungs[row.rung].emplace_back(row.controller, row.deciding);
   return rungs;
 }

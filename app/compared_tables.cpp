@@ -88,6 +88,7 @@ Json to_json(const LadderRow& r) {
   Json row = {
       {"rung", r.rung},
       {"controller", r.controller},
+      {"without", r.without.empty() ? Json() : Json(r.without)},
       {"training_seed", r.training_seed ? Json(*r.training_seed) : Json()},
       {"trials", r.summary.trials},
       {"success_rate", number_or_null(r.summary.success_rate)},

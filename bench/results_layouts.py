@@ -254,6 +254,14 @@ def supervised(_: Result, compared: Result) -> str:
                     lines)
 
 
+def ablations(_: Result, compared: Result) -> str:
+    less = dict.fromkeys(r["controller"] for r in compared["ladder"] if r["without"])
+    names = sorted({name.partition(", no ")[0] for name in less} | set(less))
+    rows = [[f"`{rung}`", *(digits(100 * of[name][0]["success_rate"], 3, " %") for name in names)]
+            for rung, of in by_rung(compared).items()]
+    return markdown(columns(f"rung | {' | '.join(names)}"), rows)
+
+
 def followers(_: Result, compared: Result) -> str:
     def mean(rows: list[Any], key: str) -> float | None:
         known = [r[key] for r in rows if r[key] is not None]

@@ -41,6 +41,8 @@ KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
 SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --learners torch --trials 200"
+ABLATE = ("./ferrule compare bench-episodes search --ladder --ablate force,memory,tilt,variation --learners torch"
+          " --trials 200")
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
 IMPROVE = ("./ferrule improve searched.json --scene ladder/f --objective success,time --trials 10000"
            " --out improved.json")
@@ -75,6 +77,8 @@ TABLES = [
           [FIVE, QUICK_CLIMB]),
     Table("supervised", "counts", [TWENTY, SUPERVISE], layouts.supervised,
           [FIVE, "./ferrule compare five search --ladder --supervise --learners torch --trials 2"]),
+    Table("ablations", "counts", [TWENTY, ABLATE], layouts.ablations,
+          [FIVE, ABLATE.replace("bench-episodes", "five").replace("200", "2")]),
     Table("followers", "counts", [SEARCHED, FOLLOW], layouts.followers,
           [SEARCHED.replace("20", "3"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
     Table("improved", "counts",

@@ -84,8 +84,13 @@ ControllerFile learned(const Learner& learner, const Learner::Variant& variant,
 Candidate candidate(const std::string& name, const ControllerFile& learned, double seconds) {
   return std::visit(
       [&](const auto& c) -> Candidate {
-        return {name,    c.maker(),           c.parameters(),
-                seconds, c.held_out_residual, c.trained_on.rollouts};
+        return {.name = name,
+                .make = c.maker(),
+                .parameters = c.parameters(),
+                .fit_seconds = seconds,
+                .held_out = c.held_out_residual,
+                .rollouts = c.trained_on.rollouts,
+                .file = learned};
       },
       learned);
 }

@@ -17,6 +17,7 @@ struct Candidate {
   std::optional<double> held_out{};  // root mean square velocity error, hand's world [m/s]
   std::size_t rollouts = 0;   // labelled ones of its own, learned from beside the demonstrations
   std::uint64_t periods = 1;  // from one answer of its own to the next, which it holds in between
+  std::optional<ControllerFile> file{};  // empty: it is not one of ours
 };
 
 // What an engineer sets without demonstrations: straight in at `speed` [m/s, hand's world], at half

@@ -16,9 +16,10 @@ namespace {
 using Demonstrations = std::vector<const Demonstration*>;
 
 constexpr const char *kEnsemble = "--ensemble", *kDagger = "--dagger",
-                     *kNetworkSeed = "--network-seed", *kNetwork = "--network";  // options
+                     *kNetworkSeed = "--network-seed", *kNetwork = "--network",
+                     *kSamples = "--samples";  // options
 constexpr const char *kPerceptron = "perceptron", *kGru = "gru";
-constexpr const char* kAsSplit = "as --seed";
+constexpr const char *kAsSplit = "as --seed", *kSamplesOfNetwork = "3, of gru 1";
 constexpr std::size_t kTrialsPerRound = 10;
 constexpr std::uint64_t kFirstTrial = std::uint64_t{1} << 40;  // no recording comes that far
 
@@ -157,7 +158,13 @@ std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
 Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
                      const LearnerProgress& progress) {
   PolicySettings settings;
-  if (chosen.options.at(kNetwork) == kGru) settings = memory_settings();
+  const bool remembers = chosen.options.at(kNetwork) == kGru;
+  if (remembers) settings = memory_settings();
+  const std::string& samples = chosen.options.at(kSamples);
+  if (samples != kSamplesOfNetwork) {
+    if (remembers) throw BadInput("--samples: a network that remembers sees one moment");
+    settings.samples = std::stoi(samples);
+  }
   settings.members = chosen.number(kEnsemble);
   settings.dagger_rounds = chosen.number(kDagger);
   settings.seed = chosen.seed;
@@ -243,6 +250,12 @@ Learner policy_learner() {
                    "last moments",
                    kPerceptron,
                    {kPerceptron, kGru}},
+                  {kSamples,
+                   "With torch: at how many moments, 40 ms apart, a perceptron sees the wrench",
+                   kSamplesOfNetwork,
+                   {},
+                   1,
+                   100},
                   {kDagger,
                    "With torch: rounds of letting the policy insert and asking the simulated "
                    "operator what it would have done",
@@ -254,6 +267,7 @@ Learner policy_learner() {
                    {"ensemble", "torch, ensemble of 5", {{kEnsemble, "5"}}},
                    {"dagger", "torch, DAgger 3 rounds", {{kDagger, "3"}}},
                    {"gru", "torch, GRU", {{kNetwork, kGru}}}},
+      .memoryless = {{kNetwork, kPerceptron}, {kSamples, "1"}},
       .files =
           [](const std::string& file) {
             return std::vector{file, weights_file(file, "")};

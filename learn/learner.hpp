@@ -53,6 +53,8 @@ struct Learner {
     std::map<std::string, std::string> options;
   };
   std::vector<Variant> variants;
+  // Options with which what it learns has no memory; empty: its form is fixed, and no network's.
+  std::map<std::string, std::string> memoryless{};
   // The files that it writes for a controller `file`. Throws BadInput where that name will not do.
   std::vector<std::string> (*files)(const std::string& file);
   // Throws BadInput where the demonstrations are too few or tell nothing.

@@ -120,7 +120,8 @@ class Compare(Case):
     def test_everybody_climbs_the_ladder(self):
         trials = 4
         found = json.loads(self.done("compare", self.out, "search", *SCENE, "--trials", trials, "--learners",
-                                     "linear", "--seeds", "3,5", "--ladder", "--supervise", "--json").stdout)["ladder"]
+                                     "linear", "--seeds", "3,5", "--ladder", "--supervise", "--ablate",
+                                     "force,tilt,variation", "--json").stdout)["ladder"]
         rungs = sorted("ladder/" + os.path.basename(file)[:-5]
                        for file in glob.glob(SOURCE + "/data/scenes/ladder/*.json"))
         who = [(row["controller"], row["training_seed"]) for row in found if row["rung"] == rungs[0]]
@@ -129,10 +130,13 @@ class Compare(Case):
                                    ("blind spiral", None)])
         self.assertEqual(who[5][0], "search")
         self.assertEqual(who[5][1], None)
-        self.assertEqual(who[6:], [("ceres, linear", 3), ("ceres, linear", 5)])
+        less = [("ceres, linear, no force", 1), ("search, no force", None), ("search, no tilt", None),
+                ("ceres, linear, no variation", 1)]
+        self.assertEqual(who[6:], [("ceres, linear", 3), ("ceres, linear", 5), *less])
         self.assertEqual([row["rung"] for row in found], [rung for rung in rungs for _ in who])
         for row in found:
             self.assertEqual(row["trials"], trials)
+            self.assertEqual(row["without"], row["controller"].partition(", no ")[2] or None)
             self.assertLessEqual(row["wilson_low"], row["success_rate"])
             if row["success_rate"] > 0:
                 self.assertLess(row["search_s"], row["time_s"])

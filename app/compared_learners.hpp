@@ -1,0 +1,30 @@
+// The learners that `ferrule compare` fits.
+#pragma once
+
+#include "app/compared.hpp"
+
+namespace ferrule {
+
+// A learner with the settings that are compared.
+struct ChosenLearner {
+  const Learner* learner;
+  Learner::Variant variant;
+};
+
+// Those of --learners; all unless given.
+std::vector<ChosenLearner> chosen_learners(const CompareArguments& a);
+std::vector<std::string> learner_keys();
+
+// `which`: the demonstrations of the set, unlike any other of the command. Throws BadInput where
+// they are too few or tell nothing, Stopped at Ctrl-C.
+Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
+                 const DemonstrationSet& set, const std::string& which);
+
+// What --ablate asks for: what learns, and what is given (those of `candidates` after what learns,
+// which begins at `first`), without each of the things in turn. Where there is nothing to take
+// away, or nothing is learned without, it is left out, with a note.
+std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& set,
+                             const std::vector<ChosenLearner>& learned_by,
+                             const std::vector<Candidate>& candidates, std::size_t first);
+
+}  // namespace ferrule
