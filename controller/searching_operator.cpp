@@ -21,6 +21,25 @@ std::vector<double> slowed(std::vector<double> gains, double part) {
   return gains;
 }
 
+// What he knows in a scene.
+struct Known {
+  std::vector<double> gains;
+  double stiffness;  // [N/m]
+};
+
+Known known_in(const Scene& scene) {
+  const auto search = std::get<SearchFile>(read_controller("search"));
+  const Scaling scaling = scene_scaling(scene);
+  const Scaling its = search.trained_on.scaling.value();
+  if (differ(its, scaling))
+    throw BadInput(
+        fmt::format("the operator who searches is one for the scaling of bench (motion x{:.6g}, "
+                    "force x{:.6g}), "
+                    "not of {} (x{:.6g}, x{:.6g})",
+                    its.motion, its.force, scene.name, scaling.motion, scaling.force));
+  return {search.gains, scene.world.holder.stiffness(0, 0) * scaling.force / scaling.motion};
+}
+
 }  // namespace
 
 SearchingOperator::SearchingOperator(const TraineeTraits& traits, std::vector<double> gains,
@@ -49,23 +68,20 @@ HandTwist SearchingOperator::command(const Observation& observation) noexcept {
 }
 
 MakeController searching_operator(const Scene& scene, double skill, std::uint64_t seed) {
-  const auto search = std::get<SearchFile>(read_controller("search"));
-  const Scaling scaling = scene_scaling(scene);
-  const Scaling its = search.trained_on.scaling.value();
-  if (differ(its, scaling))
-    throw BadInput(
-        fmt::format("the operator who searches is one for the scaling of bench (motion x{:.6g}, "
-                    "force x{:.6g}), "
-                    "not of {} (x{:.6g}, x{:.6g})",
-                    its.motion, its.force, scene.name, scaling.motion, scaling.force));
-  const double stiffness = scene.world.holder.stiffness(0, 0) * scaling.force / scaling.motion;
-  return [=, traits = trainee_traits(skill)](std::uint64_t trial) {
+  return [known = known_in(scene), traits = trainee_traits(skill), seed](std::uint64_t trial) {
     return std::make_unique<SearchingOperator>(
-        traits, search.gains, stiffness, kLoopPeriod,
+        traits, known.gains, known.stiffness, kLoopPeriod,
         [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
           return random.uniform();
         });
   };
+}
+
+std::unique_ptr<Controller> searching_operator(const Scene& scene, const TraineeTraits& traits,
+                                               double period, std::function<double()> uniform) {
+  const Known known = known_in(scene);
+  return std::make_unique<SearchingOperator>(traits, known.gains, known.stiffness, period,
+                                             std::move(uniform));
 }
 
 std::string searching_operator_name(double skill) {

@@ -39,6 +39,9 @@ class SearchingOperator : public Controller {
 // Of `skill` from 0 to 1 in a scene, with the numbers of the shipped `search`. His chance in a trial
 // is that of (seed, trial). Throws BadInput where the scene's scaling is not that of the numbers.
 MakeController searching_operator(const Scene& scene, double skill, std::uint64_t seed);
+// The same with other traits, a period [s] and a source of chance of his own.
+std::unique_ptr<Controller> searching_operator(const Scene& scene, const TraineeTraits& traits,
+                                               double period, std::function<double()> uniform);
 
 // As simulated_operator_name and simulated_skill.
 std::string searching_operator_name(double skill);

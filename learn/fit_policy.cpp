@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/searching_operator.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "learn/policy_rows.hpp"
 #include "learn/relabel.hpp"
@@ -98,32 +99,33 @@ double root_mean_square(const std::vector<const Policy*>& policies,
   return std::sqrt(squares / static_cast<double>(count(rows)));
 }
 
-// Skill of each simulated operator who demonstrated. Throws BadInput where there is none.
-std::vector<double> teachers(const Demonstrations& training) {
-  std::vector<double> skills;
+// The simulated operators who demonstrated. Throws BadInput where there is none.
+std::vector<std::string> teachers(const Demonstrations& training) {
+  std::vector<std::string> names;
   for (const Demonstration* d : training)
-    if (const auto skill = simulated_skill(d->operator_)) skills.push_back(*skill);
-  if (skills.empty())
+    if (simulated_skill(d->operator_) || searching_skill(d->operator_))
+      names.push_back(d->operator_);
+  if (names.empty())
     throw BadInput(
         "--dagger: asks the simulated operator who demonstrated what he would have done; the "
         "demonstrations are by \"" +
         training.front()->operator_ + "\"");
-  return skills;
+  return names;
 }
 
 // A round of DAgger: appends to `met` the states that the policy met, with the answers of the
 // operators who demonstrated, in turn.
 DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f,
-                          const std::vector<double>& skills, std::uint64_t seed, std::size_t round,
-                          std::vector<Demonstration>& met) {
+                          const std::vector<std::string>& teachers, std::uint64_t seed,
+                          std::size_t round, std::vector<Demonstration>& met) {
   DaggerRound now;
   for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
     const std::string what = "a scene of the episodes";
     const Scene scene =
         parse_scene(parse_json(set.documents[k % set.documents.size()], what), what);
     const std::uint64_t trial = round * kTrialsPerRound + k;
-    met.push_back(relabelled_trial(scene, f.policy, skills[trial % skills.size()], f.reaction_time,
-                                   seed, kFirstTrial + trial));
+    met.push_back(relabelled_trial(scene, f.policy, teachers[trial % teachers.size()],
+                                   f.reaction_time, seed, kFirstTrial + trial));
     ++now.trials;
     now.inserted += met.back().outcome == Outcome::inserted;
   }
@@ -198,8 +200,8 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
                      const PolicyProgress& progress) {
   refuse_too_few(set);
   auto [training, held_out] = split(set.demonstrations, settings.seed);
-  std::vector<double> skills;
-  if (settings.dagger_rounds > 0) skills = teachers(training);
+  std::vector<std::string> asked;
+  if (settings.dagger_rounds > 0) asked = teachers(training);
   PolicyFit fit = begun(set, settings, training, held_out);
   PolicyFile& f = fit.file;
   const std::vector<PolicyRows> test = policy_rows(held_out, f.reaction_time, f.policy);
@@ -222,7 +224,7 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
         f.dagger.back().held_out_loss += m.held_out_loss / static_cast<double>(f.members.size());
     if (round == settings.dagger_rounds || f.trained_on.partial) break;
     const std::size_t before = met.size();
-    f.dagger.push_back(let_it_insert(set, f, skills, settings.seed, round, met));
+    f.dagger.push_back(let_it_insert(set, f, asked, settings.seed, round, met));
     f.trained_on.rollouts = met.size();
     for (std::size_t k = before; k < met.size(); ++k) training.push_back(&met[k]);
   }

@@ -1,49 +1,73 @@
 #include "learn/relabel.hpp"
 
+#include "controller/searching_operator.hpp"
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
+namespace {
 
-Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy, double skill,
-                               double reaction, std::uint64_t seed, std::uint64_t first) {
+// What he would do, asked at every tick.
+using Teacher = std::function<HandTwist(const Tick&, const Observation&)>;
+
+Teacher teacher_of(const std::string& name, const Scene& scene, const TraineeTask& task,
+                   double reaction) {
+  const std::optional<double> searching = searching_skill(name);
+  TraineeTraits traits = trainee_traits(searching ? *searching : simulated_skill(name).value());
+  traits.tremor = traits.hesitation_rate = 0;
+  traits.delay = reaction;
+  const auto steady = [] { return 0.5; };
+  if (!searching)
+    return [trainee = Trainee(traits, task, steady)](const Tick& tick, const Observation&) mutable {
+      return trainee.answer(tick.time, tick.hand, tick.relative);
+    };
+  traits.delay = std::max(traits.delay, task.period);
+  return [his = std::shared_ptr(searching_operator(scene, traits, task.period, steady))](
+             const Tick&, const Observation& observation) { return his->command(observation); };
+}
+
+}  // namespace
+
+Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy,
+                               const std::string& teacher, double reaction, std::uint64_t seed,
+                               std::uint64_t first) {
   const auto [drawn, trial, infeasible] = feasible_trial(toleranced, seed, first);
   const Scene& scene = *drawn;
   const Scaling scaling = scene_scaling(scene);
   const State start = draw_start(scene, seed, trial);
   PolicyController controller(policy);
   ControllerHand hand = recorded_hand(scene, start, controller);
-  TraineeTraits traits = trainee_traits(skill);
-  traits.tremor = traits.hesitation_rate = 0;
-  traits.delay = reaction;
-  Trainee trainee(traits, trainee_task(scene, start, policy.period, seed, trial),
-                  [] { return 0.5; });
+  const Teacher ask =
+      teacher_of(teacher, scene, trainee_task(scene, start, policy.period, seed, trial), reaction);
   const Eigen::Index stride = rows_per_step(policy.period);
   Eigen::Index n = 0;
   Demonstration d;
   d.period = static_cast<double>(stride) * policy.period;
   d.speed_limit = scaling.motion * scene.limits.speed;
   HandPose begun;
-  std::vector<Eigen::Vector3d> answers;
-  d.outcome =
-      run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-                    {.scaling = scaling, .period = policy.period, .past_success = true},
-                    [&](const Tick& tick) {
-                      const HandTwist answer = trainee.answer(tick.time, tick.hand, tick.relative);
-                      if (n++ % stride != 0) return true;
-                      if (d.observations.empty()) begun = tick.hand;
-                      d.observations.push_back(observe(tick.relative, tick.hand, begun,
-                                                       registered_entrance(scene), tick.time));
-                      answers.push_back(answer.head<3>());
-                      return true;
-                    })
-          .outcome;
+  std::vector<HandTwist> answers;
+  d.outcome = run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
+                            {.scaling = scaling, .period = policy.period, .past_success = true},
+                            [&](const Tick& tick) {
+                              if (n == 0) begun = tick.hand;
+                              const Observation observed =
+                                  observe(tick.relative, tick.hand, begun,
+                                          registered_entrance(scene), tick.time);
+                              const HandTwist answer = ask(tick, observed);
+                              if (n++ % stride != 0) return true;
+                              d.observations.push_back(observed);
+                              answers.push_back(answer);
+                              return true;
+                            })
+                  .outcome;
   d.velocity.resize(static_cast<Eigen::Index>(answers.size()), Eigen::NoChange);
-  d.tilt_rates.setZero(d.velocity.rows(), Eigen::NoChange);
-  for (std::size_t i = 0; i < answers.size(); ++i)
-    d.velocity.row(static_cast<Eigen::Index>(i)) = answers[i].transpose();
+  d.tilt_rates.resize(d.velocity.rows(), Eigen::NoChange);
+  for (std::size_t i = 0; i < answers.size(); ++i) {
+    d.velocity.row(static_cast<Eigen::Index>(i)) = answers[i].head<3>();
+    d.tilt_rates.row(static_cast<Eigen::Index>(i)) = answers[i].tail<2>();
+  }
   return d;
 }
 

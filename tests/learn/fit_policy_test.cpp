@@ -4,6 +4,7 @@
 #include <set>
 
 #include "controller/campaign.hpp"
+#include "controller/searching_operator.hpp"
 #include "learn/relabel.hpp"
 #include "tests/compare.hpp"
 #include "tests/demonstrations.hpp"
@@ -285,7 +286,7 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
   p.period = kStep;
   const double reaction = 0.15;
-  const Demonstration d = relabelled_trial(scene, p, 0.8, reaction, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, simulated_operator_name(0.8), reaction, 1, 3);
   const double yield = trainee_traits(0.8).yield;
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / kStep));
   Eigen::Index compared = 0;
@@ -301,6 +302,32 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   EXPECT_GT(compared, 100);
 }
 
+// One who searches is asked as well: led against the face, he would have come by himself until he
+// felt it one reaction time before, and tilts no more than his search does.
+TEST(Relabel, AsksWhoSearchesToo) {
+  const Scene scene = load_scene("by_hand/sharp");
+  Policy p = testing::random_policy(1, {4}, 1, 1);
+  p.velocity_scale.setZero();
+  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
+  p.period = kStep;
+  TraineeTraits steady = trainee_traits(0.8);
+  steady.tremor = steady.hesitation_rate = 0;
+  steady.delay = 0.15;
+  const Demonstration d =
+      relabelled_trial(scene, p, searching_operator_name(0.8), steady.delay, 1, 3);
+  const auto person = searching_operator(scene, steady, kStep, [] { return 0.5; });
+  Eigen::Index came = 0, touched = 0;
+  for (Eigen::Index n = 0; n < d.rows(); ++n) {
+    const HandTwist v = person->command(d.observed(n));
+    EXPECT_EQ(v.head<3>(), d.velocity.row(n).transpose()) << n;
+    EXPECT_EQ(v.tail<2>(), d.tilt_rates.row(n).transpose()) << n;
+    came += d.velocity(n, 0) < 0;
+    touched += d.velocity(n, 0) >= 0 && n > d.rows() / 2;
+  }
+  EXPECT_GT(came, 100);
+  EXPECT_GT(touched, 10);
+}
+
 // What the operator is asked about is what a recording of the policy shows, bit for bit.
 TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
   const testing::TemporaryFolder folder;
@@ -311,7 +338,7 @@ TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
   PolicyController controller(p);
   const std::string file = testing::record(scene, folder.path(), 3, &controller);
   const Demonstration recorded = demonstration(read_episode(file), scene, file);
-  const Demonstration d = relabelled_trial(scene, p, 0.8, 0.15, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, simulated_operator_name(0.8), 0.15, 1, 3);
   EXPECT_EQ(d.outcome, recorded.outcome);
   ASSERT_EQ(d.rows(), recorded.rows());
   for (Eigen::Index n = 0; n < d.rows(); ++n) {
