@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "learn/choose_law.hpp"
+#include "learn/free_course.hpp"
 
 namespace ferrule {
 namespace {
@@ -129,7 +130,8 @@ LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<La
   if (!std::isfinite(solution.cost))
     throw BadInput("the fit did not converge from any start: " + solution.summary);
   c.kind = *kind;
-  c.gains = law_gains(*kind, train, scales, solution);
+  c.gains =
+      widened(law_gains(*kind, train, scales, solution), free_course(*kind, solution.gains, train));
   c.trained_on = trained_on(set, parts.training, parts.testing, seed);
   c.trained_on.rows = rows(train);
   c.trained_on.partial = partial;

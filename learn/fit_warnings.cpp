@@ -6,48 +6,37 @@
 #include <limits>
 
 #include "insertion/scene_scaling.hpp"
-#include "learn/samples.hpp"
+#include "learn/free_course.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr double kHardly = 0.1;  // of a velocity's variance
+constexpr double kHardly = 0.3;  // of the variance that the course leaves
 
-// Share of the variance of each velocity that the law explains, over the demonstrations it was
-// fitted to.
-Eigen::Array3d explained(const DemonstrationSet& set, const LawFile& law) {
-  const Law fitted = law.law();
-  Eigen::Array3d sum = Eigen::Array3d::Zero(), square = sum, error = sum;
-  double n = 0;
+// The episodes that the law was fitted to.
+std::vector<Samples> fitted_to(const DemonstrationSet& set, const LawFile& law) {
+  std::vector<Samples> all;
   for (const Demonstration& d : set.demonstrations) {
     const auto& held_out = law.trained_on.held_out;
-    if (std::any_of(held_out.begin(), held_out.end(),
-                    [&](const TrainedEpisode& e) { return e.file == d.file; }))
-      continue;
-    for (const Sample& sample : samples(d, law.reaction_time)) {
-      const Eigen::Array3d v = sample.velocity.array();
-      const Eigen::Vector3d answer = law_velocity(law.kind, fitted.gains().data(), sample);
-      sum += v;
-      square += v * v;
-      error += (v - answer.array()).square();
-      n += 1;
-    }
+    if (std::none_of(held_out.begin(), held_out.end(),
+                     [&](const TrainedEpisode& e) { return e.file == d.file; }))
+      all.push_back(samples(d, law.reaction_time));
   }
-  const Eigen::Array3d variance = square - sum * sum / std::max(n, 1.0);
-  return (variance > 0).select(1 - error / variance, 0);
+  return all;
 }
 
 void warn_of_gains(const DemonstrationSet& set, const LawFile& law,
                    std::vector<std::string>& warnings) {
-  const Eigen::Array3d share = explained(set, law);
+  const Eigen::Array3d share = free_course(law.kind, law.law().gains(), fitted_to(set, law)).share;
   for (const Gain& gain : gain_table(law.kind)) {
     const std::string name = gain.name;
     if (name.find("yield_") == name.npos) continue;
     const int axis = name.back() - 'x';
-    if (axis == 0 || !(share[axis] < kHardly)) continue;  // v_x follows the law's own course too
+    if (!(share[axis] < kHardly)) continue;
     warnings.push_back(fmt::format(
-        "{} is not determined by these forces: they explain {:.1f} % of the velocity along {}; the "
-        "true gain may be many times larger, whatever the interval says",
+        "{} is not determined by these forces: they explain {:.1f} % of what the velocity along {} "
+        "varies at the same height; the true gain may be many times larger, whatever the interval "
+        "says",
         name, 100 * std::max(0.0, share[axis]), name.back()));
   }
 }

@@ -6,11 +6,10 @@
 namespace ferrule {
 
 // One line each:
-//   - a gain that answers a force, where the forces hardly explain the velocity: the share of the
-//     velocity's variance along its axis that is explained by force and depth together, over the
-//     rows that were fitted, is below a tenth. The hand's own motion then makes most of the force
-// that
-//     is felt, and a regression of one on the other is biased, however tight its interval.
+//   - a gain that answers a force sideways, where the forces hardly explain the velocity: of what it
+//     varies at the same height, less than 3 tenths, over the rows that were fitted
+//     (learn/free_course.hpp). The hand's own motion then makes most of the force that is felt, and
+//     a regression of one on the other is biased, however tight its interval.
 //   - a controller that meets no force at all, and yet does not reach the success depth within the
 //     longest trial of a scene that it learned from.
 std::vector<std::string> fit_warnings(const DemonstrationSet& set,
