@@ -35,8 +35,8 @@ FreeCourse free_course(LawKind kind, const std::vector<double>& gains,
 // The gains with intervals that hold those of their yields with a free course too, and kLeastError
 // to each side of both.
 std::vector<FittedGain> widened(std::vector<FittedGain> gains, const FreeCourse& free);
-// A hand's tremor comes back to it in the force. Of simulated operators that biases a yield by a
-// tenth of a percent to some tenths.
-inline constexpr double kLeastError = 0.005;  // of a yield
+// A hand's tremor comes back to it in the force, which biases a yield of the simulated operators by
+// up to 0.6 percent.
+inline constexpr double kLeastError = 0.01;  // of a yield
 
 }  // namespace ferrule
