@@ -337,6 +337,21 @@ int compare_verb(const CompareArguments& a) {
   return all_refuted(found.entries) ? kFailed : kDone;
 }
 
+void add_ladder(CLI::App& verb, CompareArguments& a) {
+  verb.add_flag("--ladder", a.ladder,
+                "Try all, and a blind spiral, on every rung of the ladder too (docs/results.md); "
+                "with --seeds what each seed of training learned");
+  verb.add_flag("--supervise", a.supervise, "Try all there under the supervisor, too")
+      ->needs("--ladder");
+  verb.add_option("--ablate", a.ablate,
+                  "Try what learns and what is given there without this, too: what it feels, "
+                  "where it has moved, rates of tilt, variation in what it learns from")
+      ->needs("--ladder")
+      ->delimiter(',')
+      ->check(one_of({kAblations.begin(), kAblations.end()}))
+      ->type_name("force,memory,tilt,variation");
+}
+
 }  // namespace
 
 void add_compare(CLI::App& app, Run& run) {
@@ -363,18 +378,7 @@ void add_compare(CLI::App& app, Run& run) {
   verb->add_option("--transfer", a->transfer, "Try all in these scenes too, without fitting again")
       ->delimiter(',')
       ->type_name("SCENE,...");
-  verb->add_flag("--ladder", a->ladder,
-                 "Try all, and a blind spiral, on every rung of the ladder too (docs/results.md); "
-                 "with --seeds what each seed of training learned");
-  verb->add_flag("--supervise", a->supervise, "Try all there under the supervisor, too")
-      ->needs("--ladder");
-  verb->add_option("--ablate", a->ablate,
-                   "Try what learns and what is given there without this, too: what it feels, "
-                   "where it has moved, rates of tilt, variation in what it learns from")
-      ->needs("--ladder")
-      ->delimiter(',')
-      ->check(one_of({kAblations.begin(), kAblations.end()}))
-      ->type_name("force,memory,tilt,variation");
+  add_ladder(*verb, *a);
   verb->add_option("--learners", a->learners, "Only these; all unless given")
       ->delimiter(',')
       ->check(one_of(learner_keys()));

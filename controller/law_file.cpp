@@ -39,8 +39,8 @@ std::vector<CrossValidated> read_cross_validation(JsonFields fields) {
       JsonFields law = fields.object(name(kind));
       const auto gains = static_cast<std::int64_t>(gain_table(kind).size());
       law.integer("gains", gains, gains);
-      laws.push_back(
-          {kind, law.number_or_nan("error_m_s", rule::any()), law.number_or_nan("standard_error_m_s", rule::any())});
+      laws.push_back({kind, law.number_or_nan("error_m_s", rule::any()),
+                      law.number_or_nan("standard_error_m_s", rule::any())});
       law.finish();
     }
   fields.finish();

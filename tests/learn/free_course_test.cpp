@@ -88,7 +88,8 @@ TEST(Widened, HoldsBothIntervals) {
   EXPECT_CLOSE(gains[2].low, 1 - kLeastError, 1e-12);
   EXPECT_CLOSE(gains[2].high, 1.001 * (1 + kLeastError), 1e-12);
   EXPECT_TRUE(std::isnan(gains[3].low));
-  for (std::size_t i = 0; i < 4; ++i) EXPECT_EQ(gains[i].value, (std::array{1.0, 3.0, 1.001, 0.0})[i]);
+  for (std::size_t i = 0; i < 4; ++i)
+    EXPECT_EQ(gains[i].value, (std::array{1.0, 3.0, 1.001, 0.0})[i]);
 }
 
 // The operator's yield is in the interval, or a warning says that it may not be.
