@@ -22,7 +22,7 @@ Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
 
 // What --ablate asks for: what learns, and what is given (those of `candidates` after what learns,
 // which begins at `first`), without each of the things in turn. Where there is nothing to take
-// away, or nothing is learned without, it is left out, with a note.
+// away it is left out; where nothing can be learned without, too, with a note.
 std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& set,
                              const std::vector<ChosenLearner>& learned_by,
                              const std::vector<Candidate>& candidates, std::size_t first);
