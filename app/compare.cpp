@@ -57,24 +57,6 @@ std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSe
   return others;
 }
 
-// Appends what each learner made of the demonstrations; returns those that could.
-std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
-                                       std::vector<Candidate>& candidates) {
-  std::vector<ChosenLearner> could;
-  for (const ChosenLearner& chosen : chosen_learners(a)) {
-    const std::string& name = chosen.variant.name;
-    try {
-      candidates.push_back(fitted(a, chosen, set, "all"));
-      could.push_back(chosen);
-    } catch (const BadInput& error) {
-      end_if_interrupted();
-      if (!a.learners.empty()) throw BadInput(a.folder + ": " + name + ": " + error.what());
-      fmt::print(stderr, "note: {} is left out: {}\n", name, error.what());
-    }
-  }
-  return could;
-}
-
 // The controllers of files and the program that were given.
 std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Provenance& provenance,
                              std::size_t& trained) {

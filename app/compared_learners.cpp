@@ -18,26 +18,27 @@ std::string name_without(const std::string& controller, Ablation what) {
   return controller + ", no " + name(what);
 }
 
-// `whole`: the same learner's, with nothing taken away. Empty: there is nothing to take.
-std::optional<Candidate> learned_without(const CompareArguments& a, Ablation what,
-                                         const DemonstrationSet& set, const ChosenLearner& chosen,
-                                         const Candidate& whole) {
-  const auto variant = without(what, *chosen.learner, chosen.variant);
+// Of `learner`, which made `whole`; null: it was given. Empty: there is nothing to take.
+std::optional<Candidate> candidate_without(const CompareArguments& a, Ablation what,
+                                           const DemonstrationSet& set,
+                                           const ChosenLearner* learner, const Candidate& whole) {
+  std::optional<Learner::Variant> variant;
+  if (learner) variant = without(what, *learner->learner, learner->variant);
+  const bool varies = learner && what == Ablation::variation;
   const bool memory = variant && what == Ablation::memory;  // a perceptron's are its samples
-  if (what != Ablation::variation && !memory && !has(*whole.file, what)) return {};
+  const bool runs = whole.file ? has(*whole.file, what) : what != Ablation::variation;
+  if (!varies && !memory && !runs) return {};
   Candidate c = whole;
-  if (what == Ablation::variation || variant) {
-    ChosenLearner less{chosen.learner, variant.value_or(chosen.variant)};
-    less.variant.name = name_without(whole.name, what);
+  c.name = name_without(whole.name, what);
+  if (varies || variant) {
+    ChosenLearner less{learner->learner, variant.value_or(learner->variant)};
+    less.variant.name = c.name;
     c = fitted(a, less, without(what, set, a.fit_seed, end_if_interrupted),
                fmt::format("no {}", name(what)));
   }
-  c.name = name_without(whole.name, what);
   c.make = without(what, c.make);
   return c;
 }
-
-}  // namespace
 
 std::vector<ChosenLearner> chosen_learners(const CompareArguments& a) {
   std::vector<ChosenLearner> chosen;
@@ -48,6 +49,8 @@ std::vector<ChosenLearner> chosen_learners(const CompareArguments& a) {
         chosen.push_back({&learner, variant});
   return chosen;
 }
+
+}  // namespace
 
 std::vector<std::string> learner_keys() {
   std::vector<std::string> keys;
@@ -75,6 +78,23 @@ Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
   return c;
 }
 
+std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
+                                       std::vector<Candidate>& candidates) {
+  std::vector<ChosenLearner> could;
+  for (const ChosenLearner& chosen : chosen_learners(a)) {
+    const std::string& name = chosen.variant.name;
+    try {
+      candidates.push_back(fitted(a, chosen, set, "all"));
+      could.push_back(chosen);
+    } catch (const BadInput& error) {
+      end_if_interrupted();
+      if (!a.learners.empty()) throw BadInput(a.folder + ": " + name + ": " + error.what());
+      fmt::print(stderr, "note: {} is left out: {}\n", name, error.what());
+    }
+  }
+  return could;
+}
+
 std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& set,
                              const std::vector<ChosenLearner>& learned_by,
                              const std::vector<Candidate>& candidates, std::size_t first) {
@@ -84,18 +104,11 @@ std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& 
     const auto what = static_cast<Ablation>(at);
     for (std::size_t i = first; i < candidates.size(); ++i) {
       const Candidate& whole = candidates[i];
-      const std::size_t k = i - first;
-      const bool learns = k < learned_by.size();
+      const ChosenLearner* learner =
+          i - first < learned_by.size() ? &learned_by[i - first] : nullptr;
       try {
-        std::optional<Candidate> c;
-        if (learns)
-          c = learned_without(a, what, set, learned_by[k], whole);
-        else if (what != Ablation::variation && (!whole.file || has(*whole.file, what))) {
-          c = whole;
-          c->name = name_without(whole.name, what);
-          c->make = without(what, whole.make);
-        }
-        if (c) all.push_back({*c, learns ? std::optional(a.fit_seed) : std::nullopt, key});
+        if (const auto c = candidate_without(a, what, set, learner, whole))
+          all.push_back({*c, learner ? std::optional(a.fit_seed) : std::nullopt, key});
       } catch (const BadInput& error) {
         end_if_interrupted();
         fmt::print(stderr, "note: {} is left out: {}\n", name_without(whole.name, what),

@@ -11,14 +11,18 @@ struct ChosenLearner {
   Learner::Variant variant;
 };
 
-// Those of --learners; all unless given.
-std::vector<ChosenLearner> chosen_learners(const CompareArguments& a);
+// What --learners may name.
 std::vector<std::string> learner_keys();
 
 // `which`: the demonstrations of the set, unlike any other of the command. Throws BadInput where
 // they are too few or tell nothing, Stopped at Ctrl-C.
 Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
                  const DemonstrationSet& set, const std::string& which);
+
+// Appends what each learner of --learners (all unless given) made of the demonstrations; returns
+// those that could. Throws as fitted, BadInput only where --learners names one that could not.
+std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
+                                       std::vector<Candidate>& candidates);
 
 // What --ablate asks for: what learns, and what is given (those of `candidates` after what learns,
 // which begins at `first`), without each of the things in turn. Where there is nothing to take

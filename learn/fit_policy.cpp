@@ -87,14 +87,14 @@ void train_members(PolicyFit& fit, std::vector<Policy>& chosen_without,
   }
 }
 
-// Of the error of the translation of each of `policies` on the rows of its own, without the speed
-// limit [m/s]; NaN where one has no members.
-double root_mean_square(const std::vector<const Policy*>& policies,
-                        const std::vector<PolicyRows>& rows) {
+// Of the error of the translation on the rows of each demonstration, by the policy for it, without
+// the speed limit [m/s]; NaN where one has no members.
+double root_mean_square(const std::vector<PolicyRows>& rows,
+                        const std::function<const Policy&(std::size_t)>& policy_for) {
   double squares = 0;
   for (std::size_t e = 0; e < rows.size(); ++e) {
-    if (policies[e]->members.empty()) return NAN;
-    squares += squared_error(*policies[e], rows[e]);
+    if (policy_for(e).members.empty()) return NAN;
+    squares += squared_error(policy_for(e), rows[e]);
   }
   return std::sqrt(squares / static_cast<double>(count(rows)));
 }
@@ -228,10 +228,9 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     f.trained_on.rollouts = met.size();
     for (std::size_t k = before; k < met.size(); ++k) training.push_back(&met[k]);
   }
-  f.residual = root_mean_square(std::vector<const Policy*>(train.size(), &f.policy), train);
-  std::vector<const Policy*> blind;
-  for (const Policy& policy : chosen_without) blind.push_back(&policy);
-  f.held_out_residual = root_mean_square(blind, test);
+  f.residual = root_mean_square(train, [&](std::size_t) -> const Policy& { return f.policy; });
+  f.held_out_residual =
+      root_mean_square(test, [&](std::size_t e) -> const Policy& { return chosen_without[e]; });
   return fit;
 }
 

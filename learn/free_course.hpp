@@ -32,11 +32,11 @@ struct FreeCourse {
 FreeCourse free_course(LawKind kind, const std::vector<double>& gains,
                        const std::vector<Samples>& episodes);
 
-// The gains with intervals that hold those of their yields with a free course too, and kLeastError
-// to each side of both.
-std::vector<FittedGain> widened(std::vector<FittedGain> gains, const FreeCourse& free);
 // A hand's tremor comes back to it in the force, which biases a yield of the simulated operators by
 // up to 0.6 percent.
 inline constexpr double kLeastError = 0.01;  // of a yield
+// The gains with intervals that hold those of their yields with a free course too, and kLeastError
+// to each side of both.
+std::vector<FittedGain> widened(std::vector<FittedGain> gains, const FreeCourse& free);
 
 }  // namespace ferrule

@@ -277,14 +277,20 @@ TEST(TorchScript, OfOneThatRemembersIsThePolicyTo1e5) {
     }
 }
 
+// Whatever it feels.
+Policy straight_in(double period) {
+  Policy p = testing::random_policy(1, {4}, 1, 1);
+  p.velocity_scale.setZero();
+  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
+  p.period = period;
+  return p;
+}
+
 // The operator who is asked answers what was felt one reaction time before, and slows down towards
 // the end of the way, wherever the policy has led the hand.
 TEST(Relabel, IsWhatTheOperatorWouldDo) {
   const Scene scene = load_scene("demo");
-  Policy p = testing::random_policy(1, {4}, 1, 1);
-  p.velocity_scale.setZero();
-  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
-  p.period = kStep;
+  const Policy p = straight_in(kStep);
   const double reaction = 0.15;
   const Demonstration d = relabelled_trial(scene, p, simulated_operator_name(0.8), reaction, 1, 3);
   const double yield = trainee_traits(0.8).yield;
@@ -306,10 +312,7 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
 // felt it one reaction time before, and tilts no more than his search does.
 TEST(Relabel, AsksWhoSearchesToo) {
   const Scene scene = load_scene("by_hand/sharp");
-  Policy p = testing::random_policy(1, {4}, 1, 1);
-  p.velocity_scale.setZero();
-  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
-  p.period = kStep;
+  const Policy p = straight_in(kStep);
   TraineeTraits steady = trainee_traits(0.8);
   steady.tremor = steady.hesitation_rate = 0;
   steady.delay = 0.15;
@@ -332,9 +335,7 @@ TEST(Relabel, AsksWhoSearchesToo) {
 TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
   const testing::TemporaryFolder folder;
   const Scene scene = load_scene("bench");
-  Policy p = testing::random_policy(1, {4}, 1, 1);
-  p.velocity_scale.setZero();
-  p.velocity_mean = Eigen::Vector3d(-4e-3, 0, 0);
+  const Policy p = straight_in(1e-3);
   PolicyController controller(p);
   const std::string file = testing::record(scene, folder.path(), 3, &controller);
   const Demonstration recorded = demonstration(read_episode(file), scene, file);
