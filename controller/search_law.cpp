@@ -21,21 +21,29 @@ constexpr double kReleasing = 0.25;   // of the touching speed
 
 // Of where it goes.
 constexpr double kClear = 0.25;     // of the lift: above what can be in the way
+constexpr double kGently = 0.1;     // of the lift: that far it comes off gently
 constexpr double kThere = 1e-3;     // of r: that near a place it is there
 constexpr double kTilted = 0.01;    // of the tilt, likewise
 constexpr double kGoalTime = 0.01;  // with which it settles at a place [s]
 constexpr double kTiltTime = 0.1;   // and at a tilt, inserting [s]
 
 // Of a hand that is late.
-constexpr double kLagTime = 0.25;  // so long it is measured [s]
-constexpr double kLagLags = 5;     // and at least so many times itself
 constexpr double kGoalLags = 2.7;  // it settles with at least: from e of them on without overshoot
-constexpr double kStopForce = 0.75;  // of the pushing force: so much may a touch with it add
-constexpr double kStopTime = 5e-3;   // of touching speed: what moves the end that far, unknown [s]
+constexpr double kBrakeTime = 2e-3;    // with which it comes down to touch [s]
+constexpr double kBrakeLags = 4;       // and at least: without overshoot of a lag, too
+constexpr double kStopForce = 0.95;    // of the pushing force: what a touch may come to
+constexpr double kStopPull = 1.35;     // likewise: where it comes off, or turns
+constexpr double kMostFelt = 0.5;      // of the pushing force: what it feels at least
+constexpr double kStopTime = 5e-3;     // of touching speed, for the pushing force, unknown [s]
 constexpr double kSteadyForce = 0.25;  // of the pushing force: so much may go on in the bore
-constexpr double kStopLift = 0.3;      // of the lift, likewise
-constexpr double kLate = 2e-3;         // with more it does not touch the cone of a lead-in [s]
+constexpr double kStopLift = 0.5;      // of the lift, likewise
 constexpr double kFurther = 1.25;      // of what a cone may be higher
+
+// Of how it centres in a cone.
+constexpr std::array kCentreAt = {0.5, 0.25};  // of the lead-in's length
+constexpr double kCentreBelow = 0.45;          // likewise: the second time
+constexpr double kHeldPlay = 1.3;              // of how far a touch holds it: there is as much play
+constexpr double kBefore = 0.4, kBehind = 0.25;  // of near the entrance, once its height is known
 
 // Of how it inserts.
 constexpr double kLookEvery = 0.1;  // whether it is held up [s]
@@ -44,7 +52,8 @@ constexpr double kHeldUp = 0.1;     // of the inserting speed: slower than that 
 constexpr double kShallow = 3;      // lifts below the face: there the face may hold it up
 constexpr double kFreed = 0.5;      // of the pushing force: less is left before it turns
 constexpr double kProbing = 0.5;    // of the tilt rate
-constexpr double kMostTilt = 0.02;  // that it tries, from straight [rad]
+constexpr double kLeastTurning = 0.2;  // of that
+constexpr double kMostTilt = 0.02;     // that it tries, from straight [rad]
 constexpr std::size_t kProbes = 6;
 
 HandTwist along(double velocity) noexcept {
@@ -68,6 +77,11 @@ HandTwist SearchLaw::command(const Observation& observation) noexcept {
   Observation o = observation;
   o.wrench -= tare_;
   smooth_ += kSmoothing * (o.wrench - smooth_);
+  const HandTwist meant = answer(o);
+  return meant / hand_.gain();
+}
+
+HandTwist SearchLaw::answer(const Observation& o) {
   switch (phase_) {
     case Phase::approach:
       return approach(o);
@@ -101,6 +115,7 @@ HandTwist SearchLaw::begin(Phase phase, const Observation& o) noexcept {
   sum_ = 0;
   read_ = 0;
   probe_ = 0;
+  relaxed_ = false;
   if (phase == Phase::insert) search_.straightened();
   return HandTwist::Zero();
 }
@@ -109,30 +124,38 @@ double SearchLaw::felt_moment() const noexcept {
   return std::max(n_.turn_moment, kSmoothNoises * std::sqrt(noise_.tail<2>().maxCoeff()));
 }
 
-// By how much the holder is late, on its way straight in at one speed since the start. The speed it
-// has reached is its mean over at least the last half of that time: a supervisor lets it go by fits
-// and starts where the sensor is noisy.
-void SearchLaw::measure_lag(const Observation& o) noexcept {
-  const double time = o.time - since_, x = o.displacement[0];
-  if (time > std::max(kLagTime, kLagLags * lag_)) return;
-  if (time >= 2 * marks_[1].time) marks_ = {marks_[1], {time, x}};
-  const auto [before, from] = marks_[0];
-  if (x < from) lag_ = std::max(0.0, time - x * (time - before) / (x - from));
-}
-
 // A speed from which the holder, late as it is, does not go on by more than `further`.
 double SearchLaw::stoppable(double speed, double further) const noexcept {
-  return speed * lag_ > further ? further / lag_ : speed;
+  return speed * hand_.delay() > further ? further / hand_.delay() : speed;
 }
 
-// Of the hand, in which the force of a touch grows by part of the pushing force.
-double SearchLaw::touching_way() const noexcept {
-  const double k = stiffness_ > 0 ? stiffness_ : known_.stiffness;
-  return kStopForce * (k > 0 ? n_.push_force / k : kStopTime * n_.touch_speed);
+// It has to touch more slowly for its delay.
+bool SearchLaw::late() const noexcept {
+  return touching() < n_.touch_speed;
+}
+
+// He knows that a push moves his gripper by more than the end is lifted.
+bool SearchLaw::gives_way() const noexcept {
+  return known_.stiffness > 0 && n_.push_force / known_.stiffness > n_.lift;
+}
+
+double SearchLaw::stiffness() const noexcept {
+  if (stiffness_ > 0) return stiffness_;
+  return known_.stiffness > 0 ? known_.stiffness : n_.push_force / (kStopTime * n_.touch_speed);
+}
+
+// At which a touch that it feels then comes to as much as it may.
+double SearchLaw::touching(double speed) const noexcept {
+  return stoppable(speed, (kStopForce * n_.push_force - felt_force()) / stiffness());
 }
 
 double SearchLaw::touching() const noexcept {
-  return stoppable(n_.touch_speed, touching_way());
+  return touching(n_.touch_speed);
+}
+
+// At which it notices a pull as large as its push.
+double SearchLaw::pulling() const noexcept {
+  return stoppable(n_.touch_speed, (kStopPull - 1) * n_.push_force / stiffness());
 }
 
 // A tilted end gives way in the bore, and comes to rest in parts of the lift.
@@ -142,36 +165,41 @@ double SearchLaw::inserting() const noexcept {
 }
 
 double SearchLaw::goal_time() const noexcept {
-  return std::max(kGoalTime, kGoalLags * lag_);
+  return std::max(kGoalTime, kGoalLags * hand_.delay());
 }
 
 double SearchLaw::felt_force() const noexcept {
-  return std::max(n_.touch_force, kNoises * std::sqrt(noise_[0]));
+  const double above_noise = std::max(n_.touch_force, kNoises * std::sqrt(noise_[0]));
+  return std::min(above_noise, kMostFelt * n_.push_force);
+}
+
+double SearchLaw::felt_smooth_force() const noexcept {
+  return std::max(n_.touch_force, kSmoothNoises * std::sqrt(noise_[0]));
 }
 
 HandTwist SearchLaw::approach(const Observation& o) noexcept {
   const bool still = o.time < n_.hold_time;  // at first, for the noise
   if (!still && o.wrench[0] > felt_force()) return begin(Phase::touch, o);
-  if (o.height < -n_.near_entrance) return begin(Phase::insert, o);
+  const double height = o.height - entrance_;
+  if (height < -behind_) return begin(Phase::insert, o);
   ++free_;
   if (free_ > 1) noise_ += (o.wrench.cwiseAbs2() - noise_) / free_;
   tare_ += o.wrench / free_;
   if (still) return along(0);
   if (since_ < n_.hold_time) since_ = o.time;
-  if (o.height < n_.near_entrance) return along(-touching());
-  if (!centred_ && rest_force_ == 0 && known_.lag == 0) measure_lag(o);
-  if (!centred_ && lag_ > kLate && o.height < 0.5 * n_.lead_in_length) {
-    centred_ = true;
+  if (height < before_) return along(-touching());
+  if (rest_force_ == 0)
+    hand_.moved(from_[0] - o.displacement[0], o.time - since_, n_.approach_speed);
+  if (time_to_centre(o)) {
+    centre_ = centred_ == 0 ? ConeCentre::roughly(play(o.height)) : ConeCentre::finely();
     return begin(Phase::centre, o);
   }
-  const double approaching =
-      known_.stiffness > 0 ? stoppable(n_.approach_speed, touching_way()) : n_.approach_speed;
-  return along(-approaching);
+  return along(known_.stiffness > 0 ? -touching(n_.approach_speed) : -n_.approach_speed);
 }
 
 HandTwist SearchLaw::touch(const Observation& o) {
   const double rested = o.time - since_;
-  if (rested < lag_ + kSettling * n_.hold_time) return along(0);
+  if (rested < hand_.delay() + kSettling * n_.hold_time) return along(0);
   sum_ += o.wrench[0];
   ++read_;
   const bool first = stiffness_ == 0;
@@ -179,9 +207,9 @@ HandTwist SearchLaw::touch(const Observation& o) {
   // What the mean may be wrong by.
   const double error =
       first ? kForceError * felt_force() : kHeightError * n_.fibre_radius * stiffness_;
-  if (rested < lag_ + n_.hold_time || noise_[0] > read_ * error * error) return along(0);
-  if (smooth_.segment<2>(1).norm() > kSlides * f && f > 0.5 * felt_force())
-    return begin(Phase::insert, o);
+  if (rested < hand_.delay() + n_.hold_time || noise_[0] > read_ * error * error) return along(0);
+  const double sideways = smooth_.segment<2>(1).norm();
+  if (!late() && sideways > kSlides * f && f > 0.5 * felt_force()) return begin(Phase::insert, o);
   if (first && rest_force_ == 0) {
     if (f < 0.5 * felt_force()) return begin(Phase::approach, o);  // it was noise
     rest_at_ = x;
@@ -203,12 +231,17 @@ HandTwist SearchLaw::release(const Observation& o) noexcept {
 }
 
 HandTwist SearchLaw::lift(const Observation& o) noexcept {
-  if (smooth_[0] < -n_.push_force) return begin(Phase::insert, o);  // so fast it is in the bore
-  const double held = smooth_.head<3>().norm();
-  const double free = std::max(n_.touch_force, kSmoothNoises * std::sqrt(noise_[0]));
-  const bool high = o.displacement[0] >= std::max(from_[0], search_.highest_rest()) + n_.lift;
-  if (high && held < free) return begin(Phase::move, o);
-  return along(n_.insert_speed);
+  if (o.wrench[0] < -n_.push_force) return begin(Phase::insert, o);  // so fast it is in the bore
+  const double x = o.displacement[0], held = smooth_.head<3>().norm();
+  const bool high = x >= std::max(from_[0], search_.highest_rest()) + n_.lift;
+  if (high && held < felt_smooth_force()) return begin(Phase::move, o);
+  return along(x < from_[0] + kGently * n_.lift ? pulling() : n_.insert_speed);
+}
+
+HandTwist SearchLaw::sideways_to(const Vector2d& place, const Observation& o) const noexcept {
+  HandTwist v = HandTwist::Zero();
+  v.segment<2>(1) = (place - o.displacement.segment<2>(1)) / goal_time();
+  return limit_speed(v, n_.insert_speed);
 }
 
 HandTwist SearchLaw::tilted_to(const Vector2d& tilt, double time,
@@ -225,9 +258,7 @@ HandTwist SearchLaw::move(const Observation& o) noexcept {
   const Vector2d left = next.across - o.displacement.segment<2>(1);
   const bool tilted = (next.tilt - o.displacement.tail<2>()).norm() < kTilted * n_.tilt;
   if (left.norm() < kThere * n_.fibre_radius && tilted) return begin(Phase::lower, o);
-  HandTwist v = tilted_to(next.tilt, goal_time(), o);
-  v.segment<2>(1) = left / goal_time();
-  return limit_speed(v, n_.insert_speed);
+  return tilted_to(next.tilt, goal_time(), o) + sideways_to(next.across, o);
 }
 
 HandTwist SearchLaw::lower(const Observation& o) noexcept {
@@ -236,16 +267,17 @@ HandTwist SearchLaw::lower(const Observation& o) noexcept {
   if (x + smooth_[0] / stiffness_ < search_.lowest_rest() - n_.lift)
     return begin(o.height < -n_.lift ? Phase::insert : Phase::approach, o);
   double clear = search_.highest_rest() + kClear * n_.lift;
-  if (lag_ > kLate) clear += kFurther * search_.climb() + lag_ * n_.insert_speed;
-  return along(x < clear ? -touching() : -n_.insert_speed);
+  if (late()) clear += kFurther * search_.climb();
+  const double braking = (x - clear) / std::max(kBrakeTime, kBrakeLags * hand_.delay());
+  return along(-std::clamp(braking, touching(), n_.insert_speed));
 }
 
 HandTwist SearchLaw::insert(const Observation& o) noexcept {
-  const double look = std::max(kLookEvery, kLookLags * lag_);
+  const double look = std::max(kLookEvery, kLookLags * hand_.delay());
   if (o.time - since_ >= look) {
     const bool held_up = from_[0] - o.displacement[0] < kHeldUp * inserting() * look;
-    const bool shallow =
-        search_.begun() && o.displacement[0] > search_.lowest_rest() - kShallow * n_.lift;
+    const bool shallow = search_.begun() && o.height - entrance_ > -n_.near_entrance &&
+                         o.displacement[0] > search_.lowest_rest() - kShallow * n_.lift;
     begin(!held_up ? Phase::insert : shallow ? Phase::touch : Phase::back_off, o);
   }
   const Eigen::Vector3d f = o.wrench.head<3>();
@@ -261,48 +293,95 @@ HandTwist SearchLaw::insert(const Observation& o) noexcept {
 HandTwist SearchLaw::back_off(const Observation& o) noexcept {
   const double freed = kFreed * n_.push_force;
   const bool off = o.displacement[0] >= from_[0] + n_.lift && smooth_[0] < freed;
-  return off || smooth_[0] < -freed ? begin(Phase::straighten, o) : along(touching());
+  return off || o.wrench[0] < -n_.push_force ? begin(Phase::straighten, o) : along(pulling());
 }
 
+// About y and z one way and the other until the bore resists, or far enough, and to the middle,
+// which `from_` has then. Along the bore it gives way all the time, and turns slower where a late
+// hand would let the force there grow too much.
 HandTwist SearchLaw::straighten(const Observation& o) noexcept {
-  const double rate = kProbing * n_.tilt_rate * kGoalTime / std::max(kGoalTime, lag_);
-  HandTwist v = probe(o, 3, rate, kMostTilt, felt_moment());
-  if (probe_ < kProbes) return v;
-  straight_ = from_.tail<2>();
-  push_ = kHarder * n_.push_force;
-  return begin(Phase::insert, o);
-}
-
-HandTwist SearchLaw::centre(const Observation& o) noexcept {
-  const double most = n_.mouth_radius - n_.bore_radius;
-  const HandTwist v = probe(o, 1, n_.insert_speed, most, felt_force());
-  const bool nothing = probe_ == 3 && resisted_[0] - resisted_[1] > 2 * most;
-  return probe_ < kProbes && !nothing ? v : begin(Phase::approach, o);
-}
-
-// Along the coordinate `first` and the next one, at `speed` one way and the other until something
-// resists by `felt`, or `most` further, and to the middle, which `from_` has then.
-HandTwist SearchLaw::probe(const Observation& o, Eigen::Index first, double speed, double most,
-                           double felt) noexcept {
-  const Eigen::Index axis = first + static_cast<Eigen::Index>(probe_ / 3);
+  HandTwist v =
+      along(std::clamp(o.wrench[0] / (stiffness() * goal_time()), -touching(), touching()));
+  relaxed_ = relaxed_ || std::abs(smooth_[0]) < 0.5 * felt_force();
+  if (!relaxed_) return v;
+  const Eigen::Index axis = 3 + static_cast<Eigen::Index>(probe_ / 3);
   const std::size_t step = probe_ % 3;
+  const double force = std::max(std::abs(o.wrench[0]), std::abs(smooth_[0])) / n_.push_force;
+  const double slower = late() ? std::clamp(kStopPull - force, kLeastTurning, 1.0) : 1;
+  const double rate =
+      slower * kProbing * n_.tilt_rate * kGoalTime / std::max(kGoalTime, hand_.delay());
   const double at = o.displacement[axis], middle = 0.5 * (resisted_[0] + resisted_[1]);
   const double way = step == 1 ? -1 : 1;
   const double past = way * (at - from_[axis]);  // before, it is held where it comes from
   const bool resists =
-      past >= 0 && (way * smooth_[axis] < -felt || smooth_[0] > kStopForce * n_.push_force);
-  const bool there = step == 2 ? at + lag_ * speed >= middle : resists || past > most;
-  HandTwist v = along(0);
+      past >= 0 && (way * smooth_[axis] < -felt_moment() || std::abs(o.wrench[0]) > n_.push_force);
+  const bool there = step == 2 ? at + hand_.delay() * rate >= middle : resists || past > kMostTilt;
   if (!there) {
-    v[axis] = way * speed;
+    v[axis] = way * rate;
     return v;
   }
   if (step == 2)
     from_[axis] = middle;
   else
     resisted_[step] = at;
-  ++probe_;
-  return v;
+  if (++probe_ < kProbes) return v;
+  straight_ = from_.tail<2>();
+  push_ = kHarder * n_.push_force;
+  return begin(Phase::insert, o);
+}
+
+// By how much an upright end can be off the axis there.
+double SearchLaw::play(double height) const noexcept {
+  const double widened = (n_.mouth_radius - n_.bore_radius) * height / n_.lead_in_length;
+  return n_.bore_radius - n_.fibre_radius + widened;
+}
+
+// The second time no lower than where the end comes off the cone before it is in the middle.
+bool SearchLaw::time_to_centre(const Observation& o) const noexcept {
+  if (!(late() || gives_way()) || !hand_.measured() || centred_ == 2) return false;
+  if (centred_ == 0) return o.height < kCentreAt[0] * n_.lead_in_length;
+  const double length = n_.lead_in_length;
+  const double free = (kHeldPlay * held_ - play(0)) / (play(length) - play(0));
+  return o.height < std::clamp(free, kCentreAt[1], kCentreBelow) * length;
+}
+
+// The cone is felt along the bore first, where the holder is stiff, and otherwise sideways.
+HandTwist SearchLaw::centre(const Observation& o) noexcept {
+  const Vector2d at = o.displacement.segment<2>(1);
+  const SidewaysMove& next = centre_.next();
+  const double force = gives_way() ? smooth_.segment<2>(1).norm() : smooth_[0];
+  const double felt = gives_way() ? felt_force() : felt_smooth_force();
+  if (next.until_felt) {
+    touching_ = touching_ && force > 0.5 * felt;
+    if (!touching_ && force > felt) {
+      centre_.arrived(at);
+      touching_ = true;
+    } else if ((at - from_.segment<2>(1)).norm() > 2 * play(o.height)) {
+      centred_ = 2;  // there is none
+      return begin(Phase::approach, o);
+    }
+    HandTwist v = HandTwist::Zero();
+    v.segment<2>(1) = n_.insert_speed * next.to;
+    return centre_.next().until_felt ? v : along(0);
+  }
+  if (smooth_[0] < -felt) held_ = std::max(held_, (at - centre_.touched()).norm());
+  if ((next.to - at).norm() > kThere * n_.fibre_radius) return sideways_to(next.to, o);
+  centre_.arrived(at);
+  if (centre_.ended()) {
+    centred(o);
+    return begin(Phase::approach, o);
+  }
+  return along(0);
+}
+
+void SearchLaw::centred(const Observation& o) noexcept {
+  search_.recognise_cone();
+  if (++centred_ < 2) return;
+  const double height =
+      (centre_.play() - play(0)) / (play(n_.lead_in_length) - play(0)) * n_.lead_in_length;
+  entrance_ = std::clamp(o.height - height, -n_.near_entrance, n_.near_entrance);
+  before_ = kBefore * n_.near_entrance;
+  behind_ = kBehind * n_.near_entrance;
 }
 
 }  // namespace ferrule

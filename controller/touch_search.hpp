@@ -52,6 +52,9 @@ class TouchSearch {
   // It is upright again, without having come to rest.
   void straightened() noexcept { sides_ = 0; }
 
+  // The ferrule has turned out to have a cone.
+  void recognise_cone() noexcept { has_cone_ = true; }
+
   bool begun() const noexcept { return begun_; }
   // The next place; at first the start.
   const TouchPlace& next() const noexcept { return next_; }

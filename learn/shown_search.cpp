@@ -108,10 +108,15 @@ class PhaseReader {
     if (to.x > from.x) stiffness_ = (from.force - to.force) / (to.x - from.x);
   }
 
-  // The law lifts further by what the end's rim comes lower by the next tilt.
+  // The law comes off slowly at first; it lifts further by what the end's rim comes lower by the next
+  // tilt.
   void lift(std::size_t k) {
-    for (Eigen::Index n = first_row(k); n < end_row(k); n += stride_)
-      show(search_gain::insert_speed, -speed(n));
+    const double fastest =
+        first_row(k) < end_row(k)
+            ? d_.velocity.col(0).segment(first_row(k), end_row(k) - first_row(k)).maxCoeff()
+            : 0;
+    for (Eigen::Index n = first_row(k); n < end_row(k); ++n)
+      if (-speed(n) > 0.5 * fastest) show(search_gain::insert_speed, -speed(n));
     if (!(stiffness_ > 0) || lifted_ || k + 2 >= d_.phases.size()) return;
     lifted_ = true;
     const Felt from = felt(k), to = felt(k + 1);

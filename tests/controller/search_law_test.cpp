@@ -59,6 +59,8 @@ INSTANTIATE_TEST_SUITE_P(
         Condition{"HandThatMovesFurther", sharp_with({"hand.gain=1.3"})},
         Condition{"LateHand", sharp_with({"hand.delay_ms=25"})},
         Condition{"LateHandAndACone", {"hand.delay_ms=10"}},
+        Condition{"LateHandThatMovesLessAndACone", {"hand.delay_ms=40", "hand.gain=0.6"}},
+        Condition{"LateHandThatMovesFurtherAndACone", {"hand.delay_ms=50", "hand.gain=1.4"}},
         Condition{"SluggishHand", sharp_with({"hand.smoothing_ms=20"})},
         Condition{"NarrowBore", sharp_with({"ferrule.bore_diameter_um=125.3"})},
         Condition{"WideBore", sharp_with({"ferrule.bore_diameter_um=126.5"})},
@@ -120,6 +122,22 @@ TEST(SearchLaw, InABoreThatHoldsATiltedFibreItStraightens) {
     by_tuned += run_trial(scene, *tuned(trial), 12, trial).outcome == Outcome::inserted;
   }
   EXPECT_GT(by_search, by_tuned + 5);
+}
+
+// A tilt moves the fibre's side along the wall, which holds it by more than half of the force limit.
+TEST(SearchLaw, InABoreWhoseFrictionIsHighItStraightensWithoutPulling) {
+  const Scene scene = load_scene(
+      "bench", {"ferrule.bore_diameter_um=125.4", "start.tilt_sd_mrad=4",
+                "laws.friction.burgers_nm=1.03", "laws.adhesion.work_of_adhesion_J_m2=0.04"});
+  const MakeController search = load_controller(shipped());
+  int inserted = 0, pulled = 0;
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
+    const TrialResult result = run_trial(scene, *search(trial), 13, trial);
+    inserted += result.outcome == Outcome::inserted;
+    pulled += result.summary.peak_force >= scene.limits.force;
+  }
+  EXPECT_GE(inserted, 16);
+  EXPECT_LE(pulled, 1);
 }
 
 TEST(SearchLaw, SteppedFromOutsideTheTrialIsTheSame) {

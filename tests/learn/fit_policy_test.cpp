@@ -312,7 +312,8 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
 // felt it one reaction time before, and tilts no more than his search does.
 TEST(Relabel, AsksWhoSearchesToo) {
   const Scene scene = load_scene("by_hand/sharp");
-  const Policy p = straight_in(kStep);
+  Policy p = straight_in(kStep);
+  p.velocity_mean *= 0.5;  // to be led against it for longer
   TraineeTraits steady = trainee_traits(0.8);
   steady.tremor = steady.hesitation_rate = 0;
   steady.delay = 0.15;
