@@ -191,7 +191,7 @@ HandTwist SearchLaw::approach(const Observation& o) noexcept {
   if (rest_force_ == 0)
     hand_.moved(from_[0] - o.displacement[0], o.time - since_, n_.approach_speed);
   if (time_to_centre(o)) {
-    centre_ = centred_ == 0 ? ConeCentre::roughly(play(o.height)) : ConeCentre::finely();
+    centre_ = to_centre_ == 2 ? ConeCentre::roughly(search_.play(o.height)) : ConeCentre::finely();
     return begin(Phase::centre, o);
   }
   return along(known_.stiffness > 0 ? -touching(n_.approach_speed) : -n_.approach_speed);
@@ -244,6 +244,10 @@ HandTwist SearchLaw::sideways_to(const Vector2d& place, const Observation& o) co
   return limit_speed(v, n_.insert_speed);
 }
 
+bool SearchLaw::is_at(const Vector2d& place, const Observation& o) const noexcept {
+  return (place - o.displacement.segment<2>(1)).norm() < kThere * n_.fibre_radius;
+}
+
 HandTwist SearchLaw::tilted_to(const Vector2d& tilt, double time,
                                const Observation& o) const noexcept {
   HandTwist v = HandTwist::Zero();
@@ -255,9 +259,8 @@ HandTwist SearchLaw::tilted_to(const Vector2d& tilt, double time,
 
 HandTwist SearchLaw::move(const Observation& o) noexcept {
   const TouchPlace& next = search_.next();
-  const Vector2d left = next.across - o.displacement.segment<2>(1);
   const bool tilted = (next.tilt - o.displacement.tail<2>()).norm() < kTilted * n_.tilt;
-  if (left.norm() < kThere * n_.fibre_radius && tilted) return begin(Phase::lower, o);
+  if (is_at(next.across, o) && tilted) return begin(Phase::lower, o);
   return tilted_to(next.tilt, goal_time(), o) + sideways_to(next.across, o);
 }
 
@@ -330,19 +333,13 @@ HandTwist SearchLaw::straighten(const Observation& o) noexcept {
   return begin(Phase::insert, o);
 }
 
-// By how much an upright end can be off the axis there.
-double SearchLaw::play(double height) const noexcept {
-  const double widened = (n_.mouth_radius - n_.bore_radius) * height / n_.lead_in_length;
-  return n_.bore_radius - n_.fibre_radius + widened;
-}
-
 // The second time no lower than where the end comes off the cone before it is in the middle.
 bool SearchLaw::time_to_centre(const Observation& o) const noexcept {
-  if (!(late() || gives_way()) || !hand_.measured() || centred_ == 2) return false;
-  if (centred_ == 0) return o.height < kCentreAt[0] * n_.lead_in_length;
+  if (!(late() || gives_way()) || !hand_.measured() || to_centre_ == 0) return false;
   const double length = n_.lead_in_length;
-  const double free = (kHeldPlay * held_ - play(0)) / (play(length) - play(0));
-  return o.height < std::clamp(free, kCentreAt[1], kCentreBelow) * length;
+  if (to_centre_ == 2) return o.height < kCentreAt[0] * length;
+  return o.height < std::clamp(search_.height_of(kHeldPlay * held_), kCentreAt[1] * length,
+                               kCentreBelow * length);
 }
 
 // The cone is felt along the bore first, where the holder is stiff, and otherwise sideways.
@@ -352,12 +349,12 @@ HandTwist SearchLaw::centre(const Observation& o) noexcept {
   const double force = gives_way() ? smooth_.segment<2>(1).norm() : smooth_[0];
   const double felt = gives_way() ? felt_force() : felt_smooth_force();
   if (next.until_felt) {
-    touching_ = touching_ && force > 0.5 * felt;
-    if (!touching_ && force > felt) {
+    at_cone_ = at_cone_ && force > 0.5 * felt;
+    if (!at_cone_ && force > felt) {
       centre_.arrived(at);
-      touching_ = true;
-    } else if ((at - from_.segment<2>(1)).norm() > 2 * play(o.height)) {
-      centred_ = 2;  // there is none
+      at_cone_ = true;
+    } else if ((at - from_.segment<2>(1)).norm() > 2 * search_.play(o.height)) {
+      to_centre_ = 0;  // there is none
       return begin(Phase::approach, o);
     }
     HandTwist v = HandTwist::Zero();
@@ -365,7 +362,7 @@ HandTwist SearchLaw::centre(const Observation& o) noexcept {
     return centre_.next().until_felt ? v : along(0);
   }
   if (smooth_[0] < -felt) held_ = std::max(held_, (at - centre_.touched()).norm());
-  if ((next.to - at).norm() > kThere * n_.fibre_radius) return sideways_to(next.to, o);
+  if (!is_at(next.to, o)) return sideways_to(next.to, o);
   centre_.arrived(at);
   if (centre_.ended()) {
     centred(o);
@@ -376,10 +373,9 @@ HandTwist SearchLaw::centre(const Observation& o) noexcept {
 
 void SearchLaw::centred(const Observation& o) noexcept {
   search_.recognise_cone();
-  if (++centred_ < 2) return;
-  const double height =
-      (centre_.play() - play(0)) / (play(n_.lead_in_length) - play(0)) * n_.lead_in_length;
-  entrance_ = std::clamp(o.height - height, -n_.near_entrance, n_.near_entrance);
+  if (--to_centre_ > 0) return;
+  entrance_ =
+      std::clamp(o.height - search_.height_of(centre_.play()), -n_.near_entrance, n_.near_entrance);
   before_ = kBefore * n_.near_entrance;
   behind_ = kBehind * n_.near_entrance;
 }

@@ -122,6 +122,7 @@ class SearchLaw : public Controller {
   HandTwist tilted_to(const Eigen::Vector2d& tilt, double time,
                       const Observation& o) const noexcept;
   HandTwist sideways_to(const Eigen::Vector2d& place, const Observation& o) const noexcept;
+  bool is_at(const Eigen::Vector2d& place, const Observation& o) const noexcept;
   double felt_force() const noexcept;
   double felt_smooth_force() const noexcept;
   double felt_moment() const noexcept;
@@ -129,7 +130,6 @@ class SearchLaw : public Controller {
   bool gives_way() const noexcept;
   bool time_to_centre(const Observation& o) const noexcept;
   void centred(const Observation& o) noexcept;
-  double play(double height) const noexcept;
   double stiffness() const noexcept;
   double stoppable(double speed, double further) const noexcept;
   double touching(double speed) const noexcept;
@@ -157,11 +157,11 @@ class SearchLaw : public Controller {
   double rest_at_ = 0, rest_force_ = 0;  // of the first touch: x of the hand [m], f [N]
 
   double push_ = n_.push_force;  // with which it inserts [N]
-  int centred_ = 0;              // how often, of twice; 2 where there is no cone, too
+  int to_centre_ = 2;            // how often still; 0 where there is no cone
   ConeCentre centre_;
-  bool touching_ = false;  // the cone still
-  double held_ = 0;        // how far from there the cone held it [m]
-  double entrance_ = 0;    // its height where it was taken to be at 0 [m]
+  bool at_cone_ = false;  // it touches it still
+  double held_ = 0;       // how far from there the cone held it [m]
+  double entrance_ = 0;   // its height where it was taken to be at 0 [m]
   // Up to which heights before and behind it a touch is to be expected [m].
   double before_ = n_.near_entrance, behind_ = n_.near_entrance;
   bool relaxed_ = false;              // along the bore, before it turns

@@ -19,11 +19,15 @@ constexpr double kBelow = 0.1;      // of the lift: by which it rests lower than
 
 }  // namespace
 
-// At the height of the last upright touch, of an end at the opening's edge from inside.
-double TouchSearch::off_axis() const noexcept {
+double TouchSearch::play(double height) const noexcept {
   const double widened =
-      n_.lead_in_length > 0 ? std::clamp(height_ / n_.lead_in_length, 0.0, 1.0) : 0;
+      n_.lead_in_length > 0 ? std::clamp(height / n_.lead_in_length, 0.0, 1.0) : 0;
   return clearance() + widened * (n_.mouth_radius - n_.bore_radius);
+}
+
+double TouchSearch::height_of(double play) const noexcept {
+  const double widened = (play - clearance()) / (n_.mouth_radius - n_.bore_radius);
+  return n_.lead_in_length > 0 ? widened * n_.lead_in_length : 0;
 }
 
 void TouchSearch::rested(const Touch& touch, double height) {

@@ -61,6 +61,10 @@ class TouchSearch {
   // Between which x it would rest there, on the face or on the edge that it is on [m].
   double highest_rest() const noexcept { return level() + reach(); }
   double lowest_rest() const noexcept { return level() - reach(); }
+  // By how much an upright end can be off the axis at a height within the lead-in, or at its ends
+  // beyond them, and the height at which that is so [m].
+  double play(double height) const noexcept;
+  double height_of(double play) const noexcept;
   // How much higher still, should it be further away from the axis of a cone there [m].
   double climb() const noexcept {
     if (!(has_cone_ && on_edge_ && upright())) return 0;
@@ -72,7 +76,8 @@ class TouchSearch {
   double level() const noexcept { return on_edge_ ? edge_ : opening_.face; }
   double reach() const noexcept { return n_.fibre_radius * (opening_.slope + next_.tilt).norm(); }
   double clearance() const noexcept { return n_.bore_radius - n_.fibre_radius; }
-  double off_axis() const noexcept;
+  // Of an end at the opening's edge from inside, at the last upright touch.
+  double off_axis() const noexcept { return play(height_); }
   void recognise(double x, double height);
   void first_sides();
   void further_sides();

@@ -111,10 +111,8 @@ class PhaseReader {
   // The law comes off slowly at first; it lifts further by what the end's rim comes lower by the next
   // tilt.
   void lift(std::size_t k) {
-    const double fastest =
-        first_row(k) < end_row(k)
-            ? d_.velocity.col(0).segment(first_row(k), end_row(k) - first_row(k)).maxCoeff()
-            : 0;
+    double fastest = 0;
+    for (Eigen::Index n = first_row(k); n < end_row(k); ++n) fastest = std::max(fastest, -speed(n));
     for (Eigen::Index n = first_row(k); n < end_row(k); ++n)
       if (-speed(n) > 0.5 * fastest) show(search_gain::insert_speed, -speed(n));
     if (!(stiffness_ > 0) || lifted_ || k + 2 >= d_.phases.size()) return;
