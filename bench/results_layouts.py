@@ -277,6 +277,10 @@ def followers(_: Result, compared: Result) -> str:
 
 
 def improved(_recorded: Result, _fitted: Result, _improved: Result, *results: Result) -> str:
+    return reached(*results)
+
+
+def reached(*results: Result) -> str:
     return markdown(columns("rung | inserted | 95 % interval | time, median | its peak force, median and 95 %"),
                     [[f"`{r['scene']}`", inserted(r), interval(r), time(r), peaks(r)] for r in results])
 

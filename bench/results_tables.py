@@ -37,6 +37,31 @@ def ladder(trials: int, *how: str) -> list[str]:
             for rung in ("a", "b1", "b2", "b3", "b", "c", "d", "d2_cleave", "d2_edge", "e", "f") for each in how]
 
 
+START = "--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=1.33"
+DRAWN = ("--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=4 --set ferrule.bore_diameter_um=125.0..126.7"
+         """ --set 'laws.friction.burgers_nm={"choice":[0.03,0.2,0.52,1.03,3.6]}'"""
+         " --set laws.adhesion.work_of_adhesion_J_m2=0.0045..0.08 --set holder.free_length_mm=4.2..18.8"
+         " --set hand.gain=0.45..1.55 --set hand.delay_ms=0..67")
+WIDER = {
+    "a": START,
+    "b1": "--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=6.67",
+    "b2": f"{START} --set laws.drag.viscosity_Pa_s=0.33..1.67",
+    "b3": "--set start.lateral_sd_um=33.3 --set start.tilt_sd_mrad=2",
+    "b": f"{DRAWN} --set sensor.noise_uN=0.17..2.83 --set sensor.bias_uN=0.17..2.83",
+    "c": "--set start.lateral_sd_um=2.67 --set start.tilt_sd_mrad=1.33",
+    "d": START,
+    "d2_cleave": f"{START} --set fibre.cleave_deg=0..1.33",
+    "d2_edge": f"{START} --set fibre.edge_um=0.08..3.42",
+    "e": START,
+    "f": f"{DRAWN} --set fibre.cleave_deg=0..1.33 --set sensor.entrance_error_um=-6.7..6.7",
+}
+
+
+def wider(trials: int) -> list[str]:
+    return [f"./ferrule evaluate search --scene ladder/{rung} {changes} --trials {trials}"
+            for rung, changes in WIDER.items()]
+
+
 KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
@@ -73,6 +98,7 @@ TABLES = [
           [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
           layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
     Table("ladder", "counts", ladder(1000, *KNOWN), layouts.ladder, ladder(4, *KNOWN)),
+    Table("wider", "counts", wider(1000), layouts.reached, wider(4)),
     Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
           [FIVE, QUICK_CLIMB]),
     Table("supervised", "counts", [TWENTY, SUPERVISE], layouts.supervised,
