@@ -32,16 +32,12 @@ def policies(what: str) -> list[str]:
             for policy in (f"{RNN} answer bc-rnn", f"{ACT} answer act")]
 
 
-def ladder(trials: int, *how: str) -> list[str]:
-    return [f"./ferrule evaluate {each} --scene ladder/{rung} --trials {trials}"
-            for rung in ("a", "b1", "b2", "b3", "b", "c", "d", "d2_cleave", "d2_edge", "e", "f") for each in how]
-
-
 START = "--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=1.33"
 DRAWN = ("--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=4 --set ferrule.bore_diameter_um=125.0..126.7"
          """ --set 'laws.friction.burgers_nm={"choice":[0.03,0.2,0.52,1.03,3.6]}'"""
          " --set laws.adhesion.work_of_adhesion_J_m2=0.0045..0.08 --set holder.free_length_mm=4.2..18.8"
          " --set hand.gain=0.45..1.55 --set hand.delay_ms=0..67")
+# The rungs, and what makes the ranges of each a third wider.
 WIDER = {
     "a": START,
     "b1": "--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=6.67",
@@ -55,6 +51,11 @@ WIDER = {
     "e": START,
     "f": f"{DRAWN} --set fibre.cleave_deg=0..1.33 --set sensor.entrance_error_um=-6.7..6.7",
 }
+
+
+def ladder(trials: int, *how: str) -> list[str]:
+    return [f"./ferrule evaluate {each} --scene ladder/{rung} --trials {trials}"
+            for rung in WIDER for each in how]
 
 
 def wider(trials: int) -> list[str]:
