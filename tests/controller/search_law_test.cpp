@@ -83,19 +83,16 @@ TEST(SearchLaw, IsNeededAtASharpBore) {
   EXPECT_LE(inserted, 2);
 }
 
-// In all trials together: noise makes one of them slower and another one faster.
 void expect_hardly_slower_under_the_supervisor(const Scene& scene, double times) {
   const MakeController alone = load_controller(shipped());
   const MakeController watched = supervised(alone, supervisor_limits(scene));
-  double by_itself = 0, with_supervisor = 0;
-  for (std::uint64_t trial = 1; trial <= 6; ++trial) {
-    by_itself += run_trial(scene, *alone(trial), 11, trial).summary.time;
+  for (const std::uint64_t trial : {1, 2, 3}) {
+    const TrialResult by_itself = run_trial(scene, *alone(trial), 11, trial);
     const TrialResult with = run_trial(scene, *watched(trial), 11, trial);
-    with_supervisor += with.summary.time;
     EXPECT_EQ(with.outcome, Outcome::inserted);
+    EXPECT_LT(with.summary.time, times * by_itself.summary.time);
     EXPECT_LT(with.summary.peak_force, scene.limits.force);
   }
-  EXPECT_LT(with_supervisor, times * by_itself);
 }
 
 // Which lets it tilt in free air, where nothing is strained.
@@ -110,8 +107,7 @@ TEST(SearchLaw, IsHardlySlowerUnderASupervisorThatTheNoiseDisturbs) {
 
 // Nor is a touch with a gripper that gives way a jam, and a late hand goes where it is sent.
 TEST(SearchLaw, IsHardlySlowerUnderASupervisorWithASoftGripperAndALateHand) {
-  const std::vector<std::string> time = {"limits.time_s=300"};  // one in ten needs more than 120 s
-  expect_hardly_slower_under_the_supervisor(load_scene("ladder/f", time), 1.3);
+  expect_hardly_slower_under_the_supervisor(load_scene("ladder/f"), 1.3);
 }
 
 TEST(SearchLaw, InABoreThatHoldsATiltedFibreItStraightens) {
@@ -135,13 +131,13 @@ TEST(SearchLaw, InABoreWhoseFrictionIsHighItStraightensWithoutPulling) {
                 "laws.friction.burgers_nm=1.03", "laws.adhesion.work_of_adhesion_J_m2=0.04"});
   const MakeController search = load_controller(shipped());
   int inserted = 0, pulled = 0;
-  for (std::uint64_t trial = 0; trial < 60; ++trial) {
+  for (std::uint64_t trial = 0; trial < 20; ++trial) {
     const TrialResult result = run_trial(scene, *search(trial), 13, trial);
     inserted += result.outcome == Outcome::inserted;
     pulled += result.summary.peak_force >= scene.limits.force;
   }
-  EXPECT_GE(inserted, 48);
-  EXPECT_LE(pulled, 3);
+  EXPECT_GE(inserted, 16);
+  EXPECT_LE(pulled, 1);
 }
 
 TEST(SearchLaw, SteppedFromOutsideTheTrialIsTheSame) {
