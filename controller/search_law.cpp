@@ -40,10 +40,10 @@ constexpr double kStopLift = 0.5;      // of the lift, likewise
 constexpr double kFurther = 1.25;      // of what a cone may be higher
 
 // Of how it centres in a cone.
-constexpr std::array kCentreAt = {0.5, 0.25};  // of the lead-in's length
+constexpr std::array kCentreAt = {0.5, 0.15};  // of the lead-in's length
 constexpr double kCentreBelow = 0.45;          // likewise: the second time
 constexpr double kHeldPlay = 1.3;              // of how far a touch holds it: there is as much play
-constexpr double kBefore = 0.4, kBehind = 0.25;  // of near the entrance, once its height is known
+constexpr double kBefore = 0.3, kBehind = 0;   // of near the entrance, once its height is known
 
 // Of how it inserts.
 constexpr double kLookEvery = 0.1;  // whether it is held up [s]

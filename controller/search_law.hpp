@@ -26,7 +26,7 @@
 // such that what it goes on by after a touch, v d, brings the force to F_p at most (k is taken
 // as 1 mN/um, as the touching speed assumes, until it is known; who knows k at first approaches so,
 // too); and it keeps away from a cone until it is near the axis:
-//   centre       half way down the lead-in, and again lower, it moves sideways until the cone
+//   centre       half way down the lead-in, and again near its end, it moves sideways until the cone
 //                resists (cone centre). How far it could move there tells how high the cone is.
 //
 // Forces are relative to their mean in free air. Lengths and speeds are of the hand.
