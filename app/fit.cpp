@@ -112,7 +112,7 @@ std::vector<FitNumber> fit_numbers(const ControllerFile& controller) {
   const auto* law = std::get_if<LawFile>(&controller);
   for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
     const auto& [value, low, high] = law->gains[i];
-    all.push_back({gain_table(law->kind)[i].name, gain_table(law->kind)[i].unit, value, low, high});
+    all.push_back({gain_of(law->kind, i).name, gain_of(law->kind, i).unit, value, low, high});
   }
   const auto* search = std::get_if<SearchFile>(&controller);
   for (std::size_t i = 0; search && i < kSearchGains.size(); ++i)

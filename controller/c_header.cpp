@@ -41,16 +41,25 @@ std::string law_body(LawKind kind) {
   return body + "  }\n";
 }
 
+// The rates of tilt of a law that tilts.
+std::string tilts(LawKind kind) {
+  std::string body;
+  for (std::size_t k = 0; k < kTiltGains.size(); ++k)
+    body += fmt::format("  velocity[{0}] = g[{1}] * wrench[{0}];\n", 3 + k,
+                        gain_table(kind).size() + k);
+  return body;
+}
+
 }  // namespace
 
 std::string c_header(const LawFile& file, const std::string& origin) {
   const Law law = file.law();
-  const std::span<const Gain> gains = gain_table(law.kind());
   std::string body;
-  for (std::size_t i = 0; i < gains.size(); ++i)
-    body +=
-        fmt::format("/* [{}] {}, {} [{}] */\n", i, gains[i].name, gains[i].symbol, gains[i].unit);
-  body += table("ferrule_gain", law.gains().data(), gains.size()) + R"(
+  for (std::size_t i = 0; i < law.gains().size(); ++i) {
+    const Gain& gain = gain_of(law.kind(), i);
+    body += fmt::format("/* [{}] {}, {} [{}] */\n", i, gain.name, gain.symbol, gain.unit);
+  }
+  body += table("ferrule_gain", law.gains().data(), law.gains().size()) + R"(
 typedef struct {
   int unused; /* this law remembers nothing */
 } ferrule_state;
@@ -58,7 +67,8 @@ typedef struct {
 static inline void ferrule_start(ferrule_state* s) { s->unused = 0; }
 
 )" + command_head() +
-          "  const double* g = ferrule_gain;\n" + law_body(law.kind()) + no_tilts() + "}\n";
+          "  const double* g = ferrule_gain;\n" + law_body(law.kind()) +
+          (law.tilts() ? tilts(law.kind()) : no_tilts()) + "}\n";
   return framed(origin, file.trained_on, "", body);
 }
 

@@ -56,13 +56,12 @@ Law LawFile::law() const {
 }
 
 void write_controller(const std::string& file, const LawFile& c) {
-  const auto table = gain_table(c.kind);
   Json gains = Json::object();
-  for (std::size_t i = 0; i < table.size(); ++i)
-    gains[table[i].name] = {{"value", c.gains[i].value},
-                            {"unit", table[i].unit},
-                            {"low", number_or_null(c.gains[i].low)},
-                            {"high", number_or_null(c.gains[i].high)}};
+  for (std::size_t i = 0; i < c.gains.size(); ++i)
+    gains[gain_of(c.kind, i).name] = {{"value", c.gains[i].value},
+                                      {"unit", gain_of(c.kind, i).unit},
+                                      {"low", number_or_null(c.gains[i].low)},
+                                      {"high", number_or_null(c.gains[i].high)}};
   Json json = {{"format", kControllerFormat},
                {"format_version", kControllerFormatVersion},
                {"method", "ceres"},
@@ -92,6 +91,8 @@ LawFile parse_law(const Json& json, const std::string& file) {
   c.gains.clear();
   for (const Gain& gain : gain_table(c.kind))
     c.gains.push_back(read_gain(gains.object(gain.name), gain));
+  if (gains.has(kTiltGains[0].name) || gains.has(kTiltGains[1].name))
+    for (const Gain& gain : kTiltGains) c.gains.push_back(read_gain(gains.object(gain.name), gain));
   gains.finish();
   c.reaction_time = fields.number("reaction_time_s", rule::not_negative());
   c.trained_on = read_trained_on(fields, file);

@@ -26,7 +26,8 @@ struct CrossValidated {
 
 struct LawFile {
   LawKind kind = LawKind::insertion;
-  std::vector<FittedGain> gains = std::vector<FittedGain>(kGains);  // as gain_table(kind)
+  // As gain_table(kind); where the demonstrators tilted, those of kTiltGains behind them.
+  std::vector<FittedGain> gains = std::vector<FittedGain>(kGains);
   double reaction_time = 0;  // delay of the demonstrator, identified and not imitated [s]
   // Provenance.
   TrainedOn trained_on;

@@ -6,6 +6,7 @@
 
 #include "learn/choose_law.hpp"
 #include "learn/free_course.hpp"
+#include "learn/tilt_yields.hpp"
 
 namespace ferrule {
 namespace {
@@ -75,13 +76,13 @@ std::string cross_validation_text(const LawFile& c) {
 std::string gains_text(const LawFile& c) {
   std::string text = fmt::format("{:<14} {:>14} {:>14} {:>14}  {}\n", "gain", "value", "95 % low",
                                  "95 % high", "unit");
-  const auto table = gain_table(c.kind);
   const auto shown = [](double x) {
     return std::isfinite(x) ? fmt::format("{:.6g}", x) : std::string("open");
   };
-  for (std::size_t i = 0; i < table.size(); ++i)
-    text += fmt::format("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", table[i].name, c.gains[i].value,
-                        shown(c.gains[i].low), shown(c.gains[i].high), table[i].unit);
+  for (std::size_t i = 0; i < c.gains.size(); ++i)
+    text += fmt::format("{:<14} {:>14.6g} {:>14} {:>14}  {}\n", gain_of(c.kind, i).name,
+                        c.gains[i].value, shown(c.gains[i].low), shown(c.gains[i].high),
+                        gain_of(c.kind, i).unit);
   return text;
 }
 
@@ -132,6 +133,7 @@ LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<La
   c.kind = *kind;
   c.gains =
       widened(law_gains(*kind, train, scales, solution), free_course(*kind, solution.gains, train));
+  for (const FittedGain& gain : tilt_yields(train).gains) c.gains.push_back(gain);
   c.trained_on = trained_on(set, parts.training, parts.testing, seed);
   c.trained_on.rows = rows(train);
   c.trained_on.partial = partial;

@@ -2,7 +2,8 @@
 //
 // Split by episode: about a fifth is held out and only used for the held-out residual. The law sees
 // the force as it was one reaction time before: that delay is identified first, from the lateral
-// velocities of all training episodes, and not imitated (a machine need not wait). Where the law is
+// velocities of all training episodes, and not imitated (a machine need not wait). Where the hands
+// tilted under moments, the law gets tilt gains (learn/tilt_yields.hpp). Where the law is
 // not given it is chosen by cross-validation over the training episodes (learn/choose_law.hpp).
 #pragma once
 

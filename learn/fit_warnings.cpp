@@ -7,6 +7,7 @@
 
 #include "insertion/scene_scaling.hpp"
 #include "learn/free_course.hpp"
+#include "learn/tilt_yields.hpp"
 
 namespace ferrule {
 namespace {
@@ -27,7 +28,8 @@ std::vector<Samples> fitted_to(const DemonstrationSet& set, const LawFile& law) 
 
 void warn_of_gains(const DemonstrationSet& set, const LawFile& law,
                    std::vector<std::string>& warnings) {
-  const Eigen::Array3d share = free_course(law.kind, law.law().gains(), fitted_to(set, law)).share;
+  const std::vector<Samples> episodes = fitted_to(set, law);
+  const Eigen::Array3d share = free_course(law.kind, law.law().gains(), episodes).share;
   for (const Gain& gain : gain_table(law.kind)) {
     const std::string name = gain.name;
     if (name.find("yield_") == name.npos) continue;
@@ -39,6 +41,10 @@ void warn_of_gains(const DemonstrationSet& set, const LawFile& law,
         "says",
         name, 100 * std::max(0.0, share[axis]), name.back()));
   }
+  if (const double tilts = tilt_yields(episodes).share; tilts < kLeastToldByMoments)
+    warnings.push_back(
+        fmt::format("the law does not tilt: the moments explain {:.1f} % of how the hands tilted",
+                    100 * tilts));
 }
 
 }  // namespace

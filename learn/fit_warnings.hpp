@@ -10,6 +10,8 @@ namespace ferrule {
 //     varies at the same height, less than 3 tenths, over the rows that were fitted
 //     (learn/free_course.hpp). The hand's own motion then makes most of the force that is felt, and
 //     a regression of one on the other is biased, however tight its interval.
+//   - a law that does not tilt though the hands did, for other reasons than the moments
+//     (learn/tilt_yields.hpp).
 //   - a controller that meets no force at all, and yet does not reach the success depth within the
 //     longest trial of a scene that it learned from.
 std::vector<std::string> fit_warnings(const DemonstrationSet& set,

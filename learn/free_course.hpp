@@ -33,7 +33,7 @@ FreeCourse free_course(LawKind kind, const std::vector<double>& gains,
                        const std::vector<Samples>& episodes);
 
 // A hand's tremor comes back to it in the force, which biases a yield of the simulated operators by
-// up to 0.6 percent.
+// up to 0.6 percent; so does a reaction time that is not a multiple of the rows' spacing.
 inline constexpr double kLeastError = 0.01;  // of a yield
 // The gains with intervals that hold those of their yields with a free course too, and kLeastError
 // to each side of both.

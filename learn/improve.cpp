@@ -56,7 +56,7 @@ double gain(const ControllerFile& controller, std::size_t i) {
 }
 
 std::string gain_name(const ControllerFile& controller, std::size_t i) {
-  if (const auto* law = std::get_if<LawFile>(&controller)) return gain_table(law->kind)[i].name;
+  if (const auto* law = std::get_if<LawFile>(&controller)) return gain_of(law->kind, i).name;
   if (std::holds_alternative<SearchFile>(controller)) return kSearchGains[i].name;
   const Policy& policy = std::get<PolicyFile>(controller).policy;
   const auto answers = static_cast<std::size_t>(policy.answers());

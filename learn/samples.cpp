@@ -53,7 +53,7 @@ Samples samples(const Demonstration& d, double reaction) {
   all.reserve(static_cast<std::size_t>((d.rows() + stride - 1) / stride));
   for (Eigen::Index n = 0; n < d.rows(); n += stride) {
     if (cut_to_limit(d, n)) continue;
-    all.push_back({d.observed(n), d.velocity.row(n).transpose()});
+    all.push_back({d.observed(n), d.velocity.row(n).transpose(), d.tilt_rates.row(n).transpose()});
     all.back().wrench = d.observed(n - delay).wrench;
   }
   return all;

@@ -10,9 +10,10 @@ namespace ferrule {
 
 inline constexpr std::size_t kFewestRows = 300;  // that a fit needs
 
-// What was observed, the wrench of one reaction time before, and the velocity that answers it.
+// What was observed, the wrench of one reaction time before, and the motion that answers it.
 struct Sample : Observation {
-  Eigen::Vector3d velocity;  // [m/s]
+  Eigen::Vector3d velocity;                             // [m/s]
+  Eigen::Vector2d tilt_rate = Eigen::Vector2d::Zero();  // about y and z [rad/s]
 };
 using Samples = std::vector<Sample>;  // of one episode
 

@@ -190,6 +190,7 @@ Demonstration inserting(const Demonstration& d) {
   part.speed_limit = d.speed_limit;
   part.observations.assign(d.observations.begin() + first, d.observations.begin() + end);
   part.velocity = d.velocity.middleRows(first, end - first);
+  part.tilt_rates = d.tilt_rates.middleRows(first, end - first);
   return part;
 }
 

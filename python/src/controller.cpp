@@ -105,7 +105,7 @@ nb::typed<nb::dict, nb::str, nb::typed<nb::dict, nb::str, nb::any>> gains(
     }
   const auto* law = std::get_if<LawFile>(&c.read);
   for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
-    const Gain& gain = gain_table(law->kind)[i];
+    const Gain& gain = gain_of(law->kind, i);
     nb::dict fitted;
     fitted["value"] = law->gains[i].value;
     fitted["low"] = number_or_none(law->gains[i].low);

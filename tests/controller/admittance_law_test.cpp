@@ -97,7 +97,7 @@ TEST(SaturatedForce, IsOddGrowsAndStaysBelowItsLimit) {
   }
 }
 
-TEST(Law, CommandsItsVelocityAndNoTilt) {
+TEST(Law, CommandsItsVelocityAndTiltsUnderMomentsWhereItHasTiltGains) {
   Case c = draw(1);
   c.wrench.tail<2>() << 0.1, 0.2;
   for (const LawKind kind : kLaws) {
@@ -108,6 +108,10 @@ TEST(Law, CommandsItsVelocityAndNoTilt) {
     const HandTwist v = law.command(c);
     EXPECT_EQ(Eigen::Vector3d(v.head<3>()), law_velocity(kind, gains.data(), c));
     EXPECT_EQ(v.tail<2>().norm(), 0);
+    gains.insert(gains.end(), {3, 5});
+    HandTwist tilting = v;
+    tilting.tail<2>() << 3 * 0.1, 5 * 0.2;
+    EXPECT_EQ(Law(kind, gains).command(c), tilting);
   }
 }
 

@@ -50,6 +50,11 @@ TEST(LawFile, KeepsWhichLawItIsAndTheLawsItWasChosenFrom) {
     EXPECT_EQ(back.cross_validation.back().kind, kind);
     EXPECT_EQ(back.cross_validation.back().error, 1e-3);
     EXPECT_EQ(back.cross_validation.back().standard_error, 2e-4);
+    // The same with tilt gains.
+    c.gains.insert(c.gains.end(), {{2e-4, 1e-4, 3e-4}, {0, NAN, NAN}});
+    write_controller(file, c);
+    EXPECT_EQ(read_law(file).law().gains(), c.law().gains());
+    EXPECT_EQ(read_law(file).gains[gain_table(kind).size()].high, 3e-4);
   }
 }
 
@@ -68,6 +73,8 @@ TEST(LawFile, BrokenOnesAreRefusedWithTheirKey) {
   says("/format_version", 1, "format_version = 1");
   says("/surprise", 1, "surprise = 1: unknown key");
   says("/gains/cruise_speed/value", "fast", "must be a number");
+  const Json tilt = {{"value", 1}, {"unit", "rad/(s N m)"}};
+  says("/gains/tilt_yield_z", tilt, "gains.tilt_yield_y is missing");
 }
 
 TEST(LawFile, CannotBeWrittenWhereThereIsNoFolder) {
