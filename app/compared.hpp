@@ -24,7 +24,7 @@ struct CompareArguments {
   PolicyArguments policy;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
-  double skill = 0.8;
+  std::string skill = "0.8";  // of the simulated operator (insertion/operator_skill.hpp)
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
   bool other_scaling = false, ladder = false, supervise = false;

@@ -25,7 +25,7 @@ ReplayRun run_of(const std::string& file) {
 }
 
 MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,
-                       double skill) {
+                       const OperatorSkill& skill) {
   if (which == kSearching) return searching_operator(scene, skill, seed);
   if (is_baseline(which)) return baseline(which, scene, seed);
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
@@ -90,7 +90,7 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
         : a.against == kSpiral    ? "blind spiral"
         : a.against == kSearching ? "operator who searches"
                                   : "simulated operator",
-        against(a.against, scene, a.seed, a.skill));
+        against(a.against, scene, a.seed, OperatorSkill::parse(a.skill)));
 }
 
 std::optional<std::string> RecordedView::json(const std::string& file) const {

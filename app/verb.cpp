@@ -21,6 +21,7 @@
 #include "app/keys.hpp"
 #include "app/scene_keys.hpp"
 #include "controller/controller_file.hpp"
+#include "insertion/operator_skill.hpp"
 #include "sim/analysis/plan.hpp"
 #include "sim/base/elementary.hpp"
 #include "sim/base/unknown_name.hpp"
@@ -187,6 +188,21 @@ CLI::Validator seed_rule() {
 
 void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help, const char* flag) {
   verb.add_option(flag, seed, help)->capture_default_str()->check(seed_rule());
+}
+
+CLI::Option* add_skill(CLI::App& verb, std::string& skill, const std::string& help) {
+  const auto wrong = [](const std::string& text) -> std::string {
+    try {
+      OperatorSkill::parse(text);
+      return {};
+    } catch (const BadInput& error) {
+      return error.what();
+    }
+  };
+  return verb.add_option("--skill", skill, help)
+      ->capture_default_str()
+      ->type_name("0 to 1[,TRAIT=VALUE,...]")
+      ->check(CLI::Validator(wrong, ""));
 }
 
 void add_seeds(CLI::App& verb, std::string& seeds, const std::string& help) {

@@ -157,9 +157,7 @@ void add_recorded(CLI::App& verb, ViewArguments& a) {
                   "A second controller in the same trial, drawn over the first")
       ->check(one_of({kStraight, kSpiral, "operator", kSearching}))
       ->needs(trial);
-  verb.add_option("--skill", r.skill, "Skill of the operator of --against")
-      ->capture_default_str()
-      ->check(number_between(0, 1));
+  add_skill(verb, r.skill, "Skill of the operator of --against");
   verb.add_flag("--supervise", r.supervise, "Under the supervisor, as in evaluate")->needs(trial);
   add_other_scaling(verb, r.other_scaling);
   verb.add_option("--export", a.export_to,

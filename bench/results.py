@@ -73,7 +73,8 @@ class Commands:
 
     def outcome(self, command: str) -> Outcome:
         arguments = [a.replace("$python", str(LEARNERS)) for a in shlex.split(command)]
-        structured = arguments[:1] == ["./ferrule"] and arguments[1] in ("bench", "compare", "demo", "evaluate")
+        structured = arguments[:1] == ["./ferrule"] and arguments[1] in ("bench", "compare", "demo", "evaluate",
+                                                                                    "record")
         if arguments[0] == "./ferrule":
             arguments[0] = str(self.program)
         begin = time.monotonic()

@@ -3,6 +3,7 @@
 import json
 import re
 from pathlib import Path
+from statistics import median
 from typing import Any, Callable
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -117,6 +118,16 @@ def learned(_: Result, compared: Result) -> str:
     return markdown(columns("controller | fitted numbers | time to fit | held-out error"),
                     [[r["controller"], str(r["parameters"]), seconds(r["fit_s"]),
                       fixed(r["held_out_mm_s"], 2, " mm/s")] for r in compared["rows"] if r["parameters"]])
+
+
+def traits(*results: Result) -> str:
+    rows = []
+    for r in results:
+        inserted = [e["time_s"] for e in r["episodes"] if e["outcome"] == "inserted"]
+        rows.append([r["operator"].split("skill ")[1], f"{len(inserted)} of {len(r['episodes'])}",
+                     fixed(median(inserted) if inserted else None, 1, " s"),
+                     fixed(median(e["peak_force_uN"] for e in r["episodes"]), 1, " uN")])
+    return markdown(columns("skill | inserted | time | peak force"), rows)
 
 
 def demonstrations_text(r: Result) -> str:

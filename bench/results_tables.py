@@ -32,6 +32,18 @@ def policies(what: str) -> list[str]:
             for policy in (f"{RNN} answer bc-rnn", f"{ACT} answer act")]
 
 
+# Skill 0.2, each trait as skill 0.8 has it, skill 0.8, and gains that differ by place, force and phase.
+OPERATORS = ["0.2", "0.2,delay=0.17", "0.2,peak_speed=0.94", "0.2,yield=9e-4", "0.2,slowing_force=2.7",
+             "0.2,tremor=2.4e-6", "0.2,hesitation_rate=0.076", "0.8", "0.2,bore_yield=0.3", "0.2,bore_yield=3",
+             "0.2,force_yield=0.3", "0.2,force_yield=3", "0.2,late_yield=0.3", "0.2,late_yield=3",
+             "0.2,tilt_yield=1e-5"]
+
+
+def traits(episodes: int) -> list[str]:
+    return [f"./ferrule record --scene hard --episodes {episodes} --seed 1 --skill {skill}"
+            f" --out by/{skill.split(',')[-1]}" for skill in OPERATORS]
+
+
 START = "--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=1.33"
 DRAWN = ("--set start.lateral_sd_um=20 --set start.tilt_sd_mrad=4 --set ferrule.bore_diameter_um=125.0..126.7"
          """ --set 'laws.friction.burgers_nm={"choice":[0.03,0.2,0.52,1.03,3.6]}'"""
@@ -78,6 +90,7 @@ TABLES = [
     Table("demo", "counts", ["./ferrule demo"], layouts.demo, ["./ferrule demo"]),
     Table("ways", "counts", [TWENTY, COMPARE], layouts.ways, [FIVE, QUICK_COMPARE]),
     Table("learned", "timing", [TWENTY, COMPARE], layouts.learned, [FIVE, QUICK_COMPARE]),
+    Table("traits", "counts", traits(100), layouts.traits, traits(1)),
     Table("seeds", "counts",
           [TWENTY, f"./ferrule compare bench-episodes --trials 200 {SEEDS}",
            FIVE, f"./ferrule compare five --trials 200 {SEEDS}"], layouts.seeds,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "controller/controller_file.hpp"
@@ -13,6 +15,8 @@ namespace ferrule {
 namespace {
 
 constexpr double kLoopPeriod = 1e-3;  // of the loop [s]
+constexpr std::array<std::string_view, 4> kHisTraits = {"delay", "peak_speed", "tremor",
+                                                        "hesitation_rate"};
 
 // The gains of a law whose speeds are `part` of these.
 std::vector<double> slowed(std::vector<double> gains, double part) {
@@ -67,8 +71,13 @@ HandTwist SearchingOperator::command(const Observation& observation) noexcept {
   return velocity;
 }
 
-MakeController searching_operator(const Scene& scene, double skill, std::uint64_t seed) {
-  return [known = known_in(scene), traits = trainee_traits(skill), seed](std::uint64_t trial) {
+MakeController searching_operator(const Scene& scene, const OperatorSkill& skill,
+                                  std::uint64_t seed) {
+  for (const std::string& trait : skill.own())
+    if (std::find(kHisTraits.begin(), kHisTraits.end(), trait) == kHisTraits.end())
+      throw BadInput(fmt::format("skill {}: the operator who searches has no {}; he has {}",
+                                 skill.text(), trait, fmt::join(kHisTraits, ", ")));
+  return [known = known_in(scene), traits = skill.traits(), seed](std::uint64_t trial) {
     return std::make_unique<SearchingOperator>(
         traits, known.gains, known.stiffness, kLoopPeriod,
         [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
@@ -84,10 +93,10 @@ std::unique_ptr<Controller> searching_operator(const Scene& scene, const Trainee
                                              std::move(uniform));
 }
 
-std::string searching_operator_name(double skill) {
+std::string searching_operator_name(const OperatorSkill& skill) {
   return operator_name("searching", skill);
 }
-std::optional<double> searching_skill(const std::string& name) {
+std::optional<OperatorSkill> searching_skill(const std::string& name) {
   return skill_of("searching", name);
 }
 

@@ -13,7 +13,7 @@
 
 #include "controller/search_law.hpp"
 #include "controller/trial.hpp"
-#include "haptic/trainee.hpp"
+#include "insertion/operator_skill.hpp"
 
 namespace ferrule {
 
@@ -36,15 +36,18 @@ class SearchingOperator : public Controller {
   std::size_t next_ = 0, seen_ = 0;
 };
 
-// Of `skill` from 0 to 1 in a scene, with the numbers of the shipped `search`. His chance in a trial
-// is that of (seed, trial). Throws BadInput where the scene's scaling is not that of the numbers.
-MakeController searching_operator(const Scene& scene, double skill, std::uint64_t seed);
+// Of `skill` in a scene, with the numbers of the shipped `search`. His chance in a trial is that of
+// (seed, trial). Throws BadInput where the scene's scaling is not that of the numbers, and where a
+// trait of his own is one by which he does nothing: he has delay, peak_speed, tremor and
+// hesitation_rate.
+MakeController searching_operator(const Scene& scene, const OperatorSkill& skill,
+                                  std::uint64_t seed);
 // The same with other traits, a period [s] and a source of chance of his own.
 std::unique_ptr<Controller> searching_operator(const Scene& scene, const TraineeTraits& traits,
                                                double period, std::function<double()> uniform);
 
 // As simulated_operator_name and simulated_skill.
-std::string searching_operator_name(double skill);
-std::optional<double> searching_skill(const std::string& name);
+std::string searching_operator_name(const OperatorSkill& skill);
+std::optional<OperatorSkill> searching_skill(const std::string& name);
 
 }  // namespace ferrule

@@ -41,7 +41,7 @@ Trainee::Trainee(const TraineeTraits& traits, const TraineeTask& task,
       hand_(traits.tremor, traits.hesitation_rate, task.period, std::move(uniform)),
       pose_(task.start) {
   const auto delayed = static_cast<std::size_t>(std::lround(traits_.delay / task_.period));
-  forces_.assign(std::max<std::size_t>(1, delayed), Eigen::Vector3d::Zero());
+  felt_.assign(std::max<std::size_t>(1, delayed), HandWrench::Zero());
 }
 
 HandSample Trainee::read(double t) {
@@ -51,17 +51,19 @@ HandSample Trainee::read(double t) {
 }
 
 void Trainee::render(const HandWrench& wrench) {
-  const Eigen::Vector3d force = forces_[next_];  // the oldest in the ring
-  forces_[next_] = wrench.head<3>();
-  next_ = (next_ + 1) % forces_.size();
+  const HandWrench felt = felt_[next_];  // the oldest in the ring
+  felt_[next_] = wrench;
+  next_ = (next_ + 1) % felt_.size();
 
   velocity_.setZero();
   if (time_ < kRest) return;
-  advance_intention(force.norm());
+  const double force = felt.head<3>().norm();
+  advance_intention(force);
   velocity_[0] = -speed_;
-  velocity_.segment<2>(1) = traits_.yield * force.tail<2>();
+  velocity_.segment<2>(1) = yield(force) * felt.segment<2>(1);
   velocity_[1] -=
-      traits_.yield * task_.press * std::max(0.0, (phase_ - kPressFrom) / (1 - kPressFrom));
+      yield(force) * task_.press * std::max(0.0, (phase_ - kPressFrom) / (1 - kPressFrom));
+  velocity_.tail<2>() = traits_.tilt_yield * felt.tail<2>();
   velocity_.segment<2>(1) += steering();
   velocity_.head<3>() += hand_.tremor_velocity(time_);
 }
@@ -84,6 +86,14 @@ void Trainee::advance_intention(double force) noexcept {
   speed_ = task_.distance * (minimum_jerk(p) - minimum_jerk(phase_)) / task_.period;
   phase_ = p;
   if (phase_ >= 1 && finished_at_ < 0) finished_at_ = time_;
+}
+
+// Under a force of this size, where the hand is [m/s per N].
+double Trainee::yield(double force) const noexcept {
+  const bool inside = task_.start[0] - pose_[0] > task_.entrance;
+  const double u = force * force / (traits_.slowing_force * traits_.slowing_force);
+  return traits_.yield * (inside ? traits_.bore_yield : 1) *
+         (1 + (traits_.force_yield - 1) * u / (1 + u)) * (1 + (traits_.late_yield - 1) * phase_);
 }
 
 // Of the period to come, by the way that the intention makes in it.

@@ -58,8 +58,8 @@ const std::vector<Learner>& learners() {
   return all;
 }
 
-std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set, double skill,
-                                 std::uint64_t seed) {
+std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set,
+                                 const OperatorSkill& skill, std::uint64_t seed) {
   const double speed = scene_scaling(scene).motion * scene.limits.speed;
   return {{"constant velocity", controller_maker(ConstantVelocity(speed))},
           {"tuned by hand", controller_maker(tuned_by_hand(speed))},

@@ -5,6 +5,7 @@
 
 #include "controller/campaign.hpp"
 #include "controller/law.hpp"
+#include "insertion/operator_skill.hpp"
 #include "learn/learner.hpp"
 
 namespace ferrule {
@@ -27,8 +28,8 @@ Law tuned_by_hand(double speed);
 // Those that learn nothing: constant velocity, an admittance tuned by hand, the fastest
 // demonstration played again, and the simulated operator of `skill`, each for trials of `scene`
 // under `seed`.
-std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set, double skill,
-                                 std::uint64_t seed);
+std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set,
+                                 const OperatorSkill& skill, std::uint64_t seed);
 
 // All learners. Those that need libtorch throw BadInput where it is missing.
 const std::vector<Learner>& learners();

@@ -23,7 +23,7 @@ Episode recorded(const Scene& toleranced, const std::string& who, std::uint64_t 
   info.trial = trial;
   std::unique_ptr<Controller> search;
   std::unique_ptr<Device> hand;
-  if (const std::optional<double> skill = searching_skill(who)) {
+  if (const std::optional<OperatorSkill> skill = searching_skill(who)) {
     search = searching_operator(scene, *skill, seed)(trial);
     hand = std::make_unique<ControllerHand>(recorded_hand(scene, start, *search));
   } else {
@@ -79,8 +79,8 @@ DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
   return again;
 }
 
-DemonstrationSet simulated_demonstrations(const Scene& scene, double skill, std::uint64_t seed,
-                                          std::size_t count) {
+DemonstrationSet simulated_demonstrations(const Scene& scene, const OperatorSkill& skill,
+                                          std::uint64_t seed, std::size_t count) {
   DemonstrationSet set;
   for (std::uint64_t trial = 1; trial <= count; ++trial)
     add_recorded(set, scene, simulated_operator_name(skill), seed, trial);

@@ -1,6 +1,7 @@
 // The same demonstrations by chance anew: what another recording seed would have given.
 #pragma once
 
+#include "insertion/operator_skill.hpp"
 #include "learn/demonstrations.hpp"
 
 namespace ferrule {
@@ -17,7 +18,7 @@ DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
 
 // `count` episodes of a simulated operator of `skill` in `scene`, trials 1, 2, ... under `seed`, in
 // memory.
-DemonstrationSet simulated_demonstrations(const Scene& scene, double skill, std::uint64_t seed,
-                                          std::size_t count);
+DemonstrationSet simulated_demonstrations(const Scene& scene, const OperatorSkill& skill,
+                                          std::uint64_t seed, std::size_t count);
 
 }  // namespace ferrule

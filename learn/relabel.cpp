@@ -14,8 +14,8 @@ using Teacher = std::function<HandTwist(const Tick&, const Observation&)>;
 
 Teacher teacher_of(const std::string& name, const Scene& scene, const TraineeTask& task,
                    double reaction) {
-  const std::optional<double> searching = searching_skill(name);
-  TraineeTraits traits = trainee_traits(searching ? *searching : simulated_skill(name).value());
+  const std::optional<OperatorSkill> searching = searching_skill(name);
+  TraineeTraits traits = (searching ? *searching : simulated_skill(name).value()).traits();
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
   const auto steady = [] { return 0.5; };

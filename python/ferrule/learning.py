@@ -20,18 +20,19 @@ def record(
     scene: SceneLike,
     folder: str | os.PathLike,
     episodes: int = 20,
-    skill: float = 0.8,
+    skill: float | str = 0.8,
     seed: int = 1,
     *,
     overrides: Overrides = None,
 ) -> list[str]:
     """Insertions by the simulated operator, recorded as ``ferrule record`` does; their files.
 
-    ``folder``: is made where it is not there, and must hold no episodes. ``skill``: 0 to 1.
+    ``folder``: is made where it is not there, and must hold no episodes. ``skill``: 0 to 1, or
+    with traits of his own: "0.8,bore_yield=0.3".
     Episode k is trial k under ``seed``, or the next whose drawn parts fit. Ctrl-C ends and keeps
     the running episode. Raises BadInput and FileTrouble.
     """
-    return _core._record(load_scene(scene, overrides), os.fspath(folder), episodes, skill, seed)
+    return _core._record(load_scene(scene, overrides), os.fspath(folder), episodes, str(skill), seed)
 
 
 def fit(

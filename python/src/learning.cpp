@@ -17,9 +17,9 @@ constexpr double kPeriod = 1e-3;  // of control and simulation [s]
 
 // Episode by episode as `ferrule record` has them; returns their files.
 std::vector<std::string> record(const SharedScene& scene, const std::string& folder, int episodes,
-                                double skill, std::uint64_t seed) {
+                                const std::string& told, std::uint64_t seed) {
   if (episodes < 1) throw BadInput("episodes: must be at least 1");
-  if (!(skill >= 0 && skill <= 1)) throw BadInput("skill: must be a number from 0 to 1");
+  const OperatorSkill skill = OperatorSkill::parse(told);
   if (next_episode_number(folder) > 1)
     throw BadInput(folder + ": already holds episodes; choose another folder");
   std::vector<std::string> files;

@@ -24,6 +24,8 @@ def test_recorded_episodes_are_those_of_the_verb_byte_for_byte(episodes, tmp_pat
         with pytest.raises(ferrule.BadInput, match=next(iter(wrong))):
             ferrule.record("bench", tmp_path / "nothing", **wrong)
     assert not (tmp_path / "nothing").exists()
+    [slow] = ferrule.record("bench", tmp_path / "slow", episodes=1, skill="0.8,slowing_force=1", seed=1)
+    assert Path(slow).read_bytes() != Path(files[0]).read_bytes()
 
 
 def test_pairs_that_do_not_fit_are_passed_over_in_recording_too(tmp_path):

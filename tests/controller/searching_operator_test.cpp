@@ -111,6 +111,10 @@ TEST(SearchingOperator, ComesNearAsSlowlyAsHisGripperIsStiff) {
 TEST(SearchingOperator, IsRefusedWhereItsNumbersAreOfAnotherScaling) {
   EXPECT_NO_THROW(searching_operator(load_scene("bench"), 0.8, 1));
   EXPECT_THROW(searching_operator(load_scene("paper"), 0.8, 1), BadInput);
+  EXPECT_NO_THROW(
+      searching_operator(load_scene("bench"), OperatorSkill::parse("0.8,delay=0.1"), 1));
+  EXPECT_THROW(searching_operator(load_scene("bench"), OperatorSkill::parse("0.8,yield=0.01"), 1),
+               BadInput);
 }
 
 }  // namespace

@@ -69,6 +69,53 @@ TEST(Trainee, AnswersForceAfterItsDelay) {
   EXPECT_CLOSE(trainee_traits(1).delay, 0.15, 1e-12);
 }
 
+// Velocity sideways and rates of tilt of one who has felt `wrench` for long, `part` of the way in.
+HandTwist answer(const TraineeTraits& traits, const TraineeTask& task, const HandWrench& wrench,
+                 double part) {
+  Trainee trainee(traits, task, chance(0));
+  HandPose pose = task.start;
+  pose[0] -= part * task.distance;
+  HandTwist last;
+  for (int n = 0; n < 1000; ++n) last = trainee.answer(1 + 1e-3 * n, pose, wrench);
+  return last;
+}
+
+TEST(Trainee, YieldsByPlaceForceAndPhase) {
+  TraineeTraits traits = steady(0.5);
+  TraineeTask task = kTask;
+  task.entrance = 0.4 * task.distance;
+  HandWrench wrench;
+  const double f = traits.slowing_force;
+  wrench << 0, 0.6 * f, 0.8 * f, 0.3, -0.2;
+  const HandTwist constant = answer(traits, task, wrench, 0.5);
+  const auto times = [&](const TraineeTraits& other, double part) {
+    const HandTwist v = answer(other, task, wrench, part);
+    EXPECT_CLOSE(v[1] / constant[1], v[2] / constant[2], 1e-9);
+    return v[2] / constant[2];
+  };
+  traits.bore_yield = 3;
+  EXPECT_CLOSE(times(traits, 0.39), 1, 1e-9);
+  EXPECT_CLOSE(times(traits, 0.41), 3, 1e-9);
+  traits = steady(0.5);
+  traits.force_yield = 5;  // half of the way to it at F_s
+  EXPECT_CLOSE(times(traits, 0.5), 3, 1e-9);
+  wrench.head<3>() *= 1e4;
+  EXPECT_CLOSE(times(traits, 0.5), 1e4 * 5, 1e-6);
+  wrench.head<3>() /= 1e4;
+  traits = steady(0.5);
+  traits.late_yield = 2;  // half of the way is made at half the phase
+  EXPECT_CLOSE(times(traits, 0.5), 1.5, 1e-3);
+}
+
+TEST(Trainee, TiltsUnderMomentsAfterItsDelay) {
+  TraineeTraits traits = steady(1);
+  HandWrench wrench;
+  wrench << 0, 0.5, 0, 0.3, -0.2;
+  EXPECT_EQ(answer(traits, kTask, wrench, 0.1).tail<2>().norm(), 0);
+  traits.tilt_yield = 2e-3;
+  EXPECT_EQ(answer(traits, kTask, wrench, 0.1).tail<2>(), 2e-3 * wrench.tail<2>());
+}
+
 TEST(Trainee, SlowsDownUnderForce) {
   const TraineeTraits traits = steady(0.8);
   const double f = traits.slowing_force;

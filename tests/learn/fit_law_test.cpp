@@ -1,5 +1,6 @@
 #include "learn/fit_law.hpp"
 
+#include "learn/record_again.hpp"
 #include "tests/compare.hpp"
 #include "tests/demonstrations.hpp"
 #include "tests/episodes.hpp"
@@ -75,14 +76,29 @@ TEST(FitLawAtLength, ReturnsTheGainsOfARecordedController) {
       testing::paper({"start.lateral_sd_um=3", "start.distance_um=40", "success.depth_um=30"});
   const std::array<double, kGains> gains = {1.7e-3, 0.8,  0.012, 0.004, 0.2,   1e-4,
                                             0.9e-3, 1e-3, 1e-5,  -1e-5, -2e-3, 1e-3};
-  Law law(LawKind::insertion, {gains.begin(), gains.end()});
+  std::vector<double> all(gains.begin(), gains.end());
+  all.insert(all.end(), {4e-4, 2e-4});
+  Law law(LawKind::insertion, all);
   for (std::uint64_t trial = 1; trial <= 6; ++trial)
     testing::record(scene, folder.path(), trial, &law);
   const DemonstrationSet set = load_demonstrations(folder.path());
   ASSERT_GE(set.demonstrations.size(), 5u);
   const LawFit report = fit_law(set, 1);
-  for (std::size_t i = 0; i < kGains; ++i)
-    EXPECT_CLOSE(report.controller.gains[i].value, gains[i], 1e-6) << kGainTable[i].name;
+  ASSERT_EQ(report.controller.gains.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i)
+    EXPECT_CLOSE(report.controller.gains[i].value, all[i], 1e-6)
+        << gain_of(LawKind::insertion, i).name;
+}
+
+// A hand that tilts under moments, with a delay, tremor and hesitations.
+TEST(FitLawAtLength, ReturnsHowASimulatedOperatorTilts) {
+  const Scene scene = load_scene("bench");
+  const LawFile law =
+      fit_law(simulated_demonstrations(scene, OperatorSkill::parse("0.8,tilt_yield=2e-4"), 1, 5), 1)
+          .controller;
+  ASSERT_TRUE(law.law().tilts());
+  for (const std::size_t i : {0u, 1u}) EXPECT_CLOSE(law.gains[kGains + i].value, 2e-4, 1e-6);
+  EXPECT_FALSE(fit_law(simulated_demonstrations(scene, 0.8, 1, 5), 1).controller.law().tilts());
 }
 
 TEST(FitLaw, RefusesTooLittleWithTheReason) {

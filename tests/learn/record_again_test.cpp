@@ -43,12 +43,13 @@ TEST(RecordAgain, AsksNobodyButSimulatedOperators) {
 
 TEST(SimulatedOperator, HasANameThatTellsHisSkill) {
   for (const double skill : {0.0, 0.05, 0.8, 1.0 / 3, 1.0})
-    EXPECT_EQ(simulated_skill(simulated_operator_name(skill)), skill);
+    EXPECT_EQ(simulated_skill(simulated_operator_name(skill)).value().traits().tremor,
+              trainee_traits(skill).tremor);
   for (const char* name :
        {"", "pen 1234:5678", "simulated", "simulated, skill ", "simulated, skill 2",
-        "simulated, skill 0.5x", "controller simulated, skill 0.5"})
+        "simulated, skill 0.5x", "simulated, skill 0.5,", "controller simulated, skill 0.5"})
     EXPECT_FALSE(simulated_skill(name).has_value()) << name;
-  EXPECT_EQ(searching_skill(searching_operator_name(0.9)), 0.9);
+  EXPECT_EQ(searching_skill(searching_operator_name(0.9)).value().text(), "0.9");
   EXPECT_FALSE(searching_skill(simulated_operator_name(0.9)).has_value());
 }
 

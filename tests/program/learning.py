@@ -122,6 +122,24 @@ class Learning(Case):
             self.assertAlmostEqual(back["gains"][name]["value"] / gain["value"], 1, delta=1e-6,
                                    msg=name)
 
+    # Recorded again under other seeds, too, he is who his episodes say.
+    def test_an_operator_with_traits_of_his_own_is_recorded_and_fitted(self):
+        out, law, skill = self.path("out"), self.path("law.json"), "0.8,bore_yield=2,tilt_yield=0.0002"
+        self.record(out, "--skill", skill, episodes=4)
+        for file in glob.glob(out + "/*.h5"):
+            with h5py.File(file) as f:
+                self.assertEqual(f.attrs["operator"].decode(), "simulated, skill " + skill)
+        said = self.done("fit", out, "--out", law, "--seeds", "1..2").stdout
+        gains = json.load(open(law))["gains"]
+        for gain in "tilt_yield_y", "tilt_yield_z":
+            self.assertIn(gain, said)
+            self.assertAlmostEqual(gains[gain]["value"] / 2e-4, 1, delta=0.1)
+        self.done("compare", out, "--learners", "insertion", "--seeds", "1..2", "--trials", 2, "--skill", skill)
+        self.refused(2, "record", "--skill", "0.8,bore_yeild=2", "--out", self.path("x"),
+                     says=["bore_yeild", "did you mean bore_yield?"])
+        self.refused(2, "record", "--operator", "searching", "--scene", "by_hand/sharp", "--skill", "0.8,yield=1e-3",
+                     "--out", self.path("x"), says=["yield", "he has delay, peak_speed"])
+
     def test_a_search_is_fitted_to_who_searches(self):
         out, controller = self.path("searched"), self.path("search.json")
         self.done("record", "--operator", "searching", "--scene", "by_hand/sharp", "--episodes", 5, "--out", out)
