@@ -329,7 +329,7 @@ HandTwist SearchLaw::straighten(const Observation& o) noexcept {
     resisted_[step] = at;
   if (++probe_ < kProbes) return v;
   straight_ = from_.tail<2>();
-  push_ = kHarder * n_.push_force;
+  push_ = harder(push_, n_.push_force);
   return begin(Phase::insert, o);
 }
 

@@ -17,8 +17,9 @@
 //                in the bore:
 //   back off     by l at least, until nothing presses; straighten: tilts to one side and to the
 //                other until the bore resists with a moment M_t, about each axis, and inserts on in
-//                the middle, with F_p larger by 15 %. A tilt moves the fibre's side along the
-//                wall, by r for a radian; it gives way along the bore to what that adds.
+//                the middle, with F_p larger by 15 %, and by 35 % at most. A tilt moves the
+//                fibre's side along the wall, by r for a radian; it gives way along the bore to
+//                what that adds.
 //
 // A holder that moves later than it is told to, or by another amount, shows that in free air: after
 // T, on its way at one speed that has become g v where v was meant, it has moved by g v (T - d).
@@ -32,6 +33,7 @@
 // Forces are relative to their mean in free air. Lengths and speeds are of the hand.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <span>
 
@@ -88,7 +90,10 @@ class SearchLaw : public Controller {
                                              "lift",     "move",      "lower", "insert",
                                              "back_off", "straighten"};
 
-  static constexpr double kHarder = 1.15;  // it presses once it has straightened
+  // With what it inserts once it has straightened again, where it inserted with `push` [N].
+  static double harder(double push, double push_force) noexcept {
+    return std::min(1.15 * push, 1.35 * push_force);
+  }
 
   // One number per gain of the table.
   explicit SearchLaw(std::span<const double> gains, const KnownHand& hand = {}) noexcept;
