@@ -165,7 +165,7 @@ std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                                   const DemonstrationSet& set,
                                   const std::vector<Candidate>& candidates) {
   std::vector<Transfer> transfer;
-  const std::vector<Candidate> there = baselines(other, set, OperatorSkill::parse(a.skill), a.seed);
+  const std::vector<Candidate> there = baselines(other, set, a.skill, a.seed);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (interrupted()) break;
     const Candidate& c = i < there.size() ? there[i] : candidates[i];
@@ -279,7 +279,7 @@ int compare_verb(const CompareArguments& a) {
   const std::string notes = trained_starts_note(seen, a.trials) + damage_note(scene) +
                             supervisor_note(supervisor_limits(scene));
 
-  std::vector<Candidate> candidates = baselines(scene, set, OperatorSkill::parse(a.skill), a.seed);
+  std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
   const std::size_t first = candidates.size();
   const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
   candidates.insert(candidates.end(), brought.begin(), brought.end());

@@ -24,7 +24,7 @@ struct CompareArguments {
   PolicyArguments policy;
   std::vector<std::size_t> demonstrations;
   std::size_t trials = 1000;
-  std::string skill = "0.8";  // of the simulated operator (insertion/operator_skill.hpp)
+  OperatorSkill skill = 0.8;  // of the simulated operator
   std::uint64_t seed = 7, fit_seed = 1;
   int threads = 0;
   bool other_scaling = false, ladder = false, supervise = false;

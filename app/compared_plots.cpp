@@ -74,7 +74,7 @@ void write_report(const CompareArguments& a, const Scene& scene, const Demonstra
     const std::string command =
         against ? fmt::format("./ferrule view --trial TRIAL --against {}{} --seed {}{}", against,
                               SceneArguments{scene.name, a.scene.settings}.given(), a.seed,
-                              who == kTeacher ? fmt::format(" --skill {}", a.skill) : "")
+                              who == kTeacher ? fmt::format(" --skill {}", a.skill.text()) : "")
                 : "";
     const TestedController tested{who, command, e.candidate.make, &e.results};
     add_failures(scene, a.seed, tested, runs, maps);

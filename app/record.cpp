@@ -31,7 +31,7 @@ struct RecordArguments {
   SceneArguments scene;
   DeviceArguments device;
   std::string operator_ = "simulated", out;
-  std::string skill = "0.8";
+  OperatorSkill skill = 0.8;
   int episodes = 20;
   std::uint64_t seed = 1;
   bool append = false, supervise = false, with_device = false;
@@ -113,7 +113,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     h.name = person_at(a.device.trainee, operator_name(*h.device));
   }
   if (!controller && a.supervise) throw BadInput("--supervise: needs a controller as --operator");
-  if (simulated) h.name = simulated_operator_name(OperatorSkill::parse(a.skill));
+  if (simulated) h.name = simulated_operator_name(a.skill);
   if (h.device || simulated) return h;
   if (controller) {
     refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
@@ -122,9 +122,8 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
     if (a.supervise) h.name += ", supervised";
   } else {
-    const OperatorSkill skill = OperatorSkill::parse(a.skill);
-    h.make = searching_operator(scene, skill, a.seed);
-    h.name = searching_operator_name(skill);
+    h.make = searching_operator(scene, a.skill, a.seed);
+    h.name = searching_operator_name(a.skill);
   }
   return h;
 }
@@ -149,8 +148,7 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   if (holding.device)
     return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
   if (!holding.make) {
-    const auto hand =
-        simulated_operator(scene, start, OperatorSkill::parse(a.skill), 1e-3, a.seed, drawn.trial);
+    const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
     return record_one(scene, start, *hand, std::move(place));
   }
   const std::unique_ptr<Controller> controller = holding.make(drawn.trial);

@@ -90,7 +90,7 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
         : a.against == kSpiral    ? "blind spiral"
         : a.against == kSearching ? "operator who searches"
                                   : "simulated operator",
-        against(a.against, scene, a.seed, OperatorSkill::parse(a.skill)));
+        against(a.against, scene, a.seed, a.skill));
 }
 
 std::optional<std::string> RecordedView::json(const std::string& file) const {

@@ -12,7 +12,7 @@ struct RecordedViewArguments {
   std::uint64_t seed = 7;
   std::string against;  // a baseline, "operator", or none
   bool supervise = false, other_scaling = false;
-  std::string skill = "0.8";  // of the operator (insertion/operator_skill.hpp)
+  OperatorSkill skill = 0.8;  // of the operator
 };
 
 class RecordedView {

@@ -21,7 +21,6 @@
 #include "app/keys.hpp"
 #include "app/scene_keys.hpp"
 #include "controller/controller_file.hpp"
-#include "insertion/operator_skill.hpp"
 #include "sim/analysis/plan.hpp"
 #include "sim/base/elementary.hpp"
 #include "sim/base/unknown_name.hpp"
@@ -190,19 +189,17 @@ void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help, cons
   verb.add_option(flag, seed, help)->capture_default_str()->check(seed_rule());
 }
 
-CLI::Option* add_skill(CLI::App& verb, std::string& skill, const std::string& help) {
-  const auto wrong = [](const std::string& text) -> std::string {
+CLI::Option* add_skill(CLI::App& verb, OperatorSkill& skill, const std::string& help) {
+  const auto read = [&skill](const std::string& text) {
     try {
-      OperatorSkill::parse(text);
-      return {};
+      skill = OperatorSkill::parse(text);
     } catch (const BadInput& error) {
-      return error.what();
+      throw CLI::ValidationError("--skill", error.what());
     }
   };
-  return verb.add_option("--skill", skill, help)
-      ->capture_default_str()
-      ->type_name("0 to 1[,TRAIT=VALUE,...]")
-      ->check(CLI::Validator(wrong, ""));
+  return verb.add_option_function<std::string>("--skill", read, help)
+      ->default_str(skill.text())
+      ->type_name("0 to 1[,TRAIT=VALUE,...]");
 }
 
 void add_seeds(CLI::App& verb, std::string& seeds, const std::string& help) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "app/provenance.hpp"
+#include "insertion/operator_skill.hpp"
 
 namespace ferrule {
 
@@ -84,7 +85,7 @@ CLI::Validator seed_rule();
 void add_seed(CLI::App& verb, std::uint64_t& seed, const std::string& help,
               const char* flag = "--seed");
 // --skill of a simulated operator (insertion/operator_skill.hpp).
-CLI::Option* add_skill(CLI::App& verb, std::string& skill, const std::string& help);
+CLI::Option* add_skill(CLI::App& verb, OperatorSkill& skill, const std::string& help);
 // --seeds: "1..5" or "1,2,7".
 void add_seeds(CLI::App& verb, std::string& seeds, const std::string& help);
 // Throws BadInput.

@@ -1,5 +1,6 @@
 #include "insertion/operator_skill.hpp"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "sim/base/error.hpp"
@@ -26,8 +27,8 @@ TEST(OperatorSkill, IsWhatItsTextSays) {
 TEST(OperatorSkill, EachTraitHasANameAndARange) {
   for (const Trait& trait : kTraits)
     for (const double value : {trait.low, trait.high}) {
-      const std::string text = "0.5," + std::string(trait.name) + "=" + std::to_string(value);
-      EXPECT_NEAR(OperatorSkill::parse(text).traits().*trait.value, value, 1e-6) << text;
+      const std::string text = fmt::format("0.5,{}={}", trait.name, value);
+      EXPECT_EQ(OperatorSkill::parse(text).traits().*trait.value, value) << text;
       for (const double skill : {0.0, 1.0}) {
         EXPECT_GE(trainee_traits(skill).*trait.value, trait.low) << trait.name;
         EXPECT_LE(trainee_traits(skill).*trait.value, trait.high) << trait.name;
