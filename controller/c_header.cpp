@@ -14,7 +14,8 @@ std::string law_body(LawKind kind) {
   const auto is = [](const char* name) {
     return [name](const ObservationChannel& c) { return std::string_view(c.name) == name; };
   };
-  if (kind == LawKind::insertion)
+  const bool guarded = kind == LawKind::guarded;
+  if (kind == LawKind::insertion || guarded)
     return R"(  const double since = time < g[1] ? time / g[1] : 1;
   const double ramp = since * since * (2 - since) * (2 - since);
   const double approach = 1 - exp((depth - g[2]) / g[3]);
@@ -22,9 +23,11 @@ std::string law_body(LawKind kind) {
       1 + g[4] * (wrench[0] * wrench[0] + wrench[1] * wrench[1] + wrench[2] * wrench[2]);
   (void)s;
 )" + unused_arguments([&](const auto& c) { return is("depth")(c) || is("time")(c); }) +
+           (guarded ? "  const double* yield = depth > 0 ? g + 12 : g + 6;\n"
+                    : "  const double* yield = g + 6;\n") +
            R"(  velocity[0] = -g[0] * ramp * approach / slowed + g[5] * wrench[0];
-  velocity[1] = g[6] * wrench[1] + g[8] + g[10] * depth;
-  velocity[2] = g[7] * wrench[2] + g[9] + g[11] * depth;
+  velocity[1] = yield[0] * wrench[1] + g[8] + g[10] * depth;
+  velocity[2] = yield[1] * wrench[2] + g[9] + g[11] * depth;
 )";
   std::string body = "  int i;\n  (void)s;\n" +
                      unused_arguments([](const auto&) { return false; }) +

@@ -11,6 +11,9 @@
 // under force, and yields to force; b and c let it lean to one side, more so deeper inside
 // (operators press the fibre lightly onto the bore). With k = 0 and far from both ends it is the
 // linear admittance law.
+//
+// The guarded law, of two more gains, has two phases: past the entrance, d > 0, it yields by B_y and
+// B_z in place of A_y and A_z.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,8 +25,8 @@
 
 namespace ferrule {
 
-inline constexpr int kGains = 12;
-inline constexpr std::array<Gain, kGains> kGainTable = {{
+inline constexpr int kGains = 12, kGuardedGains = 14;
+inline constexpr std::array<Gain, kGuardedGains> kGainTable = {{
     {"cruise_speed", "v_c", "m/s"},
     {"ramp_time", "t_r", "s", Gain::positive},
     {"end_depth", "d_e", "m"},
@@ -36,11 +39,15 @@ inline constexpr std::array<Gain, kGains> kGainTable = {{
     {"drift_z", "b_z", "m/s"},
     {"lean_y", "c_y", "1/s"},
     {"lean_z", "c_z", "1/s"},
+    {"bore_yield_y", "B_y", "m/(s N)"},
+    {"bore_yield_z", "B_z", "m/(s N)"},
 }};
 
-// Velocity [m/s] from gains in the order of the table. T is double, or a dual number when fitting.
+// Velocity [m/s] from the first `gains` (12 or 14) of the table. T is double, or a dual number when
+// fitting.
 template <class T>
-Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Observation& observation) {
+Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, int gains,
+                                          const Observation& observation) {
   const Eigen::Vector3d force = observation.wrench.head<3>();
   const double depth = observation.depth;
   T since = observation.time / gain[1];
@@ -48,9 +55,10 @@ Eigen::Matrix<T, 3, 1> insertion_velocity(const T* gain, const Observation& obse
   const T ramp = since * since * (2.0 - since) * (2.0 - since);
   const T approach = 1.0 - elementary::exp((depth - gain[2]) / gain[3]);
   const T slowed = 1.0 + gain[4] * force.squaredNorm();
+  const T* yield = gain + (gains == kGuardedGains && depth > 0 ? kGains : 6);  // along y and z
   return {-gain[0] * ramp * approach / slowed + gain[5] * force.x(),
-          gain[6] * force.y() + gain[8] + gain[10] * depth,
-          gain[7] * force.z() + gain[9] + gain[11] * depth};
+          yield[0] * force.y() + gain[8] + gain[10] * depth,
+          yield[1] * force.z() + gain[9] + gain[11] * depth};
 }
 
 }  // namespace ferrule

@@ -16,18 +16,19 @@
 
 namespace ferrule {
 
-// In the order of their numbers of gains: linear is contained in all others, phased in saturated.
-enum class LawKind { linear, insertion, phased, saturated };
+// In the order of their numbers of gains: linear is contained in all others, insertion in guarded,
+// phased in saturated.
+enum class LawKind { linear, insertion, phased, guarded, saturated };
 inline constexpr std::array kLaws = {LawKind::linear, LawKind::insertion, LawKind::phased,
-                                     LawKind::saturated};
+                                     LawKind::guarded, LawKind::saturated};
 
 constexpr const char* name(LawKind kind) noexcept {
-  constexpr std::array names = {"linear", "insertion", "phased", "saturated"};
+  constexpr std::array names = {"linear", "insertion", "phased", "guarded", "saturated"};
   return names[static_cast<std::size_t>(kind)];
 }
 
 constexpr std::span<const Gain> gain_table(LawKind kind) noexcept {
-  constexpr std::span<const Gain> admittance(kAdmittanceGains);
+  constexpr std::span<const Gain> admittance(kAdmittanceGains), insertion(kGainTable);
   switch (kind) {
     case LawKind::linear:
       return admittance.first(kLinearGains);
@@ -35,10 +36,12 @@ constexpr std::span<const Gain> gain_table(LawKind kind) noexcept {
       return admittance.first(kPhasedGains);
     case LawKind::saturated:
       return admittance;
+    case LawKind::guarded:
+      return insertion;
     case LawKind::insertion:
       break;
   }
-  return kGainTable;
+  return insertion.first(kGains);
 }
 
 inline constexpr std::array<Gain, 2> kTiltGains = {{
@@ -55,8 +58,10 @@ constexpr const Gain& gain_of(LawKind kind, std::size_t i) noexcept {
 // Velocity [m/s] from gains in the order of the table. T is double, or a dual number.
 template <class T>
 Eigen::Matrix<T, 3, 1> law_velocity(LawKind kind, const T* gains, const Observation& observation) {
-  if (kind == LawKind::insertion) return insertion_velocity(gains, observation);
-  return admittance_velocity(gains, static_cast<int>(gain_table(kind).size()), observation);
+  const int count = static_cast<int>(gain_table(kind).size());
+  if (kind == LawKind::insertion || kind == LawKind::guarded)
+    return insertion_velocity(gains, count, observation);
+  return admittance_velocity(gains, count, observation);
 }
 
 class Law : public Controller {

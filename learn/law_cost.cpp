@@ -59,6 +59,8 @@ bool row_error(LawKind kind, const Sample& sample, const LawUnits& units, const 
       return error_of<LawKind::linear>(sample, units, scaled, error, jacobian);
     case LawKind::phased:
       return error_of<LawKind::phased>(sample, units, scaled, error, jacobian);
+    case LawKind::guarded:
+      return error_of<LawKind::guarded>(sample, units, scaled, error, jacobian);
     case LawKind::saturated:
       return error_of<LawKind::saturated>(sample, units, scaled, error, jacobian);
     case LawKind::insertion:

@@ -11,22 +11,26 @@
 namespace ferrule {
 namespace {
 
+using Eigen::Matrix4d;
 using Eigen::Vector3d;
+using Eigen::Vector4d;
 
 constexpr double kLongestReaction = 0.4;  // [s]
 constexpr double kLeastForce = 0.001;  // standard deviation of felt force that tells anything [N]
 
-// Share of the lateral velocities that is left after regression on what the law has for them: the
-// force of `reaction` before, the depth and a constant.
+// Share of the lateral velocities that is left after regression on what the laws have for them: the
+// force of `reaction` before, outside the bore and inside, the depth and a constant.
 double lateral_residual(const std::vector<const Demonstration*>& set, double reaction) {
   double variance = 0, residual = 0;
   for (const int axis : {1, 2}) {
-    Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-    Vector3d product = Vector3d::Zero();
+    Matrix4d normal = Matrix4d::Zero();
+    Vector4d product = Vector4d::Zero();
     double squares = 0, sum = 0, n = 0;
     for (const Demonstration* d : set)
       for (const Sample& s : samples(*d, reaction)) {
-        const Vector3d x(s.wrench[axis], 1, 50 * s.depth);  // all of order one
+        const double force = s.wrench[axis];
+        const bool inside = s.depth > 0;
+        const Vector4d x(inside ? 0 : force, inside ? force : 0, 1, 50 * s.depth);  // of order one
         const double v = s.velocity[axis];
         normal += x * x.transpose();
         product += v * x;

@@ -21,24 +21,26 @@ struct Scaled {
 std::vector<Scaled> scaled_gains(LawKind kind, const LawScales& scales) {
   const double speed = scales.speed, depth = scales.depth;
   const Scaled drift{speed, -4, 4}, yield{speed, 0, 20};
-  if (kind == LawKind::insertion) {
-    const Scaled lean{speed / depth, -4, 4};
-    return {{speed, 0, 4},
-            {1, 1e-4, 30},
-            {depth, 0.2, 10},
-            {depth, 1e-2, 10},
-            {1, 0, 1e3},
-            yield,
-            yield,
-            yield,
-            drift,
-            drift,
-            lean,
-            lean};
-  }
   std::vector<Scaled> all = {drift,     drift, drift, yield, yield, yield, {depth, 1e-2, 10},
                              drift,     drift, drift, yield, yield, yield, {1, 0, 10},
                              {1, 0, 20}};
+  if (kind == LawKind::insertion || kind == LawKind::guarded) {
+    const Scaled lean{speed / depth, -4, 4};
+    all = {{speed, 0, 4},
+           {1, 1e-4, 30},
+           {depth, 0.2, 10},
+           {depth, 1e-2, 10},
+           {1, 0, 1e3},
+           yield,
+           yield,
+           yield,
+           drift,
+           drift,
+           lean,
+           lean,
+           yield,
+           yield};
+  }
   all.resize(gain_table(kind).size());
   return all;
 }
@@ -63,6 +65,13 @@ std::vector<Start> starts(LawKind kind, const std::vector<Samples>& episodes,
         for (const double length : {0.05, 0.5})
           all.push_back({{1, ramp, 1.1, length, 0.1, 0.01, 0.5, 0.5, 0, 0, 0, 0}, false});
       break;
+    case LawKind::guarded: {
+      std::vector<double> scaled =
+          solve_law(LawKind::insertion, episodes, scales, Effort::rough).scaled;
+      if (!scaled.empty()) scaled.insert(scaled.end(), {scaled[6], scaled[7]});
+      all.push_back({scaled, true});
+      break;
+    }
     case LawKind::linear:
       all.push_back({{-0.5, 0, 0, 0.01, 0.5, 0.5}, false});
       break;

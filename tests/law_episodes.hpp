@@ -12,11 +12,11 @@ inline constexpr LawScales kScales{6e-3, 0.02};
 inline Law usual_law(LawKind kind) {
   const std::vector<double> saturated = {-3e-3, 1e-4,  -5e-5, 2e-4,   0.9e-3, 0.8e-3, 5e-3, -1.8e-3,
                                          2e-4,  -1e-4, 4e-4,  1.6e-3, 1.4e-3, 0.3,    0.5};
-  if (kind == LawKind::insertion)
-    return {kind,
-            {4.2e-3, 0.9, 0.017, 0.006, 0.12, 2e-4, 0.85e-3, 0.7e-3, 1.5e-5, -2e-5, -3e-3, 2e-3}};
-  return {kind,
-          {saturated.begin(), saturated.begin() + static_cast<long>(gain_table(kind).size())}};
+  const std::vector<double> guarded = {4.2e-3, 0.9,    0.017, 0.006, 0.12, 2e-4,   0.85e-3,
+                                       0.7e-3, 1.5e-5, -2e-5, -3e-3, 2e-3, 0.3e-3, 1.1e-3};
+  const bool inserts = kind == LawKind::insertion || kind == LawKind::guarded;
+  const auto first = (inserts ? guarded : saturated).begin();
+  return {kind, {first, first + static_cast<long>(gain_table(kind).size())}};
 }
 
 // `rows` rows every 10 ms with forces of up to 1.5 N that swing, and a hand that goes as the law

@@ -79,6 +79,18 @@ TEST(AdmittanceLaw, InsertionIsLinearFarFromItsEndsWithoutSlowingAndLeaning) {
   }
 }
 
+TEST(AdmittanceLaw, GuardedIsTheInsertionLawOutsideAndYieldsOtherwiseInTheBore) {
+  for (std::uint64_t seed = 1; seed <= 500; ++seed) {
+    Case c = draw(seed);
+    c.gains[1] = c.gains[3] = 0.5;
+    std::vector<double> bore = c.gains;
+    std::copy_n(c.gains.begin() + kGains, 2, bore.begin() + 6);
+    EXPECT_EQ(velocity(LawKind::guarded, c), law_velocity(LawKind::insertion, bore.data(), c));
+    c.depth = 0;
+    EXPECT_EQ(velocity(LawKind::guarded, c), velocity(LawKind::insertion, c));
+  }
+}
+
 TEST(SaturatedForce, IsOddGrowsAndStaysBelowItsLimit) {
   for (std::uint64_t seed = 1; seed <= 500; ++seed) {
     RandomStream random(seed, 0, Draw::operator_hand);
@@ -103,7 +115,7 @@ TEST(Law, CommandsItsVelocityAndTiltsUnderMomentsWhereItHasTiltGains) {
   for (const LawKind kind : kLaws) {
     std::vector<double> gains(c.gains.begin(),
                               c.gains.begin() + static_cast<long>(gain_table(kind).size()));
-    if (kind == LawKind::insertion) gains[1] = gains[3] = 0.5;
+    if (kind == LawKind::insertion || kind == LawKind::guarded) gains[1] = gains[3] = 0.5;
     Law law(kind, gains);
     const HandTwist v = law.command(c);
     EXPECT_EQ(Eigen::Vector3d(v.head<3>()), law_velocity(kind, gains.data(), c));

@@ -13,7 +13,8 @@ using testing::usual_law;
 // Is `inner` a special case of `outer`?
 bool contains(LawKind outer, LawKind inner) {
   return outer == inner || inner == LawKind::linear ||
-         (outer == LawKind::saturated && inner == LawKind::phased);
+         (outer == LawKind::saturated && inner == LawKind::phased) ||
+         (outer == LawKind::guarded && inner == LawKind::insertion);
 }
 
 LawKind chosen(const Law& law, double noise, std::uint64_t seed) {

@@ -15,7 +15,7 @@ DemonstrationSet synthetic(const std::array<double, kGains>& gains, int episodes
                            std::uint64_t seed = 1, int delay = 0) {
   return testing::demonstrations(
       [&](const Eigen::Vector3d& force, double depth, double time) {
-        return insertion_velocity(gains.data(), testing::felt(force, depth, time));
+        return insertion_velocity(gains.data(), kGains, testing::felt(force, depth, time));
       },
       6e-3, episodes, delay, noise, seed);
 }

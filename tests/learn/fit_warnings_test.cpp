@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "insertion/scene_scaling.hpp"
+#include "learn/fit_law.hpp"
+#include "learn/record_again.hpp"
+#include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {
@@ -20,6 +23,48 @@ TEST(TimeWithoutForce, IsTheWayOverTheSpeed) {
   const double slow = 0.9 * way / scene.limits.time;
   EXPECT_TRUE(
       std::isinf(time_without_force(controller_maker(ConstantVelocity(motion * slow)), scene)));
+}
+
+class UnevenYield : public ::testing::Test {
+ protected:
+  static DemonstrationSet by(const char* skill) {
+    return simulated_demonstrations(load_scene("bench"), OperatorSkill::parse(skill), 21, 8);
+  }
+  static std::size_t warnings(const DemonstrationSet& set, const LawFile& law,
+                              const std::string& of) {
+    const std::vector<std::string> all = fit_warnings(set, law);
+    return static_cast<std::size_t>(std::count_if(
+        all.begin(), all.end(), [&](const std::string& w) { return w.starts_with(of); }));
+  }
+};
+
+// At skill 0.8 he yields by 0.9e-3 m/s per newton.
+TEST_F(UnevenYield, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
+  const DemonstrationSet set = by("0.8,bore_yield=0.3");
+  const LawFile insertion = fit_law(set, 1, LawKind::insertion).controller;
+  for (const char* name : {"yield_y", "yield_z"})
+    EXPECT_EQ(warnings(set, insertion, name + std::string(" is not one number: outside the bore")),
+              1U);
+  const LawFile guarded = fit_law(set, 1, LawKind::guarded).controller;
+  EXPECT_EQ(warnings(set, guarded, ""), 0U);
+  const std::span<const Gain> table = gain_table(LawKind::guarded);
+  for (const auto& [name, yield] : {std::pair("yield_y", 0.9e-3),
+                                    {"yield_z", 0.9e-3},
+                                    {"bore_yield_y", 0.27e-3},
+                                    {"bore_yield_z", 0.27e-3}}) {
+    const auto at = std::find_if(table.begin(), table.end(),
+                                 [&](const Gain& g) { return g.name == std::string(name); });
+    const FittedGain& gain = guarded.gains[static_cast<std::size_t>(at - table.begin())];
+    EXPECT_LE(gain.low, yield) << name;
+    EXPECT_GE(gain.high, yield) << name;
+    EXPECT_LT(gain.high - gain.low, 0.5 * yield) << name;
+  }
+}
+
+TEST_F(UnevenYield, ByForceIsWarnedOf) {
+  const DemonstrationSet set = by("0.8,force_yield=0.3");
+  const LawFile law = fit_law(set, 1, LawKind::guarded).controller;
+  EXPECT_EQ(warnings(set, law, "yield_z is not one number: under small forces"), 1U);
 }
 
 }  // namespace

@@ -108,6 +108,9 @@ TEST_P(HisYield, IsInTheIntervalOrWarnedOf) {
     });
     EXPECT_TRUE(warned || (gain.low <= yield && yield <= gain.high))
         << name << " " << gain.low << " to " << gain.high;
+    EXPECT_TRUE(std::none_of(warnings.begin(), warnings.end(), [&](const std::string& w) {
+      return w.starts_with(name + " is not one number");
+    }));
     // Where the force says little the eye or the tremor says the rest.
     EXPECT_EQ(warned, std::string(GetParam()) == "laser" || std::string(GetParam()) == "paper");
   }

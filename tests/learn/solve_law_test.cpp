@@ -31,6 +31,7 @@ TEST(SolveLaw, ALawFitsAtLeastAsWellAsTheLawWithinIt) {
     const double linear = cost(LawKind::linear), phased = cost(LawKind::phased);
     EXPECT_LE(phased, linear * (1 + 1e-9));
     EXPECT_LE(cost(LawKind::saturated), phased * (1 + 1e-9));
+    EXPECT_LE(cost(LawKind::guarded), cost(LawKind::insertion) * (1 + 1e-9));
   }
 }
 
@@ -49,7 +50,8 @@ TEST(SolveLaw, AWiderLawFindsTheNarrowerOneThatMadeTheData) {
 
 // Nominal 95 %, though the noise of one episode lasts.
 TEST(SolveLawAtLength, IntervalsHoldTheTruthAboutAsOftenAsTheySay) {
-  for (const LawKind kind : {LawKind::linear, LawKind::phased, LawKind::saturated}) {
+  for (const LawKind kind :
+       {LawKind::linear, LawKind::phased, LawKind::guarded, LawKind::saturated}) {
     const Law law = usual_law(kind);
     int inside = 0, all = 0;
     for (std::uint64_t seed = 1; seed <= 8; ++seed) {

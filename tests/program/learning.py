@@ -188,7 +188,7 @@ class Learning(Case):
         run = self.done("fit", out, "--law", "auto", "--out", controller, "--plot", plot, "--json")
         fitted = json.loads(run.stdout)
         table = fitted["metrics"]["cross_validation"]
-        self.assertEqual(set(table), {"linear", "insertion", "phased", "saturated"})
+        self.assertEqual(set(table), {"linear", "insertion", "phased", "guarded", "saturated"})
         best = min(table.values(), key=lambda law: law["error_m_s"])
         for law in table.values():  # none with fewer gains is as good
             if law["gains"] < table[fitted["law"]]["gains"]:
