@@ -77,7 +77,7 @@ Plot rung_plot(const std::string& rung,
   Axes axes = percent_axes("trials in the order of that number [%]");
   for (const auto& [name, decided] : controllers) {
     Series series{
-        fmt::format("{}: {} of {:.3g} to {:.3g} ({:.0f} %)", name, decided.name,
+        fmt::format("{}: {} of {:.4g} to {:.4g} ({:.0f} %)", name, decided.name,
                     decided.tenths.front().low, decided.tenths.back().high, 100 * decided.share),
         {},
         {},

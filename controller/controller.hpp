@@ -28,6 +28,8 @@ class Controller {
   virtual const Supervision* supervision() const noexcept { return nullptr; }
   // Which part of its task the last command was for; empty where it knows none.
   virtual const char* phase_name() const noexcept { return ""; }
+  // Is the insertion over, as far as it is concerned? Asked after a command.
+  virtual bool done() const noexcept { return false; }
   // Why it cannot answer any more, where it is somebody else's program; empty while it can. Its
   // commands are not finite then.
   virtual std::string failure() const { return {}; }

@@ -17,6 +17,7 @@ class HeldController : public Controller {
   }
   double disagreement() const noexcept override { return inner_->disagreement(); }
   const Supervision* supervision() const noexcept override { return inner_->supervision(); }
+  bool done() const noexcept override { return inner_->done(); }
   std::string failure() const override { return inner_->failure(); }
 
  private:

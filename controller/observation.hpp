@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <limits>
 
 #include "haptic/scaling.hpp"
 
@@ -18,13 +19,16 @@ struct Observation {
   // Of the holder since the start [m, rad]; as the depth it is what a stage's encoders have.
   HandPose displacement = HandPose::Zero();
   double height = 0;  // of the holder before that entrance [m]; < 0 past it
+  // Of the trial: a larger force at the holder ends it [N], > 0; infinite where nobody says it.
+  double force_limit = std::numeric_limits<double>::infinity();
 };
 
 // Of a holder that began at `start`, with the entrance taken to be at x = `entrance` [m].
 inline Observation observe(const HandWrench& wrench, const HandPose& holder, const HandPose& start,
-                           double entrance, double time) noexcept {
+                           double entrance, double time,
+                           double force_limit = std::numeric_limits<double>::infinity()) noexcept {
   const double height = holder[0] - entrance;
-  return {wrench, std::max(0.0, -height), time, holder - start, height};
+  return {wrench, std::max(0.0, -height), time, holder - start, height, force_limit};
 }
 
 // What a learned policy (controller/policy.hpp) takes in of a channel. With `past`: its value at

@@ -95,6 +95,13 @@ HandTwist velocity_of(const Json& answer) {
   return v;
 }
 
+bool says_done(const Json& answer) {
+  const auto done = answer.find("done");
+  if (done == answer.end()) return false;
+  if (!done->is_boolean()) answered_no(R"("done" neither true nor false)", answer);
+  return *done;
+}
+
 class ProgramPolicy : public Controller {
  public:
   ProgramPolicy(std::shared_ptr<Processes> processes, std::uint64_t trial)
@@ -120,11 +127,15 @@ class ProgramPolicy : public Controller {
                              {"depth", o.depth},
                              {"time", o.time},
                              {"displacement", listed(o.displacement)},
-                             {"height", o.height}};
-      v = velocity_of(process_->ask(question, processes_->settings().timeout));
+                             {"height", o.height},
+                             {"force_limit", number_or_null(o.force_limit)}};
+      const Json answer = process_->ask(question, processes_->settings().timeout);
+      v = velocity_of(answer);
+      done_ = says_done(answer);
     });
     return v;
   }
+  bool done() const noexcept override { return done_; }
   std::string failure() const override { return failure_; }
 
  private:
@@ -141,6 +152,7 @@ class ProgramPolicy : public Controller {
 
   std::shared_ptr<Processes> processes_;
   std::unique_ptr<PolicyProcess> process_;  // null: it failed
+  bool done_ = false;
   std::string failure_;
 };
 

@@ -3,9 +3,11 @@
 // A program is run by the shell and talks JSON, a line each, in turns: it gets a line on its
 // standard input and answers with one on its standard output.
 //   {"reset": {"trial": k, "seed": s, "control_hz": f}}       before every trial; {} answers
-//   {"wrench": [Fx, Fy, Fz, My, Mz], "depth": d, "time": t}   an observation, in the hand's world
-//                                                             [N, N m], [m], [s]
+//   {"wrench": [Fx, Fy, Fz, My, Mz], "depth": d, "time": t,   an observation, in the hand's world
+//    "displacement": [x, y, z, tilt_y, tilt_z], "height": h,  [N, N m], [m, rad], [s]
+//    "force_limit": F}
 //   {"velocity": [vx, vy, vz, tilt_y, tilt_z]}                answers it [m/s, rad/s]
+//   {"velocity": [...], "done": true}                         and ends the trial after it
 //   {"error": "why"}                                          answers what it cannot answer
 // One process serves one trial at a time and many after one another, each thread its own. One that
 // ends, is silent for too long, or answers anything else ends its trial, which then says why, and

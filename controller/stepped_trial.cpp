@@ -76,7 +76,7 @@ Observation SteppedTrial::observation() const noexcept {
   if (!running_) return {HandWrench::Zero(), 0, 0};
   const Running& r = *running_;
   return observe(r.insertion.sensed().relative(), r.hand.holder(), r.hand.start(), entrance_,
-                 time());
+                 time(), scaling_.force * drawn_->limits.force);
 }
 
 HandWrench SteppedTrial::wrench() const noexcept {

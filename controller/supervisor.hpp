@@ -92,6 +92,7 @@ class Supervisor : public Controller {
   double disagreement() const noexcept override { return inner_->disagreement(); }
   const Supervision* supervision() const noexcept override { return &supervision_; }
   const char* phase_name() const noexcept override { return inner_->phase_name(); }
+  bool done() const noexcept override { return inner_->done(); }
   std::string failure() const override { return inner_->failure(); }
 
  private:

@@ -8,32 +8,37 @@
 namespace ferrule {
 
 ControllerHand::ControllerHand(Controller& controller, const HandPose& start, double speed,
-                               double end_depth, double entrance)
+                               double end_depth, double entrance, double force_limit)
     : controller_(controller),
       start_(start),
       pose_(start),
       holder_(start),
       speed_(speed),
       end_depth_(end_depth),
-      entrance_(entrance) {}
+      entrance_(entrance),
+      force_limit_(force_limit) {}
 
 HandSample ControllerHand::read(double t) {
   pose_ += velocity_ * (t - time_);
   time_ = t;
   const Supervision* supervision = controller_.supervision();
   if (supervision && supervision->gave_up) return {pose_, true, name(*supervision->gave_up)};
-  return {pose_, hand_depth(pose_, entrance_) >= end_depth_};
+  return {pose_, controller_.done() || hand_depth(pose_, entrance_) >= end_depth_};
 }
 
 void ControllerHand::render(const HandWrench& wrench) {
-  velocity_ =
-      limit_speed(controller_.command(observe(wrench, holder_, start_, entrance_, time_)), speed_);
+  const Observation now = observe(wrench, holder_, start_, entrance_, time_, force_limit_);
+  velocity_ = limit_speed(controller_.command(now), speed_);
 }
 
 ControllerHand recorded_hand(const Scene& scene, const State& start, Controller& controller) {
   const Scaling scaling = scene_scaling(scene);
-  return {controller, scaling.motion_to_hand(start.command), scaling.motion * scene.limits.speed,
-          1.1 * scaling.motion * scene.success.depth, registered_entrance(scene)};
+  return {controller,
+          scaling.motion_to_hand(start.command),
+          scaling.motion * scene.limits.speed,
+          1.1 * scaling.motion * scene.success.depth,
+          registered_entrance(scene),
+          scaling.force * scene.limits.force};
 }
 
 TrialResult trial_result(const Scene& scene, Outcome outcome,
@@ -60,7 +65,8 @@ TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint
   const State start = draw_start(scene, seed, trial);
   ControllerHand hand(controller, scaling.motion_to_hand(start.command),
                       scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),
-                      scaling.motion * scene.sensor.entrance_error);
+                      scaling.motion * scene.sensor.entrance_error,
+                      scaling.force * scene.limits.force);
   const InsertionEnd end = run_insertion(
       scene, start, hand, ForceSensor(scene.sensor, seed_of("sensor", scene.redrawn, seed), trial),
       {.scaling = scaling, .period = period, .past_success = false, .stop = stop}, on_tick);

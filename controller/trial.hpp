@@ -31,10 +31,10 @@ TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t 
 class ControllerHand : public Device {
  public:
   // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world],
-  // and when its supervisor gives up. Depths are from where it takes the entrance to be (x [m,
-  // hand's world]).
+  // when its controller is done, and when its supervisor gives up. Depths are from where it takes
+  // the entrance to be (x [m, hand's world]). `force_limit` is told to the controller.
   ControllerHand(Controller& controller, const HandPose& start, double speed, double end_depth,
-                 double entrance = 0);
+                 double entrance = 0, double force_limit = std::numeric_limits<double>::infinity());
   HandSample read(double t) override;
   void render(const HandWrench& wrench) override;
   void holder_at(const HandPose& holder) override { holder_ = holder; }
@@ -43,7 +43,7 @@ class ControllerHand : public Device {
   Controller& controller_;
   HandPose start_, pose_, holder_;
   HandTwist velocity_ = HandTwist::Zero();
-  double speed_, end_depth_, entrance_, time_ = 0;
+  double speed_, end_depth_, entrance_, force_limit_, time_ = 0;
 };
 
 // The hand of a recording from `start`: until a tenth past the success depth.

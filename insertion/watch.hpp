@@ -21,7 +21,7 @@ enum class Outcome {
   buckled,         // the axial load exceeded Euler's load of the free length (clamped-free)
   broken,          // the bending stress exceeded the scene's proof stress
   invalid_output,  // the controller or operator commanded something that is not a finite number
-  stopped_short,   // the operator finished before the success depth
+  stopped_short,   // the operator or controller finished before the success depth
   interrupted,     // the operator or user stopped it
   infeasible,      // the drawn fibre does not fit into the drawn bore: no failure of anybody
   gave_up,         // the supervisor of the controller saw no way on

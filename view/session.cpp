@@ -343,7 +343,7 @@ void Session::let_it_insert(bool (*stopped)() noexcept) {
   ControllerHand hand(*controller, scaling.motion_to_hand(now.start.command),
                       scaling.motion * now.scene->limits.speed,
                       1.1 * scaling.motion * now.scene->success.depth,
-                      registered_entrance(*now.scene));
+                      registered_entrance(*now.scene), scaling.force * now.scene->limits.force);
   running_ = "insert";
   bool discard = false;
   const TimedEpisode timed = run_shown(

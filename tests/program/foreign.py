@@ -65,6 +65,26 @@ for line in sys.stdin:
         told, _ = self.evaluate(counting, "--trials", "2")
         self.assertNotIn("failures", told["rows"][0])
 
+    # In the hand's world, that of the trial; 8.46e5 times that of the tip.
+    def test_it_is_told_the_force_limit_and_may_say_done(self):
+        stopping = STEP + LOOP.replace("answer(q)", """\\
+        {"velocity": [0, 0, 0, 0, 0], "done": q["time"] >= q["force_limit"]}""")
+        trials = self.path("trials.csv")
+        ended, _ = self.evaluate(stopping, "--trials", "4", "--set", "limits.force_uN=20..90", "--trials-out", trials)
+        self.assertEqual(ended["outcomes"]["stopped_short"], 4)
+        with open(SOURCE + "/data/scenes/bench.json") as file:
+            scale = json.load(file)["scaling"]
+        with open(trials) as file:
+            rows = list(csv.DictReader(file))
+        limits = set()
+        for row in rows:
+            # It stopped after as many seconds as newtons, and up to a period of 20 Hz.
+            uN = float(row["time_s"]) * scale["tip_force_uN"] / scale["hand_force_N"]
+            self.assertTrue(20 <= uN < 90.7, uN)
+            limits.add(round(uN))
+        self.assertGreater(len(limits), 1)
+        self.fails('"done" neither true nor false', (STEP + LOOP).replace("0, 0]}", "0, 0], 'done': 1}"))
+
     def test_one_that_dies_disturbs_no_other_trial(self):
         whole, _ = self.evaluate(STEP + LOOP, "--trials", "4")
         dying = STEP + LOOP.replace("q = json.loads(line)", """q = json.loads(line)
