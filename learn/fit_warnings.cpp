@@ -15,7 +15,7 @@ namespace ferrule {
 namespace {
 
 constexpr double kHardly = 0.3;  // of the variance that the course leaves
-constexpr double kUneven = 0.1;  // of a yield, what it may differ by elsewhere
+constexpr double kUneven = 0.1;  // of a yield, between its intervals
 
 // Of a gain that answers a force along x, y or z: 0, 1 or 2.
 int axis_of(const std::string& gain) {
@@ -77,8 +77,7 @@ void warn_of_uneven_yields(const std::vector<Samples>& episodes, const LawFile& 
       const FittedGain &a = one[i], &b = other[i];
       if (std::isnan(a.low) || std::isnan(b.low) || share[axis_of(name)] < kHardly) continue;
       const double apart = std::max(a.low, b.low) - std::min(a.high, b.high);
-      if (apart <= 0 || std::abs(a.value - b.value) <= kUneven * std::max(a.value, b.value))
-        continue;
+      if (apart <= kUneven * std::max(a.value, b.value)) continue;
       warnings.push_back(
           fmt::format("{} is not one number: {} {:.3g} ({:.3g} to {:.3g}), {} {:.3g} ({:.3g} to "
                       "{:.3g}); {}",

@@ -11,8 +11,8 @@ namespace ferrule {
 //     (learn/free_course.hpp). The hand's own motion then makes most of the force that is felt, and
 //     a regression of one on the other is biased, however tight its interval.
 //   - a yield that is another one outside the bore than inside, or under forces below the median
-//     than above, by more than a tenth and with 95 % intervals (with any course, as above) that do
-//     not meet: what one number says of it is a mixture, and its interval holds neither.
+//     than above: with 95 % intervals (with any course, as above) that are more than a tenth of it
+//     apart. What one number says of it is a mixture then, and its interval holds neither.
 //   - a law that does not tilt though the hands did, for other reasons than the moments
 //     (learn/tilt_yields.hpp).
 //   - a controller that meets no force at all, and yet does not reach the success depth within the
