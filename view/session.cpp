@@ -338,12 +338,8 @@ void Session::start_try(bool (*stopped)() noexcept) {
 void Session::let_it_insert(bool (*stopped)() noexcept) {
   if (!controller_) throw BadInput("there is no controller yet: fit one first");
   const Insertion now = last_.scene ? last_ : prepared_;
-  const Scaling scaling = scene_scaling(*now.scene);
   const std::unique_ptr<Controller> controller = controller_(now.trial);
-  ControllerHand hand(*controller, scaling.motion_to_hand(now.start.command),
-                      scaling.motion * now.scene->limits.speed,
-                      1.1 * scaling.motion * now.scene->success.depth,
-                      registered_entrance(*now.scene), scaling.force * now.scene->limits.force);
+  ControllerHand hand = recorded_hand(*now.scene, now.start, *controller);
   running_ = "insert";
   bool discard = false;
   const TimedEpisode timed = run_shown(

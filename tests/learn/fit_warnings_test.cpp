@@ -5,7 +5,6 @@
 #include "insertion/scene_scaling.hpp"
 #include "learn/fit_law.hpp"
 #include "learn/record_again.hpp"
-#include "tests/compare.hpp"
 
 namespace ferrule {
 namespace {

@@ -65,7 +65,7 @@ for line in sys.stdin:
         told, _ = self.evaluate(counting, "--trials", "2")
         self.assertNotIn("failures", told["rows"][0])
 
-    # In the hand's world, that of the trial; 8.46e5 times that of the tip.
+    # In the hand's world, that of the trial.
     def test_it_is_told_the_force_limit_and_may_say_done(self):
         stopping = STEP + LOOP.replace("answer(q)", """\\
         {"velocity": [0, 0, 0, 0, 0], "done": q["time"] >= q["force_limit"]}""")

@@ -58,10 +58,9 @@ class Policies(Case):
         law = json.load(open(self.law))
         self.assertEqual(law["law"], "insertion")
         law["law"] = "guarded"
-        for gain, value in ("bore_yield_y", 2e-4), ("bore_yield_z", 1.5e-3):
-            law["gains"][gain] = {"value": value, "unit": "m/(s N)", "low": None, "high": None}
-        for gain, value in ("tilt_yield_y", 2e-4), ("tilt_yield_z", 1e-4):
-            law["gains"][gain] = {"value": value, "unit": "rad/(s N m)", "low": None, "high": None}
+        for gain, value, unit in (("bore_yield_y", 2e-4, "m/(s N)"), ("bore_yield_z", 1.5e-3, "m/(s N)"),
+                                  ("tilt_yield_y", 2e-4, "rad/(s N m)"), ("tilt_yield_z", 1e-4, "rad/(s N m)")):
+            law["gains"][gain] = {"value": value, "unit": unit, "low": None, "high": None}
         with open(self.path("guarded.json"), "w") as file:
             json.dump(law, file)
         return file.name
