@@ -34,10 +34,11 @@ constexpr std::array kQuantities = {
 // What chance decides in a scene.
 std::vector<std::string> drawn_in(const Scene& scene) {
   std::vector<std::string> keys;
-  for (const DrawnNumber& number : scene.drawn) keys.push_back(number.key);
+  for (const DrawnNumber& number : scene.drawn)
+    if (std::find(keys.begin(), keys.end(), number.name()) == keys.end())
+      keys.push_back(number.name());
   const auto& particle = scene.parameters.laws.particle;
-  const std::array there = {scene.start.lateral_sd > 0, scene.start.tilt_sd > 0,
-                            !scene.sensor.ideal(),
+  const std::array there = {!scene.sensor.ideal(),
                             particle.has_value() && std::isnan(particle->height)};
   for (std::size_t i = 0; i < there.size(); ++i)
     if (there[i]) keys.emplace_back(kDrawnBesides[i]);

@@ -8,11 +8,24 @@
 #include <filesystem>
 
 #include "sim/base/error.hpp"
+#include "sim/base/random.hpp"
 
 namespace ferrule {
 namespace {
 
 namespace fs = std::filesystem;
+
+constexpr std::uint64_t kSaysItsStart = 6;  // the format from which on a scene does
+
+// Before, y, z and the tilts at the start were the first four of one stream.
+void start_as_before(const EpisodeInfo& info, Scene& scene) {
+  RandomStream random(info.seed, info.trial, Draw::start);
+  Eigen::Vector4d normals;
+  for (double& each : normals) each = random.normal();
+  scene.start.lateral += scene.start.lateral_sd * normals.head<2>();
+  scene.start.tilt += scene.start.tilt_sd * normals.tail<2>();
+  std::erase_if(scene.drawn, [](const DrawnNumber& n) { return n.key.starts_with("start."); });
+}
 
 }  // namespace
 
@@ -69,7 +82,9 @@ EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t
 }
 
 Scene recorded_scene(const EpisodeInfo& info, const std::string& file) {
-  return parse_scene(parse_json(info.scene, file), file);
+  Scene scene = parse_scene(parse_json(info.scene, file), file);
+  if (info.format < kSaysItsStart) start_as_before(info, scene);
+  return scene;
 }
 
 EpisodeRows::EpisodeRows(EpisodeInfo info, Eigen::Index count, Read read)

@@ -111,12 +111,11 @@ Verification compare_in_child(const MappedFile& file, double tolerance) {
   const StoredEpisode stored(file);
   const EpisodeInfo& info = stored.info();
   const EpisodeRows rows = stored.rows(info);
-  const auto version = stored.in().whole("format_version");
-  const EpisodeTables tables(rows, recorded_scene(info, file.name()), version);
+  const EpisodeTables tables(rows, recorded_scene(info, file.name()));
   Verification found{tolerance, {}, {}};
   compare_tables(stored, tables, found);
   Content expected = tables.content();
-  if (version == 3 || version == 4) add_warm_start(stored.in(), expected);
+  if (info.format == 3 || info.format == 4) add_warm_start(stored.in(), expected);
   if (!info.inputs_sha1.empty())
     expected.attributes["/"][kInputsHash] =
         inputs_sha1(expected, [&](const std::string& path, auto first, auto count) {

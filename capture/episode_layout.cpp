@@ -168,8 +168,8 @@ void add_observations(Layout& layout, const Scene& scene) {
   }
 }
 
-Layout layout_of(const EpisodeInfo& info, Eigen::Index rows, const Scene& scene,
-                 std::uint64_t version) {
+Layout layout_of(const EpisodeInfo& info, Eigen::Index rows, const Scene& scene) {
+  const std::uint64_t version = info.format;
   const auto count = static_cast<std::int64_t>(rows);
   Layout layout{version};
   Content& content = layout.content;
@@ -225,9 +225,9 @@ Block block_of(Block block, std::uint64_t version) {
   return block;
 }
 
-EpisodeTables::EpisodeTables(const EpisodeRows& rows, const Scene& scene, std::uint64_t version)
+EpisodeTables::EpisodeTables(const EpisodeRows& rows, const Scene& scene)
     : rows_(rows), sensor_(rows.info(), scene) {
-  Layout layout = layout_of(rows.info(), rows.count(), scene, version);
+  Layout layout = layout_of(rows.info(), rows.count(), scene);
   content_ = std::move(layout.content);
   values_ = std::move(layout.values);
 }

@@ -14,9 +14,6 @@
 namespace ferrule {
 
 inline constexpr const char* kFormat = "ferrule episode";
-// 1: columns as one text, no scales, no flow and air; 2: no particle; 3 and 4: with the warm start
-// of the step after. Older files are read, and held against what they were.
-inline constexpr std::uint64_t kFormatVersion = 5;
 inline constexpr const char* kDemo = "/data/demo_0";
 inline constexpr const char* kCountsPath = "/data/demo_0/raw/counts";
 inline constexpr const char* kInputsHash = "inputs_sha1";
@@ -42,8 +39,7 @@ auto optional_texts(Info& info) {
 class EpisodeTables {
  public:
   // `rows` must outlive it.
-  EpisodeTables(const EpisodeRows& rows, const Scene& scene,
-                std::uint64_t version = kFormatVersion);
+  EpisodeTables(const EpisodeRows& rows, const Scene& scene);
 
   const hdf5::Content& content() const noexcept { return content_; }
   // The next block of each table, in their order; none after the last.

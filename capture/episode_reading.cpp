@@ -13,11 +13,11 @@ Json to_json(const EpisodeInfo& info, Eigen::Index rows) {
   return {info.scene,    info.operator_, info.seed,    info.trial,  info.period,
           info.outcome,  info.why,       info.version, info.build,  info.mapping,
           info.coupling, info.phases,    info.loop,    info.rating, info.inputs_sha1,
-          info.trainee,  info.date,      info.session, rows};
+          info.trainee,  info.date,      info.session, info.format, rows};
 }
 EpisodeInfo info_of(const Json& j) {
-  EpisodeInfo info{j[0], j[1],  j[2],  j[3],  j[4],  j[5],  j[6],  j[7],  j[8],
-                   j[9], j[10], j[11], j[12], j[13], j[14], j[15], j[16], j[17]};
+  EpisodeInfo info{j[0],  j[1],  j[2],  j[3],  j[4],  j[5],  j[6],  j[7],  j[8], j[9],
+                   j[10], j[11], j[12], j[13], j[14], j[15], j[16], j[17], j[18]};
   return info;
 }
 

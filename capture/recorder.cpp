@@ -22,8 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kJournal = "ferrule journal";
-constexpr std::int64_t kJournalVersion = 1;
-constexpr double kFlushEvery = 0.1;  // [s] of recording
+constexpr std::int64_t kJournalVersion = 2;  // 1: of episodes of format 5
+constexpr double kFlushEvery = 0.1;          // [s] of recording
 
 // A row in the journal: its numbers, and the counts where there is a mapping.
 Eigen::Index row_size(const EpisodeInfo& info) {
@@ -48,8 +48,8 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   const Json json = parse_json(text, file);
   JsonFields f(json, file);
   if (f.text("format") != kJournal) f.refuse("format", std::string("must be ") + kJournal);
-  f.integer("format_version", kJournalVersion, kJournalVersion);
   EpisodeInfo info;
+  if (f.integer("format_version", 1, kJournalVersion) == 1) info.format = 5;
   if (f.present("mapping")) info.mapping = f.text("mapping");
   if (f.present("coupling")) info.coupling = f.text("coupling");
   if (f.present("trainee")) info.trainee = f.text("trainee");

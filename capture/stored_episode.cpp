@@ -17,10 +17,11 @@ using hdf5::StoredTable;
 EpisodeInfo read_info(const Reader& in, const std::string& file) {
   if (!in.has("format") || in.text("format") != kFormat)
     throw FileTrouble(file + ": not a ferrule episode");
-  if (const auto version = in.whole("format_version"); version < 1 || version > kFormatVersion)
-    throw FileTrouble(file + ": episode format " + std::to_string(version) +
-                      "; this program reads format 1 to " + std::to_string(kFormatVersion));
   EpisodeInfo info;
+  info.format = in.whole("format_version");
+  if (info.format < 1 || info.format > kEpisodeFormat)
+    throw FileTrouble(file + ": episode format " + std::to_string(info.format) +
+                      "; this program reads format 1 to " + std::to_string(kEpisodeFormat));
   info.version = in.text("ferrule_version");
   info.build = in.text("build");
   info.scene = in.text("scene");
@@ -83,8 +84,7 @@ StoredEpisode::StoredEpisode(const MappedFile& file)
   const auto open = [&](const std::string& path, Eigen::Index width) {
     tables_.emplace(path, in_.table(path, width, count_));
   };
-  const std::uint64_t version = in_.whole("format_version");
-  for (const Block& block : kBlocks) open(rows_path(block), block_of(block, version).width);
+  for (const Block& block : kBlocks) open(rows_path(block), block_of(block, info_.format).width);
   if (!info_.mapping.empty()) open(kCountsPath, kRawAxes);
 }
 

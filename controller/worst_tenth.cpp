@@ -42,7 +42,8 @@ std::vector<Tenth> by_tenths(const DrawnQuantity& quantity, const std::vector<Tr
 std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t seed,
                                             std::size_t trials) {
   std::vector<DrawnQuantity> drawn = {{"start.lateral_um", {}}, {"start.tilt_mrad", {}}};
-  for (const DrawnNumber& number : scene.drawn) drawn.push_back({number.key, {}});
+  for (const DrawnNumber& number : scene.drawn)
+    if (number.shared.empty()) drawn.push_back({number.key, {}});
   for (DrawnQuantity& quantity : drawn)
     quantity.values.assign(trials, std::numeric_limits<double>::quiet_NaN());
   for (std::size_t k = 0; k < trials; ++k) {
@@ -51,8 +52,8 @@ std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t se
     const Pose tip = draw_start(*of_trial, seed, k).tip;
     drawn[0].values[k] = tip.segment<2>(1).norm() / micro;
     drawn[1].values[k] = 1e3 * tip.tail<2>().norm();
-    for (std::size_t i = 0; i < scene.drawn.size(); ++i)
-      drawn[2 + i].values[k] = of_trial->document.at(pointer_to(scene.drawn[i].key)).get<double>();
+    for (std::size_t i = 2; i < drawn.size(); ++i)
+      drawn[i].values[k] = of_trial->document.at(pointer_to(drawn[i].name)).get<double>();
   }
   return drawn;
 }

@@ -11,8 +11,7 @@ constexpr double kPress = 0.6;  // 0.7 uN at the tip with the paper's scaling [N
 
 }  // namespace
 
-TraineeTask trainee_task(const Scene& scene, const State& start, double period, std::uint64_t seed,
-                         std::uint64_t trial) noexcept {
+TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept {
   const Scaling scaling = scene_scaling(scene);
   const double entrance = scene.start.distance - scene.sensor.entrance_error;
   const double distance = entrance + scene.success.depth + overshoot(scene);
@@ -23,14 +22,10 @@ TraineeTask trainee_task(const Scene& scene, const State& start, double period, 
                       period,
                       scaling.motion * entrance,
                       {}};
-  if (scene.start.vision_sd && scene.start.distance > 0) {
-    RandomStream random(seed, trial, Draw::operator_eye);
-    const double y = random.normal(), z = random.normal();
-    const Vector2d seen = *scene.start.vision_sd * Vector2d(y, z);
-    task.aim = {
-        scaling.motion * scene.start.distance,
-        task.start.segment<2>(1) + scaling.motion * (seen - Vector2d(start.tip.segment<2>(1)))};
-  }
+  if (scene.start.vision && scene.start.distance > 0)
+    task.aim = {scaling.motion * scene.start.distance,
+                task.start.segment<2>(1) +
+                    scaling.motion * (*scene.start.vision - Vector2d(start.tip.segment<2>(1)))};
   return task;
 }
 
@@ -38,7 +33,7 @@ std::unique_ptr<Device> simulated_operator(const Scene& scene, const State& star
                                            const OperatorSkill& skill, double period,
                                            std::uint64_t seed, std::uint64_t trial) {
   return std::make_unique<Trainee>(
-      skill.traits(), trainee_task(scene, start, period, seed, trial),
+      skill.traits(), trainee_task(scene, start, period),
       [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
         return random.uniform();
       });

@@ -12,10 +12,8 @@ namespace ferrule {
 
 // To push the fibre of `start` a tenth (2 um at least) deeper than the scene's success depth, from
 // where the entrance is taken to be, at the scene's speed limit; and where the scene lets him see
-// the bore's axis, to steer the end there before the entrance, as well as he sees it in
-// (seed, trial).
-TraineeTask trainee_task(const Scene& scene, const State& start, double period, std::uint64_t seed,
-                         std::uint64_t trial) noexcept;
+// the bore's axis, to steer the end there before the entrance, to where he sees it.
+TraineeTask trainee_task(const Scene& scene, const State& start, double period) noexcept;
 
 // A trainee of `skill` whose hand holds the fibre of `start`, with that task. Its chance
 // is that of (seed, trial).

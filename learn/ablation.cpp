@@ -34,8 +34,10 @@ Json unvaried(const Json& document, std::uint64_t seed) {
   const std::string what = "the scene of the episodes";
   const Scene scene = parse_scene(document, what);
   Json same = feasible_trial(scene, seed, 1).scene->document;
-  same["start"]["lateral_sd_um"] = 0;
-  same["start"]["tilt_sd_mrad"] = 0;
+  Json& start = same["start"];
+  start["lateral_sd_um"] = start["tilt_sd_mrad"] = 0;
+  for (const std::string key : kDrawnKeys)
+    if (key.starts_with("start.")) start.erase(key.substr(key.find('.') + 1));
   return same;
 }
 

@@ -121,8 +121,7 @@ DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f,
   DaggerRound now;
   for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
     const std::string what = "a scene of the episodes";
-    const Scene scene =
-        parse_scene(parse_json(set.documents[k % set.documents.size()], what), what);
+    const Scene scene = parse_scene(set.undrawn_documents[k % set.undrawn_documents.size()], what);
     const std::uint64_t trial = round * kTrialsPerRound + k;
     met.push_back(relabelled_trial(scene, f.policy, teachers[trial % teachers.size()],
                                    f.reaction_time, seed, kFirstTrial + trial));

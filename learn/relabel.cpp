@@ -40,7 +40,7 @@ Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy,
   PolicyController controller(policy);
   ControllerHand hand = recorded_hand(scene, start, controller);
   const Teacher ask =
-      teacher_of(teacher, scene, trainee_task(scene, start, policy.period, seed, trial), reaction);
+      teacher_of(teacher, scene, trainee_task(scene, start, policy.period), reaction);
   const Eigen::Index stride = rows_per_step(policy.period);
   Eigen::Index n = 0;
   Demonstration d;

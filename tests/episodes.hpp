@@ -51,8 +51,10 @@ inline RecordedRows record_rows(const Scene& scene, const State& start, Device& 
 }
 
 // Records trial `trial` into `folder`; a simulated operator unless a controller is given.
-inline std::string record(const Scene& scene, const std::string& folder, std::uint64_t trial,
+inline std::string record(const Scene& toleranced, const std::string& folder, std::uint64_t trial,
                           Controller* controller = nullptr, double skill = 0.8) {
+  const FeasibleTrial drawn = feasible_trial(toleranced, 1, trial);
+  const Scene& scene = *drawn.scene;
   const State start = draw_start(scene, 1, trial);
   std::unique_ptr<Device> device;
   if (controller)

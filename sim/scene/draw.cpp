@@ -40,15 +40,20 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
   const std::optional<Particle>& law = scene.parameters.laws.particle;
   const bool particle = law && std::isnan(law->height);
   if (scene.drawn.empty() && !particle) return {std::shared_ptr<const Scene>(), &scene};
+  // What the scene states comes first, as the rest follows of it.
+  std::vector<DrawnNumber> first;
+  std::copy_if(scene.drawn.begin(), scene.drawn.end(), std::back_inserter(first),
+               [](const DrawnNumber& number) { return !number.implied; });
   std::shared_ptr<Scene> drawn;
   try {
-    drawn = std::make_shared<Scene>(parse_scene(
-        drawn_document(scene.document, scene.drawn, seed, trial, scene.redrawn), scene.name));
+    drawn = std::make_shared<Scene>(
+        parse_scene(drawn_document(scene.document, first.empty() ? scene.drawn : first, seed, trial,
+                                   scene.redrawn),
+                    scene.name));
     drawn->redrawn = scene.redrawn;
   } catch (const RefusedKey&) {  // each of the numbers can be, but not these together
     return nullptr;
   }
-  // What has chance in it only as it was drawn.
   if (!drawn->drawn.empty()) return draw_scene(*drawn, seed, trial);
   if (particle) {
     draw_particle(*drawn, {seed_of("laws.particle", scene.redrawn, seed), trial, Draw::particle});
@@ -82,21 +87,9 @@ State start_at(const World& world, const Pose& tip) noexcept {
 State draw_start(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
   if (!scene.drawn.empty())
     if (const auto drawn = draw_scene(scene, seed, trial)) return draw_start(*drawn, seed, trial);
-  // y, z and the tilts are the first four of one stream, that of another seed where drawn again.
-  const auto normals = [&](const char* key) {
-    RandomStream random(seed_of(key, scene.redrawn, seed), trial, Draw::start);
-    Eigen::Vector4d four;
-    for (double& each : four) each = random.normal();
-    return four;
-  };
-  const Vector2d lateral = normals("start.lateral_sd_um").head<2>(),
-                 tilt = normals("start.tilt_sd_mrad").tail<2>();
   Pose tip;
-  tip[0] = scene.start.distance;
-  tip.segment<2>(1) = scene.start.lateral_mean + scene.start.lateral_sd * lateral;
-  tip.tail<2>() = scene.start.tilt_sd * tilt;
-  tip.segment<2>(1) += scene.hand.grasp;
-  tip.tail<2>() += scene.hand.grasp_tilt;
+  tip << scene.start.distance, scene.start.lateral + scene.hand.grasp,
+      scene.start.tilt + scene.hand.grasp_tilt;
   if (const auto& radius = scene.parameters.fibre.curl_radius_m) {
     const double roll = degree * scene.parameters.fibre.roll_deg.value_or(0);
     tip += curl(*radius, free_length(scene.parameters),

@@ -25,7 +25,7 @@ void find(const Json& value, const Json::json_pointer& at, const std::string& ke
   try {
     if (const auto distribution = Distribution::read(value)) {
       if (is_of_all_trials(key)) refuse("must be a number, the same in all trials");
-      found.push_back({key, *distribution});
+      found.push_back({.key = key, .distribution = *distribution});
       return;
     }
   } catch (const RefusedKey&) {
@@ -59,9 +59,10 @@ Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::u
     was["tolerance"] = document["tolerance"];
     document.erase("tolerance");
   }
-  for (const auto& [key, distribution] : drawn) {
-    RandomStream random(seed_of(key, redrawn, seed), trial, key);
-    const double value = distribution.draw(random);
+  for (const DrawnNumber& number : drawn) {
+    const std::string& key = number.key;
+    RandomStream random(seed_of(number.name(), redrawn, seed), trial, key);
+    const double value = number.distribution.draw(random);
     const Json::json_pointer at = pointer_to(key);
     if (document.contains(at)) {
       was[key] = document[at];

@@ -13,6 +13,12 @@ namespace ferrule {
 struct DrawnNumber {
   std::string key;  // dotted
   Distribution distribution;
+  // The scene states not this number, but others of which it follows.
+  bool implied = false;
+  // A deviation that it shares with others: they count as one thing that chance decides.
+  std::string shared{};
+
+  const std::string& name() const noexcept { return shared.empty() ? key : shared; }
 };
 
 // Those that stand in a scene's document. Throws RefusedKey.
@@ -21,15 +27,15 @@ std::vector<DrawnNumber> drawn_numbers(const Json& document, const std::string& 
 // The document with each of them at its centre.
 Json at_centre(Json document, const std::vector<DrawnNumber>& drawn);
 
-// The document with the numbers of that trial, that of `redrawn` with those of another seed
+// The document with the numbers of that trial, those named `redrawn` with those of another seed
 // (seed_of). It says in "drawn_from" what they replace ("was"), and which keys are new ("added").
 Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::uint64_t seed,
                     std::uint64_t trial, const std::string& redrawn = "");
 
-// That of what `key` names: another one, which nobody can ask for, where it is drawn again.
-inline std::uint64_t seed_of(std::string_view key, std::string_view redrawn,
+// That of what has this name: another one, which nobody can ask for, where it is drawn again.
+inline std::uint64_t seed_of(std::string_view name, std::string_view redrawn,
                              std::uint64_t seed) noexcept {
-  return key == redrawn ? ~seed : seed;
+  return name == redrawn ? ~seed : seed;
 }
 
 // States a number that the document does not have yet.

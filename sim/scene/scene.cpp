@@ -135,23 +135,39 @@ void read_world(JsonFields& scene, WorldParameters& world) {
   read_numerics(scene, world.laws, world.numerics);
 }
 
-void read_start(JsonFields f, StartDistribution& start) {
+void read_start(JsonFields f, InsertionStart& start) {
   f.number("distance_um", not_negative(kFarthest), start.distance, micro);
   const Vector2d mean = f.pair("lateral_mean_um");
   if (!(mean.cwiseAbs().maxCoeff() <= kFarthest))
     f.refuse("lateral_mean_um", "must be two numbers from -1e6 to 1e6");
-  start.lateral_mean = micro * mean;
+  start.lateral = start.lateral_mean = micro * mean;
   f.number("lateral_sd_um", not_negative(kFarthest), start.lateral_sd, micro);
   f.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"), start.tilt_sd, milli);
   if (f.present("vision_sd_um"))
-    f.number("vision_sd_um", not_negative(kFarthest), start.vision_sd.emplace(), micro);
+    f.number("vision_sd_um", not_negative(kFarthest), start.vision_sd, micro);
+  if (f.present("vision_sd_um") || f.present("vision_y_um")) start.vision = Vector2d::Zero();
+  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
+    if (f.present(key)) f.number(key, rule, value, unit);
+  };
+  const Rule lateral = rule::between(-kFarthest, kFarthest, "must be from -1e6 to 1e6");
+  number("y_um", micro, lateral, start.lateral.x());
+  number("z_um", micro, lateral, start.lateral.y());
+  const Rule tilt = rule::between(-1000, 1000, "must be from -1000 to 1000");
+  number("tilt_y_mrad", milli, tilt, start.tilt.x());
+  number("tilt_z_mrad", milli, tilt, start.tilt.y());
+  f.depends("vision_y_um", {"vision_z_um"});
+  f.depends("vision_z_um", {"vision_y_um"});
+  if (start.vision) {
+    number("vision_y_um", micro, lateral, start.vision->x());
+    number("vision_z_um", micro, lateral, start.vision->y());
+  }
   f.finish();
 }
 
 // Of pairs of parts, as scenes before 0.9.0 state it: what is drawn of each diameter.
 void read_tolerance(JsonFields f, const Json& fibre_um, std::vector<DrawnNumber>& drawn) {
   const auto add = [&](const char* key, const Json& distribution) {
-    drawn.push_back({key, *Distribution::read(distribution)});
+    drawn.push_back({.key = key, .distribution = *Distribution::read(distribution)});
   };
   const auto band = [&](const char* key) {
     const Vector2d um = f.pair(key);
@@ -347,9 +363,9 @@ void read_scene(JsonFields& fields, const Json& document, Scene& scene) {
 
 // What chance decides unless the document states it.
 void add_unstated(const Json& document, Scene& scene) {
-  const auto add = [&](const char* key, const Json& distribution) {
+  const auto add = [&](const char* key, const Json& distribution, const char* shared = "") {
     if (!document.contains(pointer_to(key)))
-      scene.drawn.push_back({key, *Distribution::read(distribution)});
+      scene.drawn.push_back({key, *Distribution::read(distribution), true, shared});
   };
   const Json all_round = {{"uniform", {0, 360}}};
   const FibreParameters& fibre = scene.parameters.fibre;
@@ -357,6 +373,19 @@ void add_unstated(const Json& document, Scene& scene) {
   if (fibre.cleave_deg) add("fibre.cleave_direction_deg", all_round);
   if (scene.parameters.ferrule.ovality_um)
     add("ferrule.ovality_direction_deg", {{"uniform", {0, 180}}});
+  const InsertionStart& start = scene.start;
+  const auto scatter = [&](std::array<const char*, 2> keys, const Vector2d& mean, double sd,
+                           double unit, const char* shared) {
+    if (sd > 0)
+      for (int i = 0; i < 2; ++i)
+        add(keys[static_cast<std::size_t>(i)], {{"normal", {mean[i] / unit, sd / unit}}}, shared);
+  };
+  scatter({"start.y_um", "start.z_um"}, start.lateral_mean, start.lateral_sd, micro,
+          "start.lateral_sd_um");
+  scatter({"start.tilt_y_mrad", "start.tilt_z_mrad"}, Vector2d::Zero(), start.tilt_sd, milli,
+          "start.tilt_sd_mrad");
+  scatter({"start.vision_y_um", "start.vision_z_um"}, Vector2d::Zero(), start.vision_sd, micro,
+          "start.vision_sd_um");
   if (scene.sensor.entrance_sd > 0)
     add("sensor.entrance_error_um", {{"normal", {0, 1e6 * scene.sensor.entrance_sd}}});
   // What fibre and ferrule are off, together.

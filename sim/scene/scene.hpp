@@ -16,17 +16,21 @@
 
 namespace ferrule {
 
-// Where the fibre's end rests at the start of a trial: `distance` outside the bore, with normally
-// distributed misalignment. That of a curled fibre (fibre.curl_radius_m) lies aside and tilts
-// besides: this is where that of a straight one would be.
-struct StartDistribution {
-  double distance;        // x of the end [m], >= 0
-  Vector2d lateral_mean;  // mean of y and of z [m]
-  double lateral_sd;      // standard deviation of y and of z [m], >= 0
-  double tilt_sd;         // standard deviation of each tilt [rad], >= 0
-  // Standard deviation, in y and in z, of where a simulated operator sees the bore's axis, to which
-  // he steers before the entrance [m], >= 0; empty: he keeps the line that he starts on.
-  std::optional<double> vision_sd;
+// Where the fibre's end rests at the start of a trial. That of a curled fibre (fibre.curl_radius_m)
+// lies aside and tilts besides: this is where that of a straight one would be.
+struct InsertionStart {
+  double distance;   // x of the end, outside the bore [m], >= 0
+  Vector2d lateral;  // y and z [m]
+  Vector2d tilt;     // [rad]
+  // Where a simulated operator sees the bore's axis, y and z, to which he steers before the entrance
+  // [m]; empty: he keeps the line that he starts on.
+  std::optional<Vector2d> vision;
+  // What they are drawn from where the scene states nothing more: mean of `lateral` [m], and
+  // standard deviations of each number, >= 0.
+  Vector2d lateral_mean;
+  double lateral_sd;  // [m]
+  double tilt_sd;     // [rad]
+  double vision_sd;   // [m]
 };
 
 struct Limits {
@@ -71,20 +75,24 @@ inline constexpr std::array kDrawnKeys = {"fibre.roll_deg",
                                           "ferrule.ovality_direction_deg",
                                           "joint.offset_y_um",
                                           "joint.offset_z_um",
+                                          "start.y_um",
+                                          "start.z_um",
+                                          "start.tilt_y_mrad",
+                                          "start.tilt_z_mrad",
+                                          "start.vision_y_um",
+                                          "start.vision_z_um",
                                           "laws.particle.height_um",
                                           "laws.particle.at_um",
                                           "laws.particle.direction_deg"};
 
-// What chance decides of a trial besides: where the fibre starts and how tilted, what the force
-// sensor adds, and the particle.
-inline constexpr std::array kDrawnBesides = {"start.lateral_sd_um", "start.tilt_sd_mrad", "sensor",
-                                             "laws.particle"};
+// What chance decides of a trial besides: what the force sensor adds, and the particle.
+inline constexpr std::array kDrawnBesides = {"sensor", "laws.particle"};
 
 struct Scene {
   std::string name;
   WorldParameters parameters;  // what it states of the world
   World world;                 // and the world that follows
-  StartDistribution start;
+  InsertionStart start;
   ForceSensorModel sensor;
   HandErrors hand;
   Limits limits;
@@ -100,8 +108,8 @@ struct Scene {
   // centres cannot be together (a fibre as wide as the bore), it is as in a trial in which the
   // numbers can.
   std::vector<DrawnNumber> drawn;
-  // What is drawn as under another seed while all else stays as it is: one of these keys, or of
-  // kDrawnBesides; empty: nothing.
+  // What is drawn as under another seed while all else stays as it is: the name of some of these, or
+  // of kDrawnBesides; empty: nothing.
   std::string redrawn{};
   Json document;  // the scene as resolved: file plus settings; parsing it gives this scene again
 };

@@ -4,6 +4,7 @@
 
 #include "controller/c_header.hpp"
 #include "controller/controller_file.hpp"
+#include "controller/statistics.hpp"
 #include "controller/stepped_trial.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
@@ -86,13 +87,18 @@ TEST(SearchLaw, IsNeededAtASharpBore) {
 void expect_hardly_slower_under_the_supervisor(const Scene& scene, double times) {
   const MakeController alone = load_controller(shipped());
   const MakeController watched = supervised(alone, supervisor_limits(scene));
-  for (const std::uint64_t trial : {1, 2, 3}) {
+  int inserted_alone = 0, inserted = 0;
+  std::vector<double> slower;
+  for (std::uint64_t trial = 1; trial <= 10; ++trial) {
     const TrialResult by_itself = run_trial(scene, *alone(trial), 11, trial);
     const TrialResult with = run_trial(scene, *watched(trial), 11, trial);
-    EXPECT_EQ(with.outcome, Outcome::inserted);
-    EXPECT_LT(with.summary.time, times * by_itself.summary.time);
+    inserted_alone += by_itself.outcome == Outcome::inserted;
+    inserted += with.outcome == Outcome::inserted;
+    slower.push_back(with.summary.time / by_itself.summary.time);
     EXPECT_LT(with.summary.peak_force, scene.limits.force);
   }
+  EXPECT_GE(inserted, std::max(inserted_alone - 1, 8));
+  EXPECT_LT(quantile(slower, 0.5), times);
 }
 
 // Which lets it tilt in free air, where nothing is strained.

@@ -339,7 +339,7 @@ TEST(Supervisor, AddsNothingToTheForceOfASnap) {
        {"roughness_nm=2", "limits.time_s=3", "start.distance_um=5", "start.lateral_sd_um=1"})
     smooth.push_back(each);
   std::size_t snaps = 0;
-  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+  for (std::uint64_t seed = 0; seed < 60; ++seed) {
     const Closed c = run(load_scene("demo", smooth), Adversary::constant, seed);
     snaps += c.snaps;
     EXPECT_LE(c.caused, 0.9 + 1e-4);

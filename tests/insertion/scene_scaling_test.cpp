@@ -73,9 +73,9 @@ TEST(RegisteredEntrance, IsWhatEndsATrialOfTheControllersOwnAndNotWhatCountsAsIn
 TEST(RegisteredEntrance, IsWhatAnOperatorGoesBy) {
   const Scene truth = straight(), scene = straight({"sensor.entrance_error_um=-7"});
   const State start = draw_start(truth, 1, 1);
-  EXPECT_CLOSE(trainee_task(scene, start, 1e-3, 1, 1).distance -
-                   trainee_task(truth, start, 1e-3, 1, 1).distance,
-               scene_scaling(scene).motion * 7e-6, 1e-9);
+  EXPECT_CLOSE(
+      trainee_task(scene, start, 1e-3).distance - trainee_task(truth, start, 1e-3).distance,
+      scene_scaling(scene).motion * 7e-6, 1e-9);
   EXPECT_CLOSE(scene_tare(scene).free_beyond - scene_tare(truth).free_beyond, -7e-6, 1e-6);
 }
 

@@ -99,7 +99,7 @@ class Learning(Case):
     def test_what_chance_decides_of_a_joint_is_recorded(self):
         out = self.path("out")
         for file in self.record(out, "--set", "joint.core_concentricity_sd_um=1", "--set",
-                                "success.loss_dB=0.3", episodes=4):
+                                "success.loss_dB=0.3", episodes=8):
             self.done("replay", file, "--verify")
         ends = [e["outcome"] for e in json.loads(self.done("score", out, "--json").stdout)["episodes"]]
         self.assertEqual(set(ends), {"inserted", "high_loss"})

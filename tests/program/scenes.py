@@ -208,7 +208,8 @@ class Scenes(Case):
                 with h5py.File(episode) as file:
                     recorded = json.loads(file.attrs["scene"])
                 self.validator.validate(recorded)
-                self.assertEqual(recorded["drawn_from"], {"was": {
+                added = ["start.y_um", "start.z_um", "start.tilt_y_mrad", "start.tilt_z_mrad"]
+                self.assertEqual(recorded["drawn_from"], {"added": added, "was": {
                     "ferrule.bore_diameter_um": {"uniform": [125.5, 126.5]},
                     "fibre.diameter_um": {"uniform": [124.6, 125]},
                     "laws.adhesion.work_of_adhesion_J_m2": {"lognormal": [0.02, 0.3]}}})

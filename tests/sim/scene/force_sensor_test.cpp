@@ -176,7 +176,7 @@ TEST(DrawScene, PairsInterfereAsOftenAsTheirTolerancesSay) {
   }
   const double rate = static_cast<double>(interfering) / trials;
   EXPECT_LE(std::abs(rate - expected), 4 * std::sqrt(expected * (1 - expected) / trials));
-  const Scene plain = testing::paper();
+  const Scene plain = testing::paper({"start.lateral_sd_um=0", "start.tilt_sd_mrad=0"});
   EXPECT_EQ(draw_scene(plain, 9, 1).get(), &plain);
 }
 
