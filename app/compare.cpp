@@ -38,12 +38,11 @@ std::vector<TrialResult> supervised_campaign(const CompareArguments& a, const Sc
 }
 
 Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
-            const Demonstration& demonstration, const std::vector<Vector2d>& starts) {
+            const Demonstration& demonstration) {
   Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name)};
   e.alone = a.stopping.summary(e.results);
   e.supervised_results = supervised_campaign(a, scene, c.make, c.name);
   e.supervised = a.stopping.summary(e.supervised_results);
-  e.rings = by_misalignment(e.results, starts);
   return e;
 }
 
@@ -91,12 +90,11 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
 
 std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
                               const std::vector<Candidate>& candidates,
-                              const Demonstration& demonstration,
-                              const std::vector<Vector2d>& starts) {
+                              const Demonstration& demonstration) {
   std::vector<Entry> entries;
   for (const Candidate& c : candidates) {
     if (interrupted()) break;
-    entries.push_back(tried(a, scene, c, demonstration, starts));
+    entries.push_back(tried(a, scene, c, demonstration));
     tell_failures(c.name, entries.back().results);
   }
   const auto teacher = std::find_if(entries.begin(), entries.end(),
@@ -106,6 +104,17 @@ std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
     if (e.candidate.name != kTeacher)
       e.against_teacher = compare_shared(e.results, teacher->results);
   return entries;
+}
+
+// Where the trials that were made started, across the bore [m].
+std::vector<Vector2d> starts_of(const Scene& scene, std::uint64_t seed,
+                                const std::vector<Entry>& entries) {
+  std::size_t trials = 0;
+  for (const Entry& e : entries) trials = std::max(trials, e.results.size());
+  std::vector<Vector2d> starts;
+  for (std::size_t k = 0; k < trials; ++k)
+    starts.push_back(draw_start(scene, seed, k).tip.segment<2>(1));
+  return starts;
 }
 
 std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
@@ -288,11 +297,10 @@ int compare_verb(const CompareArguments& a) {
   else
     fmt::print(stderr, "{}", notes);
   std::fflush(stdout);
-  std::vector<Vector2d> starts;
-  for (std::size_t k = 0; k < a.trials && !runs_a_shard(); ++k)
-    starts.push_back(draw_start(scene, a.seed, k).tip.segment<2>(1));
   Found found;
-  found.entries = tried_here(a, scene, candidates, set.demonstrations.front(), starts);
+  found.entries = tried_here(a, scene, candidates, set.demonstrations.front());
+  const std::vector<Vector2d> starts = starts_of(scene, a.seed, found.entries);
+  for (Entry& e : found.entries) e.rings = by_misalignment(e.results, starts);
   if (a.output.text()) {
     fmt::print("{} demonstrations, {}{} trials each, the same for all\n\n",
                set.demonstrations.size(), when(a.stopping.enough) ? "at most " : "", a.trials);

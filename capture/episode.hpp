@@ -59,12 +59,12 @@ struct EpisodeInfo {
   Outcome outcome = Outcome::interrupted;
   std::string why;             // it ended so, where the outcome does not say it all
   std::string version, build;  // of the program that recorded it
-  std::string mapping;      // mapping_text of a device with raw axes, and else empty
-  std::string coupling;     // coupling_text where there is one between device and holder
-  std::string phases;       // of an operator who has some, the first row of each: see above
-  std::string loop;         // loop_json of a loop in time (capture/haptic_loop.hpp)
-  int rating = 0;           // by the operator, 1 to 5; 0: none
-  std::string inputs_sha1;  // of the file it was read from; empty where that has none
+  std::string mapping;         // mapping_text of a device with raw axes, and else empty
+  std::string coupling;        // coupling_text where there is one between device and holder
+  std::string phases;          // of an operator who has some, the first row of each: see above
+  std::string loop;            // loop_json of a loop in time (capture/haptic_loop.hpp)
+  int rating = 0;              // by the operator, 1 to 5; 0: none
+  std::string inputs_sha1;     // of the file it was read from; empty where that has none
   // Of a person's: who, and when the episode and the sitting that it belongs to began, as
   // "2026-11-21T12:50:07Z"; each may be empty.
   std::string trainee, date, session;

@@ -1,5 +1,6 @@
 #include "learn/identify.hpp"
 
+#include "controller/statistics.hpp"
 #include "sim/base/random.hpp"
 #include "sim/scene/draw.hpp"
 #include "tests/compare.hpp"
@@ -56,20 +57,21 @@ TEST(Identify, ReplaysARecordingInItsOwnSceneExactly) {
 // Where an event comes a moment earlier or later the fit is not smooth: now and then it ends beside
 // them.
 TEST(IdentifyAtLength, FindsTheParametersOfRecordingsWithoutNoise) {
-  constexpr int kSets = 4;
-  int found = 0;
+  constexpr int kSets = 12;
+  std::vector<double> of_friction, of_adhesion, residuals;
   for (std::uint64_t seed = 0; seed < kSets; ++seed) {
     const auto data = recordings(
         without_wells({"laws.friction.burgers_nm=0.6", "laws.adhesion.work_of_adhesion_J_m2=0.2"}),
         0, seed);
     const Identification i = identify(data, without_wells({}), {kFriction, kAdhesion}, 1);
-    const double friction = i.parameters[0].value, adhesion = i.parameters[1].value;
-    EXPECT_CLOSE(friction, 0.6, 1e-3);
-    EXPECT_CLOSE(adhesion, 0.2, 3e-2);
-    found += testing::close(friction, 0.6, 1e-4) && testing::close(adhesion, 0.2, 1e-3);
-    EXPECT_LT(i.residual, 0.01 * i.residual_start);
+    of_friction.push_back(std::abs(i.parameters[0].value / 0.6 - 1));
+    of_adhesion.push_back(std::abs(i.parameters[1].value / 0.2 - 1));
+    residuals.push_back(i.residual / i.residual_start);
   }
-  EXPECT_GE(found, kSets - 1);
+  EXPECT_LT(quantile(of_friction, 0.5), 1e-5);
+  EXPECT_LT(quantile(of_adhesion, 0.5), 1e-3);
+  for (const auto& all : {of_friction, of_adhesion}) EXPECT_LT(quantile(all, 1), 3e-2);
+  EXPECT_LT(quantile(residuals, 0.9), 0.01);
 }
 
 // From another scene, for pairs of parameters and several seeds, with a sensor's noise of 20 nN.
