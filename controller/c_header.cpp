@@ -15,7 +15,7 @@ std::string law_body(LawKind kind) {
     return [name](const ObservationChannel& c) { return std::string_view(c.name) == name; };
   };
   const bool guarded = kind == LawKind::guarded;
-  if (kind == LawKind::insertion || guarded)
+  if (is_insertion_law(kind))
     return R"(  const double since = time < g[1] ? time / g[1] : 1;
   const double ramp = since * since * (2 - since) * (2 - since);
   const double approach = 1 - exp((depth - g[2]) / g[3]);

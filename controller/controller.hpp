@@ -9,6 +9,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "controller/observation.hpp"
 #include "controller/supervision.hpp"
@@ -43,6 +44,20 @@ template <class C>
 MakeController controller_maker(const C& controller) {
   return [controller](std::uint64_t) { return std::make_unique<C>(controller); };
 }
+
+// A controller around another one: what it does not change is that of `inner`.
+class ControllerWrapper : public Controller {
+ public:
+  explicit ControllerWrapper(std::unique_ptr<Controller> inner) : inner_(std::move(inner)) {}
+  double disagreement() const noexcept override { return inner_->disagreement(); }
+  const Supervision* supervision() const noexcept override { return inner_->supervision(); }
+  const char* phase_name() const noexcept override { return inner_->phase_name(); }
+  bool done() const noexcept override { return inner_->done(); }
+  std::string failure() const override { return inner_->failure(); }
+
+ protected:
+  std::unique_ptr<Controller> inner_;
+};
 
 // The naive baseline: straight in at constant speed, whatever is observed.
 class ConstantVelocity : public Controller {

@@ -6,22 +6,17 @@
 
 namespace ferrule {
 
-class HeldController : public Controller {
+class HeldController : public ControllerWrapper {
  public:
   // `periods` >= 1.
   HeldController(std::unique_ptr<Controller> inner, std::uint64_t periods)
-      : inner_(std::move(inner)), periods_(periods) {}
+      : ControllerWrapper(std::move(inner)), periods_(periods) {}
   HandTwist command(const Observation& observation) noexcept override {
     if (tick_++ % periods_ == 0) velocity_ = inner_->command(observation);
     return velocity_;
   }
-  double disagreement() const noexcept override { return inner_->disagreement(); }
-  const Supervision* supervision() const noexcept override { return inner_->supervision(); }
-  bool done() const noexcept override { return inner_->done(); }
-  std::string failure() const override { return inner_->failure(); }
 
  private:
-  std::unique_ptr<Controller> inner_;
   std::uint64_t periods_, tick_ = 0;
   HandTwist velocity_ = HandTwist::Zero();
 };

@@ -55,12 +55,16 @@ constexpr const Gain& gain_of(LawKind kind, std::size_t i) noexcept {
   return i < table.size() ? table[i] : kTiltGains[i - table.size()];
 }
 
+// Is it the insertion law, be it with yields of its own inside the bore?
+constexpr bool is_insertion_law(LawKind kind) noexcept {
+  return kind == LawKind::insertion || kind == LawKind::guarded;
+}
+
 // Velocity [m/s] from gains in the order of the table. T is double, or a dual number.
 template <class T>
 Eigen::Matrix<T, 3, 1> law_velocity(LawKind kind, const T* gains, const Observation& observation) {
   const int count = static_cast<int>(gain_table(kind).size());
-  if (kind == LawKind::insertion || kind == LawKind::guarded)
-    return insertion_velocity(gains, count, observation);
+  if (is_insertion_law(kind)) return insertion_velocity(gains, count, observation);
   return admittance_velocity(gains, count, observation);
 }
 

@@ -102,7 +102,7 @@ std::string cannot_hold(const SupervisorLimits& limits) {
 }
 
 Supervisor::Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits)
-    : inner_(std::move(inner)),
+    : ControllerWrapper(std::move(inner)),
       limits_(limits),
       // At a steady speed s the way that is unseen is s T (1 - follows) / follows.
       stoppable_(speed_within(limits.brakes_for() / limits.stiffness,

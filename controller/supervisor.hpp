@@ -84,16 +84,12 @@ SupervisorLimits supervisor_limits(const Scene& scene);
 // Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.
 std::string cannot_hold(const SupervisorLimits& limits);
 
-class Supervisor : public Controller {
+class Supervisor : public ControllerWrapper {
  public:
   Supervisor(std::unique_ptr<Controller> inner, const SupervisorLimits& limits);
 
   HandTwist command(const Observation& observation) noexcept override;
-  double disagreement() const noexcept override { return inner_->disagreement(); }
   const Supervision* supervision() const noexcept override { return &supervision_; }
-  const char* phase_name() const noexcept override { return inner_->phase_name(); }
-  bool done() const noexcept override { return inner_->done(); }
-  std::string failure() const override { return inner_->failure(); }
 
  private:
   enum class Phase { follow, retreat, shift, stop };
@@ -112,7 +108,6 @@ class Supervisor : public Controller {
   double braked_speed(double force) const noexcept;
   void note(Intervention kind, bool now) noexcept;
 
-  std::unique_ptr<Controller> inner_;
   SupervisorLimits limits_;
   double stoppable_;  // |u| that can be braked for where nothing is felt [m/s]
   double fastest_;    // that, or `speed` if less [m/s]

@@ -6,10 +6,10 @@
 namespace ferrule {
 namespace {
 
-class Ablated : public Controller {
+class Ablated : public ControllerWrapper {
  public:
   Ablated(std::unique_ptr<Controller> inner, Ablation what)
-      : inner_(std::move(inner)), what_(what) {}
+      : ControllerWrapper(std::move(inner)), what_(what) {}
   HandTwist command(const Observation& observation) noexcept override {
     Observation left = observation;
     if (what_ == Ablation::force) left.wrench.setZero();
@@ -18,14 +18,8 @@ class Ablated : public Controller {
     if (what_ == Ablation::tilt) velocity.tail<2>().setZero();
     return velocity;
   }
-  double disagreement() const noexcept override { return inner_->disagreement(); }
-  const Supervision* supervision() const noexcept override { return inner_->supervision(); }
-  const char* phase_name() const noexcept override { return inner_->phase_name(); }
-  bool done() const noexcept override { return inner_->done(); }
-  std::string failure() const override { return inner_->failure(); }
 
  private:
-  std::unique_ptr<Controller> inner_;
   Ablation what_;
 };
 

@@ -24,7 +24,7 @@ std::vector<Scaled> scaled_gains(LawKind kind, const LawScales& scales) {
   std::vector<Scaled> all = {drift,     drift, drift, yield, yield, yield, {depth, 1e-2, 10},
                              drift,     drift, drift, yield, yield, yield, {1, 0, 10},
                              {1, 0, 20}};
-  if (kind == LawKind::insertion || kind == LawKind::guarded) {
+  if (is_insertion_law(kind)) {
     const Scaled lean{speed / depth, -4, 4};
     all = {{speed, 0, 4},
            {1, 1e-4, 30},

@@ -14,7 +14,7 @@ inline Law usual_law(LawKind kind) {
                                          2e-4,  -1e-4, 4e-4,  1.6e-3, 1.4e-3, 0.3,    0.5};
   const std::vector<double> guarded = {4.2e-3, 0.9,    0.017, 0.006, 0.12, 2e-4,   0.85e-3,
                                        0.7e-3, 1.5e-5, -2e-5, -3e-3, 2e-3, 0.3e-3, 1.1e-3};
-  const bool inserts = kind == LawKind::insertion || kind == LawKind::guarded;
+  const bool inserts = is_insertion_law(kind);
   const auto first = (inserts ? guarded : saturated).begin();
   return {kind, {first, first + static_cast<long>(gain_table(kind).size())}};
 }

@@ -115,7 +115,7 @@ TEST(Law, CommandsItsVelocityAndTiltsUnderMomentsWhereItHasTiltGains) {
   for (const LawKind kind : kLaws) {
     std::vector<double> gains(c.gains.begin(),
                               c.gains.begin() + static_cast<long>(gain_table(kind).size()));
-    if (kind == LawKind::insertion || kind == LawKind::guarded) gains[1] = gains[3] = 0.5;
+    if (is_insertion_law(kind)) gains[1] = gains[3] = 0.5;
     Law law(kind, gains);
     const HandTwist v = law.command(c);
     EXPECT_EQ(Eigen::Vector3d(v.head<3>()), law_velocity(kind, gains.data(), c));
