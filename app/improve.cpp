@@ -15,6 +15,7 @@ namespace {
 
 struct ImproveArguments {
   SceneArguments scene;
+  std::vector<std::string> also;
   std::string controller, out;
   std::vector<std::string> objective = {"success", "time", "force"};
   ImproveSettings settings;
@@ -23,14 +24,30 @@ struct ImproveArguments {
   bool other_scaling = false, json = false;
 };
 
+// A scene to insert in, and what its trials said.
+struct Tried {
+  Scene scene;
+  CampaignSummary before;
+  std::optional<CampaignSummary> after{};  // empty: it was stopped
+};
+
+std::vector<Tried> all_scenes(const ImproveArguments& a, const Scene& chosen) {
+  std::vector<Tried> all = {{chosen, {}}};
+  for (const std::string& name : a.also)
+    all.push_back({planned_with_progress(load_scene(name)), {}});
+  return all;
+}
+
 // Changed gains have no intervals, and no error against demonstrations.
-ControllerFile as_improved(const ControllerFile& controller, const ChosenScene& chosen,
+ControllerFile as_improved(const ControllerFile& controller, const std::vector<Tried>& tried,
                            const Improved& improved) {
   ControllerFile file = improved.controller;
+  std::vector<std::string> scenes;
+  for (const Tried& each : tried) scenes.push_back(each.scene.name);
   std::visit(
       [&](auto& c) {
-        c.trained_on.scenes = {chosen.scene.name};
-        c.trained_on.scene = chosen.scene.document;
+        c.trained_on.scenes = scenes;
+        c.trained_on.scene = tried.front().scene.document;
         c.trained_on.rollouts += improved.trials;
         c.trained_on.partial = interrupted();
       },
@@ -39,17 +56,19 @@ ControllerFile as_improved(const ControllerFile& controller, const ChosenScene& 
   if (auto* search = std::get_if<SearchFile>(&file))
     for (const std::size_t i : free_gains(controller))
       search->sources[i] = fmt::format("improved from {} in {} by {} trials", gain(controller, i),
-                                       chosen.scene.name, improved.trials);
+                                       fmt::join(scenes, ", "), improved.trials);
   return file;
 }
 
 struct Told {
+  std::string scene;
   const char* when;
   CampaignSummary summary;
 };
 
 Columns<Told> columns() {
-  Columns<Told> table = {{"", "controller", "<10", [](const Told& t) { return Json(t.when); }}};
+  Columns<Told> table = {{"", "scene", "<16", [](const Told& t) { return Json(t.scene); }},
+                         {"", "controller", "<10", [](const Told& t) { return Json(t.when); }}};
   const auto add = [&](const char* heading, const char* format, auto cell) {
     table.push_back({"", heading, format, [cell](const Told& t) { return cell(t.summary); }});
   };
@@ -70,7 +89,7 @@ void tell(const ControllerFile& before, const ControllerFile& after) {
 }
 
 void show(const ImproveArguments& a, const ControllerFile& before, const ControllerFile& after,
-          const Improved& improved, const std::vector<Told>& told, const Provenance& provenance) {
+          const Improved& improved, const std::vector<Tried>& tried, const Provenance& provenance) {
   if (a.json) {
     Json json = {{"controller", printable(a.controller)},
                  {"out", a.out},
@@ -81,10 +100,21 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
                                 {"objective", number_or_null(row.objective)},
                                 {"spread", row.spread}};
                   })}};
-    for (const Told& each : told) json[each.when] = short_row(to_json(each.summary));
+    json["scenes"] = json_list(tried, [](const Tried& each) {
+      Json row = {{"scene", each.scene.name}, {"before", short_row(to_json(each.before))}};
+      if (each.after) row["after"] = short_row(to_json(*each.after));
+      return row;
+    });
+    for (const char* when : {"before", "after"})
+      if (const auto& first = json["scenes"][0]; first.contains(when)) json[when] = first[when];
     print_json(std::move(json), provenance);
   } else {
     tell(before, after);
+    std::vector<Told> told;
+    for (const Tried& each : tried) {
+      told.push_back({printable(each.scene.name), "before", each.before});
+      if (each.after) told.push_back({"", "after", *each.after});
+    }
     print_table(columns(), told);
     fmt::print(
         "after {} trials; these are others: seed {}; time: of the inserted; peak force: of all\n"
@@ -99,40 +129,54 @@ int improve_verb(ImproveArguments a) {
   const ControllerFile before = read_controller(a.controller);
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
   const ChosenScene chosen = a.scene.choose(brought);
-  refuse_other_scaling(trained_on(before).scaling, a.controller, chosen.scene, a.other_scaling);
+  std::vector<Tried> tried = all_scenes(a, chosen.scene);
+  for (const Tried& each : tried)
+    refuse_other_scaling(trained_on(before).scaling, a.controller, each.scene, a.other_scaling);
+  if (const std::size_t least = least_trials(before, tried.size(), a.settings);
+      a.settings.trials < least)
+    throw BadInput(
+        fmt::format("--trials = {}: must be at least {} for one generation and the "
+                    "choice in the end",
+                    a.settings.trials, least));
   Provenance provenance;
   provenance.in(chosen).seed("search", a.settings.seed).seed("unseen trials", a.seed);
   provenance.read(controller_file(a.controller));
   if (!a.json) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long
 
-  const auto measured = [&](const ControllerFile& controller) {
-    return summarise(run_campaign(chosen.scene, maker(controller), a.seed, a.unseen,
-                                  a.settings.threads, {}, interrupted, {}, a.settings.shared));
+  const auto measured = [&](const ControllerFile& controller, const Scene& scene) {
+    return summarise(run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads,
+                                  {}, interrupted, {}, a.settings.shared));
   };
-  const CampaignSummary first = measured(before);
-  end_if_interrupted();
   const auto counts = [&](const char* what) {
     return std::find(a.objective.begin(), a.objective.end(), what) != a.objective.end();
   };
-  Objective objective;
-  if (counts("time")) objective.time = first.time.median;
-  if (counts("force")) objective.force = first.peak_force.median;
+  std::vector<ImproveTask> tasks;
+  for (Tried& each : tried) {
+    each.before = measured(before, each.scene);
+    end_if_interrupted();
+    tasks.push_back({&each.scene,
+                     {.time = counts("time") ? each.before.time.median : 0,
+                      .force = counts("force") ? each.before.peak_force.median : 0}});
+  }
 
   Improved improved;
   {
     Progress bar("trials", a.settings.trials);
     improved = improve(
-        before, chosen.scene, objective, a.settings,
+        before, tasks, a.settings,
         [&](const ImproveRow& row) { bar(row.trials, fmt::format("{:.3g}", row.objective)); },
         interrupted);
   }
   if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
-  const ControllerFile after = as_improved(before, chosen, improved);
+  const ControllerFile after = as_improved(before, tried, improved);
   if (!runs_a_shard()) write_controller(a.out, after);
-  std::vector<Told> told = {{"before", first}};
-  if (!interrupted()) told.push_back({"after", measured(after)});
-  show(a, before, after, improved, told, provenance);
+  for (Tried& each : tried) {
+    const CampaignSummary summary = measured(after, each.scene);
+    if (interrupted()) break;
+    each.after = summary;
+  }
+  show(a, before, after, improved, tried, provenance);
   return interrupted() ? kInterrupted : kDone;
 }
 
@@ -147,6 +191,9 @@ void add_improve(CLI::App& app, Run& run) {
       ->required();
   verb->add_option("--out", a->out, "The better one")->type_name("FILE.json")->required();
   a->scene.add_to(*verb, "that of the controller's training, or demo");
+  verb->add_option("--also", a->also, "Other scenes to insert in, each counts as much")
+      ->delimiter(',')
+      ->type_name("SCENE,...");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--objective", a->objective,
                    "What counts: a failure as ten insertions; time and peak force in units of "
@@ -158,7 +205,7 @@ void add_improve(CLI::App& app, Run& run) {
       ->capture_default_str()
       ->check(whole_number(1000, 100000000));
   verb->add_option("--trials-each", a->settings.trials_each,
-                   "Trials of a candidate, the same for all of a generation")
+                   "Trials of a candidate in each scene, the same for all of a generation")
       ->capture_default_str()
       ->check(whole_number(1, 100000));
   add_seed(*verb, a->settings.seed, "Seed of the search", "--search-seed");
@@ -172,7 +219,9 @@ void add_improve(CLI::App& app, Run& run) {
   add_json(*verb, a->json);
   add_examples(*verb, {"improve tuned_by_hand --scene bench --out improved.json",
                        "improve search --scene ladder/d --objective success,time --trials 30000 "
-                       "--out improved.json --json"});
+                       "--out improved.json --json",
+                       "improve tuned_by_hand --scene bench --also sticky,tight --trials 30000 "
+                       "--out improved.json"});
   verb->callback([a, &run] { run = [a] { return improve_verb(*a); }; });
 }
 

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 constexpr double kFirstSpread = 0.3;
 constexpr double kNarrow = 0.02;      // what trials of so many cannot tell apart
-constexpr std::size_t kChoice = 200;  // trials of each centre in the end
+constexpr std::size_t kChoice = 200;  // trials of each centre in the end, in each task
 
 // Of the trials of generation `n`; those of a campaign with `seed` itself are never among them.
 std::uint64_t seed_of_generation(std::uint64_t seed, std::uint64_t n) {
@@ -29,6 +29,13 @@ auto& network_number(AnyPolicy& policy, std::size_t i) {
   if (i >= 2 * answers) return policy.scale[i - 2 * answers];
   const auto k = static_cast<Index>(i % answers);
   return i < answers ? policy.velocity_mean[k] : policy.velocity_scale[k];
+}
+
+// A generation of so many candidates, and then the choice between the centres, its own among them.
+std::size_t trials_of(int candidates, std::size_t centres, std::size_t tasks,
+                      const ImproveSettings& settings) {
+  return tasks *
+         (static_cast<std::size_t>(candidates) * settings.trials_each + (centres + 1) * kChoice);
 }
 
 }  // namespace
@@ -91,7 +98,13 @@ ControllerFile with_gains(const ControllerFile& controller, const std::vector<st
   return changed;
 }
 
-Improved improve(const ControllerFile& controller, const Scene& scene, const Objective& objective,
+std::size_t least_trials(const ControllerFile& controller, std::size_t tasks,
+                         const ImproveSettings& settings) {
+  const auto n = static_cast<Index>(free_gains(controller).size());
+  return trials_of(CmaEs::default_population(n), 1, tasks, settings);
+}
+
+Improved improve(const ControllerFile& controller, const std::vector<ImproveTask>& tasks,
                  const ImproveSettings& settings,
                  const std::function<void(const ImproveRow&)>& progress,
                  const std::function<bool()>& stop) {
@@ -99,32 +112,35 @@ Improved improve(const ControllerFile& controller, const Scene& scene, const Obj
   const auto n = static_cast<Index>(free.size());
   std::uint64_t generation = 0;
   Improved done{controller, {}};
-  // The objective of each candidate, in the same trials; empty where it was stopped.
+  // The mean objective of each candidate, in the same trials; empty where it was stopped.
   const auto judge = [&](const std::vector<VectorXd>& candidates, std::size_t trials) {
     std::vector<Campaign> campaigns;
-    for (const VectorXd& x : candidates)
-      campaigns.push_back({&scene, maker(with_gains(controller, free, x))});
+    for (const VectorXd& x : candidates) {
+      const MakeController make = maker(with_gains(controller, free, x));
+      for (const ImproveTask& task : tasks) campaigns.push_back({task.scene, make});
+    }
     const auto results = run_campaigns(campaigns, seed_of_generation(settings.seed, generation++),
                                        trials, settings.threads, {}, stop, settings.shared);
-    std::vector<double> values;
-    for (const auto& of_one : results) {
-      done.trials += of_one.size();
-      if (of_one.size() < trials) return std::vector<double>{};
-      values.push_back(objective.of(of_one));
+    std::vector<double> values(candidates.size(), 0);
+    for (std::size_t i = 0; i < results.size(); ++i) {
+      done.trials += results[i].size();
+      if (results[i].size() < trials) return std::vector<double>{};
+      const Objective& objective = tasks[i % tasks.size()].objective;
+      values[i / tasks.size()] += objective.of(results[i]) / static_cast<double>(tasks.size());
     }
     return values;
   };
 
   std::vector<VectorXd> centres = {VectorXd::Zero(n)};
   int population = CmaEs::default_population(n);
-  const auto left_for = [&](std::size_t candidates) {
-    const std::size_t choice = (centres.size() + 1) * kChoice;
-    return done.trials + candidates * settings.trials_each + choice <= settings.trials;
+  const auto left_for = [&](int candidates) {
+    return done.trials + trials_of(candidates, centres.size(), tasks.size(), settings) <=
+           settings.trials;
   };
   bool stopped = false;
-  for (; !stopped && left_for(static_cast<std::size_t>(population)); population *= 2) {
+  for (; !stopped && left_for(population); population *= 2) {
     CmaEs search(VectorXd::Zero(n), kFirstSpread, population, settings.seed + done.restarts);
-    while (search.spread() > kNarrow && left_for(static_cast<std::size_t>(population))) {
+    while (search.spread() > kNarrow && left_for(population)) {
       const Eigen::MatrixXd& candidates = search.ask();
       std::vector<VectorXd> all;
       for (Index k = 0; k < candidates.cols(); ++k) all.emplace_back(candidates.col(k));

@@ -30,17 +30,28 @@ std::string gain_name(const ControllerFile& controller, std::size_t i);
 ControllerFile with_gains(const ControllerFile& controller, const std::vector<std::size_t>& free,
                           const Eigen::VectorXd& x);
 
+// Where a controller is tried, and what a trial there costs.
+struct ImproveTask {
+  const Scene* scene;
+  Objective objective;
+};
+
 struct ImproveSettings {
   std::size_t trials = 10000;    // in all, at most
-  std::size_t trials_each = 30;  // of a candidate: the same for all of a generation, then others
+  std::size_t trials_each = 30;  // of a candidate in each task: the same for all of a generation,
+                                 // then others
   std::uint64_t seed = 1;
   int threads = 0;
   SharedTrials* shared = nullptr;  // of run_campaigns
 };
 
+// What one generation takes, and the choice in the end: with fewer trials nothing is changed.
+std::size_t least_trials(const ControllerFile& controller, std::size_t tasks,
+                         const ImproveSettings& settings);
+
 struct ImproveRow {
   std::size_t trials;  // until then
-  double objective;    // of the best candidate of the generation
+  double objective;    // of the best candidate of the generation, mean over the tasks
   double spread;       // largest standard deviation of the logarithms of the gains
 };
 
@@ -50,11 +61,12 @@ struct Improved {
   std::size_t trials = 0, restarts = 0;
 };
 
-// Begins with gains that vary by a third. Where the distribution has become narrow it begins anew
-// with twice the candidates (Auger and Hansen 2005). Of the centres of all distributions, and the
-// controller as it was, it takes the one that is best in trials that chose none of them. `stop`,
-// from any thread, ends it: then with the centre of the last distribution.
-Improved improve(const ControllerFile& controller, const Scene& scene, const Objective& objective,
+// In all tasks alike, of which there is one at least. Begins with gains that vary by a third. Where
+// the distribution has become narrow it begins anew with twice the candidates (Auger and Hansen
+// 2005). Of the centres of all distributions, and the controller as it was, it takes the one that is
+// best in trials that chose none of them. `stop`, from any thread, ends it: then with the centre of
+// the last distribution.
+Improved improve(const ControllerFile& controller, const std::vector<ImproveTask>& tasks,
                  const ImproveSettings& settings,
                  const std::function<void(const ImproveRow&)>& progress = {},
                  const std::function<bool()>& stop = {});

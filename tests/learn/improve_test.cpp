@@ -70,8 +70,8 @@ TEST(Improve, ChangesTheScalesOfANetwork) {
   }
 }
 
-Scene short_insertion() {
-  Json document = load_scene("bench").document;
+Scene short_insertion(const std::string& name = "bench") {
+  Json document = load_scene(name).document;
   document["start"]["distance_um"] = 10;
   document["start"]["lateral_sd_um"] = 4;
   document["success"]["depth_um"] = 8;
@@ -85,22 +85,34 @@ TEST(Improve, InsertsSoonerInTrialsThatItHasNotSeen) {
     return Objective{.time = 1}.of(run_campaign(scene, maker(file), 5, 40, 0, {}));
   };
   ImproveSettings settings{.trials = 2500, .trials_each = 8, .seed = 2, .threads = 2};
-  const Improved improved = improve(before, scene, {.time = 1}, settings);
+  const Improved improved = improve(before, {{&scene, {.time = 1}}}, settings);
   EXPECT_LE(improved.trials, settings.trials);
   EXPECT_LT(cost(improved.controller), 0.8 * cost(before));
 
   // The same with one thread.
   settings.threads = 1;
-  const Improved again = improve(before, scene, {.time = 1}, settings);
+  const Improved again = improve(before, {{&scene, {.time = 1}}}, settings);
   for (const std::size_t i : free_gains(before))
     EXPECT_EQ(gain(improved.controller, i), gain(again.controller, i));
+}
+
+TEST(Improve, TheSameSceneTwiceIsThatScene) {
+  const ControllerFile before = read_controller("tuned_by_hand");
+  const Scene scene = short_insertion();
+  const ImproveTask task{&scene, {.time = 1}};
+  const Improved once = improve(before, {task}, {.trials = 1200, .trials_each = 4});
+  const Improved twice = improve(before, {task, task}, {.trials = 2400, .trials_each = 4});
+  EXPECT_EQ(twice.trials, 2 * once.trials);
+  for (const std::size_t i : free_gains(before))
+    EXPECT_EQ(gain(once.controller, i), gain(twice.controller, i));
 }
 
 TEST(Improve, KeepsTheBestWhereItIsStopped) {
   const ControllerFile before = read_controller("tuned_by_hand");
   int rows = 0;
+  const Scene scene = short_insertion();
   const Improved improved = improve(
-      before, short_insertion(), {.time = 1}, {.trials = 2500, .trials_each = 4},
+      before, {{&scene, {.time = 1}}}, {.trials = 2500, .trials_each = 4},
       [&](const ImproveRow&) { ++rows; }, [&] { return rows == 3; });
   EXPECT_EQ(improved.rows.size(), 3U);
   EXPECT_NE(gain(improved.controller, 0), gain(before, 0));

@@ -40,9 +40,26 @@ class Improve(Case):
         changed = [name for name in after if after[name]["source"].startswith("improved from")]
         self.assertEqual(len(changed), len(after) - 4)
 
+    def test_several_scenes_count_alike(self):
+        out = self.path("better.json")
+        result = json.loads(self.done(*WORDS[:-4], "--also", "sticky,tight", "--trials", 3000, "--unseen", 40,
+                                      "--out", out, "--json").stdout)
+        self.assertEqual([row["scene"] for row in result["scenes"]], ["bench", "sticky", "tight"])
+        self.assertEqual(result["after"], result["scenes"][0]["after"])
+        for row in result["scenes"]:
+            alone = json.loads(self.done("evaluate", out, "--scene", row["scene"],
+                                         *(QUICK if row["scene"] == "bench" else ()), "--trials", 40,
+                                         "--json").stdout)
+            self.assertEqual(alone["time_s"]["median"], row["after"]["time_s"])
+        with open(out) as file:
+            self.assertEqual(json.load(file)["trained_on"]["scenes"], ["bench", "sticky", "tight"])
+        self.refused(3, *WORDS, "--also", "stiky", "--out", out, says=["stiky", "sticky"])
+
     def test_what_cannot_be_improved(self):
         out = self.path("better.json")
         self.refused(2, *WORDS, "--out", out, "--objective", "beauty", says=["--objective"])
+        self.refused(2, *WORDS[:-6], "--trials", 1000, "--trials-each", 100, "--out", out,
+                     says=["--trials = 1000: must be at least"])
         self.refused(3, "improve", "no.json", "--out", out, says=["no.json"])
         self.refused(3, *WORDS, "--out", "/nowhere/better.json", says=["/nowhere"])
         self.assertFalse(os.path.exists(out))
