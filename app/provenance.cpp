@@ -7,6 +7,7 @@
 
 #include "capture/episode.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/scene/drawn_numbers.hpp"
 #include "sim/scene/extends.hpp"
 
 namespace ferrule {
@@ -94,8 +95,9 @@ bool same_scene(const Json& a, const Json& b) {
 
 Provenance& Provenance::in(const ChosenScene& chosen) {
   const Json& document = chosen.scene.document;
-  const SceneChanges of = changes_from_shipped(document);
-  scene_text_ = "scene " + scene_text(document, of) + chosen.relation;
+  const Json stated = undrawn(document);  // a recording's scene has the numbers of its trial
+  const SceneChanges of = changes_from_shipped(stated);
+  scene_text_ = "scene " + scene_text(stated, of) + chosen.relation;
   Json changes = Json::object();
   for (const SceneChange& c : of.changes) {
     Json& change = changes[c.key] = Json::object();  // what is not there is left out

@@ -241,6 +241,9 @@ class Forces(Case):
         self.assertAlmostEqual(shares, 1, delta=0.01)
         table = self.done("forces", file).stdout
         self.assertIn("gravity", table)
+        # What was changed of the scene, and not what was drawn of it.
+        self.assertRegex(table.splitlines()[0], "^scene paper with limits.speed_um_s = .*, as recorded$")
+        self.assertNotIn("start.y_um", table)
         csv = self.done("forces", file, "--csv").stdout.splitlines()
         self.assertEqual(len(csv), 1 + len(document["terms"]))
         self.done("forces", file, "--plot", self.path("plot.svg"))
