@@ -142,7 +142,8 @@ def test_the_forces_add_up_to_the_wrench_at_the_holder():
             break
     total = sum(simulator.forces.values())
     assert np.abs(simulator.holder_wrench[0]) > 1e-7
-    np.testing.assert_allclose(total, simulator.holder_wrench[:3], rtol=1e-6, atol=1e-12)
+    # An extrapolated step may be off by 1e-5 of the force limit of 60 uN.
+    np.testing.assert_allclose(total, simulator.holder_wrench[:3], rtol=0, atol=6e-10)
     assert (simulator.state[:5] == simulator.tip).all()
 
 
