@@ -123,6 +123,13 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
   }
 }
 
+void refuse_too_few(const ImproveSettings& settings, std::size_t least) {
+  if (settings.trials < least)
+    throw BadInput(fmt::format(
+        "--trials = {}: must be at least {} for one generation and the choice in the end",
+        settings.trials, least));
+}
+
 int improve_verb(ImproveArguments a) {
   a.settings.shared = shared_trials();
   if (!runs_a_shard()) expect_place_for(a.out);
@@ -132,12 +139,7 @@ int improve_verb(ImproveArguments a) {
   std::vector<Tried> tried = all_scenes(a, chosen.scene);
   for (const Tried& each : tried)
     refuse_other_scaling(trained_on(before).scaling, a.controller, each.scene, a.other_scaling);
-  if (const std::size_t least = least_trials(before, tried.size(), a.settings);
-      a.settings.trials < least)
-    throw BadInput(
-        fmt::format("--trials = {}: must be at least {} for one generation and the "
-                    "choice in the end",
-                    a.settings.trials, least));
+  refuse_too_few(a.settings, least_trials(before, tried.size(), a.settings));
   Provenance provenance;
   provenance.in(chosen).seed("search", a.settings.seed).seed("unseen trials", a.seed);
   provenance.read(controller_file(a.controller));
