@@ -123,6 +123,30 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
   }
 }
 
+CampaignSummary measured(const ImproveArguments& a, const ControllerFile& controller,
+                         const Scene& scene) {
+  return summarise(run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads, {},
+                                interrupted, {}, a.settings.shared));
+}
+
+// How the controller inserts before, and what its trials cost in units of that.
+std::vector<ImproveTask> measure_before(const ImproveArguments& a, const ControllerFile& before,
+                                        std::vector<Tried>& tried) {
+  const auto counts = [&a](const char* what) {
+    return std::find(a.objective.begin(), a.objective.end(), what) != a.objective.end();
+  };
+  std::vector<ImproveTask> tasks;
+  for (Tried& each : tried) {
+    each.before = measured(a, before, each.scene);
+    end_if_interrupted();
+    Objective objective;
+    if (counts("time")) objective.time = each.before.time.median;
+    if (counts("force")) objective.force = each.before.peak_force.median;
+    tasks.push_back({&each.scene, objective});
+  }
+  return tasks;
+}
+
 void refuse_too_few(const ImproveSettings& settings, std::size_t least) {
   if (settings.trials < least)
     throw BadInput(fmt::format(
@@ -146,21 +170,7 @@ int improve_verb(ImproveArguments a) {
   if (!a.json) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long
 
-  const auto measured = [&](const ControllerFile& controller, const Scene& scene) {
-    return summarise(run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads,
-                                  {}, interrupted, {}, a.settings.shared));
-  };
-  const auto counts = [&](const char* what) {
-    return std::find(a.objective.begin(), a.objective.end(), what) != a.objective.end();
-  };
-  std::vector<ImproveTask> tasks;
-  for (Tried& each : tried) {
-    each.before = measured(before, each.scene);
-    end_if_interrupted();
-    tasks.push_back({&each.scene,
-                     {.time = counts("time") ? each.before.time.median : 0,
-                      .force = counts("force") ? each.before.peak_force.median : 0}});
-  }
+  const std::vector<ImproveTask> tasks = measure_before(a, before, tried);
 
   Improved improved;
   {
@@ -170,11 +180,11 @@ int improve_verb(ImproveArguments a) {
         [&](const ImproveRow& row) { bar(row.trials, fmt::format("{:.3g}", row.objective)); },
         interrupted);
   }
-  if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
+  if (interrupted()) provenance.partial(std::to_string(improved.trials) + " trials");
   const ControllerFile after = as_improved(before, tried, improved);
   if (!runs_a_shard()) write_controller(a.out, after);
   for (Tried& each : tried) {
-    const CampaignSummary summary = measured(after, each.scene);
+    const CampaignSummary summary = measured(a, after, each.scene);
     if (interrupted()) break;
     each.after = summary;
   }
