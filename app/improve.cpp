@@ -25,25 +25,25 @@ struct ImproveArguments {
 };
 
 // A scene to insert in, and what its trials said.
-struct Tried {
+struct SceneTried {
   Scene scene;
   CampaignSummary before;
   std::optional<CampaignSummary> after{};  // empty: it was stopped
 };
 
-std::vector<Tried> all_scenes(const ImproveArguments& a, const Scene& chosen) {
-  std::vector<Tried> all = {{chosen, {}}};
+std::vector<SceneTried> all_scenes(const ImproveArguments& a, const Scene& chosen) {
+  std::vector<SceneTried> all = {{chosen, {}}};
   for (const std::string& name : a.also)
     all.push_back({planned_with_progress(load_scene(name)), {}});
   return all;
 }
 
 // Changed gains have no intervals, and no error against demonstrations.
-ControllerFile as_improved(const ControllerFile& controller, const std::vector<Tried>& tried,
+ControllerFile as_improved(const ControllerFile& controller, const std::vector<SceneTried>& tried,
                            const Improved& improved) {
   ControllerFile file = improved.controller;
   std::vector<std::string> scenes;
-  for (const Tried& each : tried) scenes.push_back(each.scene.name);
+  for (const SceneTried& each : tried) scenes.push_back(each.scene.name);
   std::visit(
       [&](auto& c) {
         c.trained_on.scenes = scenes;
@@ -89,7 +89,8 @@ void tell(const ControllerFile& before, const ControllerFile& after) {
 }
 
 void show(const ImproveArguments& a, const ControllerFile& before, const ControllerFile& after,
-          const Improved& improved, const std::vector<Tried>& tried, const Provenance& provenance) {
+          const Improved& improved, const std::vector<SceneTried>& tried,
+          const Provenance& provenance) {
   if (a.json) {
     Json json = {{"controller", printable(a.controller)},
                  {"out", a.out},
@@ -100,7 +101,7 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
                                 {"objective", number_or_null(row.objective)},
                                 {"spread", row.spread}};
                   })}};
-    json["scenes"] = json_list(tried, [](const Tried& each) {
+    json["scenes"] = json_list(tried, [](const SceneTried& each) {
       Json row = {{"scene", each.scene.name}, {"before", short_row(to_json(each.before))}};
       if (each.after) row["after"] = short_row(to_json(*each.after));
       return row;
@@ -111,7 +112,7 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
   } else {
     tell(before, after);
     std::vector<Told> told;
-    for (const Tried& each : tried) {
+    for (const SceneTried& each : tried) {
       told.push_back({printable(each.scene.name), "before", each.before});
       if (each.after) told.push_back({"", "after", *each.after});
     }
@@ -123,21 +124,21 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
   }
 }
 
-CampaignSummary measured(const ImproveArguments& a, const ControllerFile& controller,
-                         const Scene& scene) {
+CampaignSummary in_unseen_trials(const ImproveArguments& a, const ControllerFile& controller,
+                                 const Scene& scene) {
   return summarise(run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads, {},
                                 interrupted, {}, a.settings.shared));
 }
 
 // How the controller inserts before, and what its trials cost in units of that.
 std::vector<ImproveTask> measure_before(const ImproveArguments& a, const ControllerFile& before,
-                                        std::vector<Tried>& tried) {
+                                        std::vector<SceneTried>& tried) {
   const auto counts = [&a](const char* what) {
     return std::find(a.objective.begin(), a.objective.end(), what) != a.objective.end();
   };
   std::vector<ImproveTask> tasks;
-  for (Tried& each : tried) {
-    each.before = measured(a, before, each.scene);
+  for (SceneTried& each : tried) {
+    each.before = in_unseen_trials(a, before, each.scene);
     end_if_interrupted();
     Objective objective;
     if (counts("time")) objective.time = each.before.time.median;
@@ -160,8 +161,8 @@ int improve_verb(ImproveArguments a) {
   const ControllerFile before = read_controller(a.controller);
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
   const ChosenScene chosen = a.scene.choose(brought);
-  std::vector<Tried> tried = all_scenes(a, chosen.scene);
-  for (const Tried& each : tried)
+  std::vector<SceneTried> tried = all_scenes(a, chosen.scene);
+  for (const SceneTried& each : tried)
     refuse_other_scaling(trained_on(before).scaling, a.controller, each.scene, a.other_scaling);
   refuse_too_few(a.settings, least_trials(before, tried.size(), a.settings));
   Provenance provenance;
@@ -180,11 +181,11 @@ int improve_verb(ImproveArguments a) {
         [&](const ImproveRow& row) { bar(row.trials, fmt::format("{:.3g}", row.objective)); },
         interrupted);
   }
-  if (interrupted()) provenance.partial(std::to_string(improved.trials) + " trials");
+  if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
   const ControllerFile after = as_improved(before, tried, improved);
   if (!runs_a_shard()) write_controller(a.out, after);
-  for (Tried& each : tried) {
-    const CampaignSummary summary = measured(a, after, each.scene);
+  for (SceneTried& each : tried) {
+    const CampaignSummary summary = in_unseen_trials(a, after, each.scene);
     if (interrupted()) break;
     each.after = summary;
   }
