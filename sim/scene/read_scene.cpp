@@ -134,6 +134,7 @@ void read_start(JsonFields f, InsertionStart& start) {
   if (!(mean.cwiseAbs().maxCoeff() <= kFarthest))
     f.refuse("lateral_mean_um", "must be two numbers from -1e6 to 1e6");
   start.lateral = start.lateral_mean = micro * mean;
+  start.tilt.setZero();
   f.number("lateral_sd_um", not_negative(kFarthest), start.lateral_sd, micro);
   f.number("tilt_sd_mrad", rule::between(0, 100, "must be from 0 to 100"), start.tilt_sd, milli);
   if (f.present("vision_sd_um"))
