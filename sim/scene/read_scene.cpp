@@ -16,6 +16,13 @@ constexpr int kUsualNodes = 5;     // of the quadrature along the insertion
 using rule::not_negative;
 using rule::positive;
 
+// Reads numbers of `f`, each in its unit and with its rule, where their keys are there.
+auto optional_number(JsonFields& f) {
+  return [&f](const char* key, double unit, const Rule& rule, double& value) {
+    if (f.present(key)) f.number(key, rule, value, unit);
+  };
+}
+
 template <class Part>
 void read_solid(JsonFields& f, Part& part) {
   f.number("young_GPa", positive(1e-3, 1e4), part.young_GPa);
@@ -140,9 +147,7 @@ void read_start(JsonFields f, InsertionStart& start) {
   if (f.present("vision_sd_um"))
     f.number("vision_sd_um", not_negative(kFarthest), start.vision_sd, micro);
   if (f.present("vision_sd_um") || f.present("vision_y_um")) start.vision = Vector2d::Zero();
-  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
-    if (f.present(key)) f.number(key, rule, value, unit);
-  };
+  const auto number = optional_number(f);
   const Rule lateral = rule::between(-kFarthest, kFarthest, "must be from -1e6 to 1e6");
   number("y_um", micro, lateral, start.lateral.x());
   number("z_um", micro, lateral, start.lateral.y());
@@ -209,9 +214,7 @@ void read_drawn_from(JsonFields f, const Json& document) {
 }
 
 void read_sensor(JsonFields f, ForceSensorModel& sensor) {
-  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
-    if (f.present(key)) f.number(key, rule, value, unit);
-  };
+  const auto number = optional_number(f);
   number("noise_uN", micro, not_negative(1e9), sensor.noise);
   number("bias_uN", micro, not_negative(1e9), sensor.bias);
   number("bandwidth_Hz", 1, positive(1e-3, 1e9), sensor.bandwidth);
@@ -236,9 +239,7 @@ void read_sensor(JsonFields f, ForceSensorModel& sensor) {
 }
 
 void read_hand(JsonFields f, HandErrors& hand) {
-  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
-    if (f.present(key)) f.number(key, rule, value, unit);
-  };
+  const auto number = optional_number(f);
   number("gain", 1, rule::between(0.01, 100, "must be from 0.01 to 100"), hand.gain);
   number("delay_ms", milli, not_negative(1e3), hand.delay);
   number("smoothing_ms", milli, not_negative(1e5), hand.smoothing);
@@ -289,9 +290,7 @@ void read_success(JsonFields f, Success& success) {
 }
 
 void read_joint(JsonFields f, Joint& joint) {
-  const auto number = [&](const char* key, double unit, const Rule& rule, double& value) {
-    if (f.present(key)) f.number(key, rule, value, unit);
-  };
+  const auto number = optional_number(f);
   number("wavelength_nm", nano, positive(100, 1e5), joint.wavelength);
   number("index", 1, rule::between(1, 5, "must be from 1 to 5"), joint.index);
   number("mode_field_diameter_um", 0.5 * micro, positive(0.1, 1e4), joint.mode_radius);
