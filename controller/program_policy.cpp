@@ -173,9 +173,10 @@ Json answer(const Json& question, const MakeController& make,
     o.depth = question["depth"];
     o.time = question["time"];
     o.height = question["height"];
+    if (question["force_limit"].is_number()) o.force_limit = question["force_limit"];
     const HandTwist v = controller->command(o);
     if (const std::string why = controller->failure(); !why.empty()) return {{"error", why}};
-    return {{"velocity", std::vector<double>(v.begin(), v.end())}};
+    return {{"velocity", std::vector<double>(v.begin(), v.end())}, {"done", controller->done()}};
   } catch (const std::bad_alloc&) {
     return {{"error", "it takes too much memory"}};
   } catch (const std::exception& error) {

@@ -141,7 +141,11 @@ class ScriptController : public Controller {
   explicit ScriptController(torch::jit::Module module) : module_(std::move(module)) {
     module_.eval();
     if (module_.find_method("reset")) module_.get_method("reset")({});
-    takes_motion_ = !takes(kObservation.size()) && takes(kAll);
+    for (const std::size_t numbers : {kObservation.size(), kAll - 1, kAll})
+      if (takes(numbers)) {
+        numbers_ = numbers;
+        break;
+      }
   }
 
   HandTwist command(const Observation& observation) noexcept override {
@@ -150,10 +154,10 @@ class ScriptController : public Controller {
     try {
       const torch::NoGradGuard guard;
       const torch::jit::IValue answer = forward(observation);
-      const Tensor t = (answer.isTuple() ? answer.toTuple()->elements().at(0) : answer)
-                           .toTensor()
-                           .to(torch::kFloat64)
-                           .contiguous();
+      const auto elements =
+          answer.isTuple() ? answer.toTuple()->elements().vec() : std::vector{answer};
+      const Tensor t = elements.at(0).toTensor().to(torch::kFloat64).contiguous();
+      done_ = elements.size() > 1 && elements[1].isBool() && elements[1].toBool();
       if (t.numel() != v.size() && t.numel() != 3) {
         failure_ = "the network answered " + std::to_string(t.numel()) + " numbers, not 5";
         return v;
@@ -165,10 +169,11 @@ class ScriptController : public Controller {
     }
     return v;
   }
+  bool done() const noexcept override { return done_; }
   std::string failure() const override { return failure_; }
 
  private:
-  static constexpr std::size_t kAll = kObservation.size() + kMotion.size();
+  static constexpr std::size_t kAll = kObservation.size() + kMotion.size() + 1;
 
   // Tried on a copy, which then remembers it.
   bool takes(std::size_t numbers) const {
@@ -182,18 +187,18 @@ class ScriptController : public Controller {
   }
 
   torch::jit::IValue forward(const Observation& observation) {
-    const std::size_t size = takes_motion_ ? kAll : kObservation.size();
-    Tensor x = torch::empty({1, static_cast<std::int64_t>(size)});
-    for (std::size_t i = 0; i < size; ++i) {
-      const bool motion = i >= kObservation.size();
-      const ObservationChannel& c = motion ? kMotion[i - kObservation.size()] : kObservation[i];
-      x.data_ptr<float>()[i] = static_cast<float>(c.value(observation));
-    }
-    return module_.forward({x});
+    const Tensor all = torch::empty({1, static_cast<std::int64_t>(kAll)});
+    float* next = all.data_ptr<float>();
+    for (const ObservationChannel& c : kObservation)
+      *next++ = static_cast<float>(c.value(observation));
+    for (const ObservationChannel& c : kMotion) *next++ = static_cast<float>(c.value(observation));
+    *next = static_cast<float>(observation.force_limit);
+    return module_.forward({all.narrow(1, 0, static_cast<std::int64_t>(numbers_))});
   }
 
   torch::jit::Module module_;
-  bool takes_motion_ = false;
+  std::size_t numbers_ = kObservation.size();  // of an observation, that it takes in
+  bool done_ = false;
   std::string failure_;
 };
 

@@ -188,6 +188,18 @@ for line in sys.stdin:
             [row] = csv.DictReader(table)
         self.assertAlmostEqual(float(row["depth_um"]), 30, delta=0.5)
 
+        class WithinItsLimit(torch.nn.Module):  # ends where more than half the limit presses
+            def forward(self, x):
+                assert x.shape[1] == 14
+                return torch.tensor([-2e-3, 0.0, 0.0]), bool(x[0, :3].norm() > 0.5 * x[0, 13])
+
+        torch.jit.script(WithinItsLimit()).save(self.path("limit.pt"))
+        for limit in (20, 40):
+            found = json.loads(self.done("evaluate", self.path("limit.pt"), "--scene", "bench", "--trials", 1, "--set",
+                                         "sensor={}", "--set", f"limits.force_uN={limit}", "--json").stdout)
+            self.assertEqual(found["outcomes"]["stopped_short"], 1)
+            self.assertTrue(0.5 < found["peak_force_uN"]["median"] / limit < 0.6, found)
+
         class Short(torch.nn.Module):
             def forward(self, x):
                 return x[:, :2]
