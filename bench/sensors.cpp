@@ -1,5 +1,7 @@
 #include "bench/sensors.hpp"
 
+#include <fmt/format.h>
+
 #include <array>
 
 #include "controller/campaign.hpp"
@@ -30,12 +32,17 @@ constexpr std::array kTriedSensors = {
 };
 constexpr double kTareTime = 0.2;  // [s]
 
-ForceSensorModel with(ForceSensorModel sensor, const TriedSensor& tried, double limit) {
-  if (tried.noise > 0) sensor.noise = tried.noise * limit;
-  if (tried.bias > 0) sensor.bias = tried.bias * limit;
-  if (tried.tares) sensor.tare_time = kTareTime;
-  if (tried.dead_band > 0) sensor.dead_band = tried.dead_band * limit;
-  return sensor;
+// A shipped scene with such a sensor.
+Scene with(const std::string& scene, const TriedSensor& tried, double limit) {
+  std::vector<std::string> settings;
+  const auto set = [&](const char* key, double value) {
+    if (value > 0) settings.push_back(fmt::format("sensor.{}={}", key, value));
+  };
+  set("noise_uN", 1e6 * tried.noise * limit);
+  set("bias_uN", 1e6 * tried.bias * limit);
+  set("tare_s", tried.tares ? kTareTime : 0);
+  set("dead_band_uN", 1e6 * tried.dead_band * limit);
+  return load_scene(scene, settings);
 }
 
 SensorRow tried(const Scene& scene, const std::string& sensor, const MakeController& make,
@@ -47,14 +54,12 @@ SensorRow tried(const Scene& scene, const std::string& sensor, const MakeControl
 // Those of one scene.
 void add_scene(std::vector<SensorRow>& rows, const std::string& name, std::uint64_t seed,
                std::size_t trials) {
-  Scene scene = load_scene(name);
+  const Scene scene = load_scene(name);
   const LawFit fit =
       fit_law(simulated_demonstrations(scene, kSensorSkill, seed, kDemonstrations), seed);
-  const ForceSensorModel shipped = scene.sensor;
-  for (const TriedSensor& sensor : kTriedSensors) {
-    scene.sensor = with(shipped, sensor, scene.limits.force);
-    rows.push_back(tried(scene, sensor.name, fit.controller.maker(), seed, trials));
-  }
+  for (const TriedSensor& sensor : kTriedSensors)
+    rows.push_back(tried(with(name, sensor, scene.limits.force), sensor.name,
+                         fit.controller.maker(), seed, trials));
   const double speed = scene_scaling(scene).motion * scene.limits.speed;
   rows.push_back(tried(scene, "none", controller_maker(ConstantVelocity(speed)), seed, trials));
 }

@@ -122,6 +122,14 @@ class Bench(Case):
             elif row["motion"] != "jumps":
                 self.assertLess(row["pose_difference_clearances"], 0.05, row)
 
+    def test_errors_of_the_sensor_cost_insertions(self):
+        rows = json.loads(self.done("bench", "sensors", "--scene", "bench", "--trials", 20, "--json").stdout)["rows"]
+        inserted = {row["sensor"]: row["inserted"] for row in rows}
+        self.assertEqual(len(inserted), 8)
+        self.assertGreater(inserted["as shipped"], 15)
+        self.assertLess(inserted["noise 2/3"], 5)
+        self.assertLess(inserted["bias 1/3"], inserted["bias 1/3, tare"] - 5)
+
     def test_tail_bounds_every_step(self):
         rows = json.loads(self.done("bench", "tail", "--seed", 3, "--scenes", 2,
                                     "--json").stdout)["rows"]
