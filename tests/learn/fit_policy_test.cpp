@@ -178,7 +178,7 @@ DemonstrationSet demonstrations_by_memory(int episodes, std::uint64_t seed) {
   return set;
 }
 
-TEST(FitPolicy, WithAMemoryAnswersWhatWasFeltLongAgo) {
+TEST(FitPolicyAtLength, WithAMemoryAnswersWhatWasFeltLongAgo) {
   NEEDS_LIBTORCH;
   PolicySettings settings = memory_settings();
   settings.training.memory = 16;

@@ -24,7 +24,7 @@ TEST(TimeWithoutForce, IsTheWayOverTheSpeed) {
       std::isinf(time_without_force(controller_maker(ConstantVelocity(motion * slow)), scene)));
 }
 
-class UnevenYield : public ::testing::Test {
+class UnevenYieldAtLength : public ::testing::Test {
  protected:
   static DemonstrationSet by(const char* skill) {
     return simulated_demonstrations(load_scene("bench"), OperatorSkill::parse(skill), 21, 8);
@@ -38,7 +38,7 @@ class UnevenYield : public ::testing::Test {
 };
 
 // At skill 0.8 he yields by 0.9e-3 m/s per newton.
-TEST_F(UnevenYield, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
+TEST_F(UnevenYieldAtLength, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
   const DemonstrationSet set = by("0.8,bore_yield=0.3");
   const LawFile insertion = fit_law(set, 1, LawKind::insertion).controller;
   for (const char* name : {"yield_y", "yield_z"})
@@ -57,7 +57,7 @@ TEST_F(UnevenYield, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
   }
 }
 
-TEST_F(UnevenYield, ByForceIsWarnedOf) {
+TEST_F(UnevenYieldAtLength, ByForceIsWarnedOf) {
   const DemonstrationSet set = by("0.8,force_yield=0.3");
   const LawFile law = fit_law(set, 1, LawKind::guarded).controller;
   EXPECT_EQ(warnings(set, law, "yield_z is not one number: under small forces"), 1U);

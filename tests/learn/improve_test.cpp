@@ -78,7 +78,7 @@ Scene short_insertion(const std::string& name = "bench") {
   return parse_scene(document, "short");
 }
 
-TEST(Improve, InsertsSoonerInTrialsThatItHasNotSeen) {
+TEST(ImproveAtLength, InsertsSoonerInTrialsThatItHasNotSeen) {
   const ControllerFile before = read_controller("tuned_by_hand");
   const Scene scene = short_insertion();
   const auto cost = [&](const ControllerFile& file) {
