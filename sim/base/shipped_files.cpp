@@ -24,17 +24,19 @@ std::string ShippedFiles::find(const std::string& name_or_file) const {
   if (fs::exists(shipped, error)) return shipped;
   std::string message =
       name_or_file + ": no such " + file + ", and no shipped " + one + " of that name:";
-  for (const auto& name : names()) message += " " + name;
-  throw FileTrouble(message + did_you_mean(name_or_file, names()));
+  std::vector<std::string> near = names(fs::path(name_or_file).parent_path().string());
+  if (near.empty()) near = names();
+  for (const auto& name : near) message += " " + name;
+  throw FileTrouble(message + did_you_mean(name_or_file, near));
 }
 
-std::vector<std::string> ShippedFiles::names() const {
+std::vector<std::string> ShippedFiles::names(const std::string& within) const {
   std::vector<std::string> names;
   std::error_code error;
-  for (const auto& entry : fs::directory_iterator(place(), error)) {
+  for (const auto& entry : fs::directory_iterator(fs::path(place()) / within, error)) {
     const fs::path& path = entry.path();
     if (path.extension() == ".json" && path.stem().extension() != ".schema")
-      names.push_back(path.stem().string());
+      names.push_back((within / path.stem()).string());
   }
   std::sort(names.begin(), names.end());
   return names;

@@ -12,8 +12,8 @@ struct ShippedFiles {
 
   // A file, or the bare name of one that ships. Throws FileTrouble if neither is there.
   std::string find(const std::string& name_or_file) const;
-  // Sorted; schemas are not among them.
-  std::vector<std::string> names() const;
+  // Sorted; schemas are not among them. Of a folder within: "ladder/a".
+  std::vector<std::string> names(const std::string& within = "") const;
 
  private:
   std::string place() const;

@@ -151,7 +151,7 @@ void read_start(JsonFields f, InsertionStart& start) {
   const Rule lateral = rule::between(-kFarthest, kFarthest, "must be from -1e6 to 1e6");
   number("y_um", micro, lateral, start.lateral.x());
   number("z_um", micro, lateral, start.lateral.y());
-  const Rule tilt = rule::between(-1000, 1000, "must be from -1000 to 1000");
+  const Rule tilt = rule::between(-300, 300, "must be from -300 to 300");
   number("tilt_y_mrad", milli, tilt, start.tilt.x());
   number("tilt_z_mrad", milli, tilt, start.tilt.y());
   f.depends("vision_y_um", {"vision_z_um"});

@@ -32,6 +32,14 @@ TEST(Scene, PaperIsTableI) {
 TEST(Scene, AllShippedScenesAreValid) {
   EXPECT_GE(shipped_scenes().size(), 4u);
   for (const auto& name : shipped_scenes()) EXPECT_EQ(load_scene(name).name, name);
+  try {
+    load_scene("ladder/g");
+    FAIL();
+  } catch (const FileTrouble& trouble) {
+    EXPECT_NE(std::string(trouble.what()).find(" of that name: ladder/a ladder/b ladder/b1 "),
+              std::string::npos)
+        << trouble.what();
+  }
 }
 
 TEST(Scene, DocumentGivesTheSameSceneAgain) {
@@ -60,6 +68,7 @@ TEST(Scene, ComplaintsNameKeyValueAndRule) {
             std::string::npos);
   EXPECT_NE(complaint("ferrule.bore_diameter_um=125").find("must be wider than the fibre"),
             std::string::npos);
+  EXPECT_NE(complaint("start.tilt_y_mrad=301").find("must be from -300 to 300"), std::string::npos);
   EXPECT_NE(complaint("laws.adhesion.maugis_lambda=9").find("must be from 0.12 to 5.8"),
             std::string::npos);
   EXPECT_NE(complaint("laws.capillary.form=exact").find("must be one of \"printed\" \"corrected\""),
