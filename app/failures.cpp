@@ -6,7 +6,8 @@
 #include <atomic>
 
 #include "app/html.hpp"
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
 #include "sim/scene/draw.hpp"
 #include "view/page_file.hpp"
 

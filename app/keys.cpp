@@ -8,7 +8,7 @@
 
 #include <cstring>
 
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
 
 namespace ferrule {
 namespace {

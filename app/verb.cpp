@@ -1,24 +1,17 @@
 #include "app/verb.hpp"
 
 #include <fmt/format.h>
-#include <poll.h>
-#include <signal.h>
-#include <sys/time.h>
 #include <unistd.h>
 
 #include <algorithm>
-#include <atomic>
 #include <charconv>
-#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
-#include <mutex>
 #include <thread>
 
 #include "app/csv.hpp"
-#include "app/keys.hpp"
 #include "app/scene_keys.hpp"
 #include "controller/controller_file.hpp"
 #include "sim/analysis/plan.hpp"
@@ -28,42 +21,6 @@
 
 namespace ferrule {
 namespace {
-
-// Ctrl-C, kill, a terminal that was closed, Ctrl-backslash.
-constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
-
-std::atomic<int> g_interrupted = 0;                    // the signal
-std::atomic<int> g_between_cases = 0;                  // how many EndsBetweenCases there are
-static_assert(std::atomic<int>::is_always_lock_free);  // for the signal handler
-
-[[noreturn]] void end_at_once() {
-  restore_terminal();
-  ::_exit(kInterrupted);
-}
-
-// In a signal handler: unless that would wait for a reader.
-void say_at_once(std::string_view text) {
-  pollfd error{STDERR_FILENO, POLLOUT, 0};
-  if (::poll(&error, 1, 0) == 1 && (error.revents & POLLOUT))
-    write_all(STDERR_FILENO, text.data(), text.size());
-}
-
-constexpr itimerval kPatience = {{}, {0, 800000}}, kNoAlarm = {};
-
-void on_interrupt(int which) {
-  if (g_interrupted) end_at_once();
-  if (g_between_cases)
-    say_at_once("ferrule: stops after this case; another signal ends it at once\n");
-  else
-    ::setitimer(ITIMER_REAL, &kPatience, nullptr);
-  g_interrupted = which;
-}
-
-// No verb has asked interrupted() in the meantime.
-void on_alarm(int) {
-  say_at_once("ferrule: stopped before the end: nothing more of it is kept\n");
-  end_at_once();
-}
 
 // What `text` is in decimal, and nothing else; empty: no such number.
 template <class Number>
@@ -284,10 +241,6 @@ void expect_place_for(const std::string& file) {
     throw FileTrouble(file + ": cannot be written: " + std::strerror(errno));
 }
 
-void end_if_interrupted() {
-  if (interrupted()) throw Stopped();
-}
-
 Scene planned_with_progress(const Scene& scene) {
   Progress progress("planning", 1);
   return planned(scene, [&](std::size_t runs, std::size_t most) {
@@ -338,102 +291,6 @@ void print_json(Json json, const Provenance& provenance) {
 
 std::string number_or(const char* otherwise, const char* format, double x) {
   return std::isfinite(x) ? fmt::format(fmt::runtime(format), x) : std::string(otherwise);
-}
-
-void watch_for_interrupt() {
-  struct sigaction action {};
-  struct sigaction before {};
-  action.sa_handler = on_interrupt;
-  sigemptyset(&action.sa_mask);
-  for (const int which : kEndings) {
-    sigaction(which, nullptr, &before);
-    const bool job = which == SIGHUP || which == SIGQUIT;
-    if (job && before.sa_handler == SIG_IGN) continue;  // nohup
-    sigaction(which, &action, nullptr);
-  }
-  action.sa_handler = on_alarm;
-  sigaction(SIGALRM, &action, nullptr);
-  // A reader that went away, and a file beyond the limit, are errors of writing.
-  ::signal(SIGPIPE, SIG_IGN);
-  ::signal(SIGXFSZ, SIG_IGN);
-}
-
-bool interrupted() noexcept {
-  if (!g_interrupted) return false;
-  ::setitimer(ITIMER_REAL, &kNoAlarm, nullptr);
-  return true;
-}
-
-EndsBetweenCases::EndsBetweenCases() {
-  ++g_between_cases;
-}
-
-EndsBetweenCases::~EndsBetweenCases() {
-  --g_between_cases;
-}
-
-const char* stopped_by() noexcept {
-  const int which = g_interrupted;
-  return which == SIGTERM   ? "SIGTERM"
-         : which == SIGHUP  ? "SIGHUP (the terminal was closed)"
-         : which == SIGQUIT ? "SIGQUIT"
-                            : "Ctrl-C";
-}
-
-void stop_watching_for_interrupt() {
-  struct sigaction now {};
-  for (const int which : kEndings) {
-    sigaction(which, nullptr, &now);
-    if (now.sa_handler == on_interrupt) ::signal(which, SIG_DFL);
-  }
-  ::setitimer(ITIMER_REAL, &kNoAlarm, nullptr);
-}
-
-namespace {
-
-// For programs that read stderr: FERRULE_PROGRESS=lines.
-bool lines_wanted() {
-  const char* const wanted = std::getenv("FERRULE_PROGRESS");
-  return wanted && std::string_view(wanted) == "lines";
-}
-
-}  // namespace
-
-struct Progress::State {
-  using Clock = std::chrono::steady_clock;
-  std::string what;
-  std::size_t total;
-  bool shown = ::isatty(STDERR_FILENO);
-  bool lines = !shown && lines_wanted();
-  Clock::time_point begin = Clock::now(), last = begin;
-  std::mutex mutex;
-};
-
-Progress::Progress(std::string what, std::size_t total) : state_(std::make_shared<State>()) {
-  state_->what = std::move(what);
-  state_->total = total;
-}
-
-Progress::~Progress() {
-  if (state_.use_count() == 1 && state_->shown) fmt::print(stderr, "\r\033[K");
-}
-
-void Progress::operator()(std::size_t done, const std::string& note, std::size_t total) {
-  State& s = *state_;
-  if (!s.shown && !s.lines) return;
-  const std::lock_guard lock(s.mutex);
-  if (total > 0) s.total = total;
-  const auto now = State::Clock::now();
-  if (done < s.total && now - s.last < std::chrono::milliseconds(100)) return;
-  s.last = now;
-  if (s.lines) return fmt::print(stderr, "progress {} {}\n", done, s.total);
-  const double seconds = std::chrono::duration<double>(now - s.begin).count();
-  const double rate = static_cast<double>(done) / std::max(seconds, 1e-9);
-  const auto filled = std::min<std::size_t>(30, 30 * done / std::max<std::size_t>(1, s.total));
-  const double left = static_cast<double>(s.total - std::min(done, s.total)) / rate;
-  fmt::print(stderr, "\r\033[K{} [{}{}] {}/{}  {:.3g}/s  {} s left{}", s.what,
-             std::string(filled, '#'), std::string(30 - filled, ' '), done, s.total, rate,
-             number_or("?", "{:.0f}", left), note);
 }
 
 std::vector<double> parse_range(const std::string& text, const std::string& option) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
 #include "app/provenance.hpp"
 #include "insertion/operator_skill.hpp"
 
@@ -133,49 +135,9 @@ Json json_list(const Rows& rows, const Of& of) {
 // `x` as `format` of fmt says, or `otherwise` where it is not finite.
 std::string number_or(const char* otherwise, const char* format, double x);
 
-// Ctrl-C, SIGTERM, Ctrl-backslash or a closed terminal: the first one asks the verb to end cleanly,
-// and ends the program where the verb does not hear it within a second, by asking interrupted();
-// the second ends the program at once.
-void watch_for_interrupt();
-bool interrupted() noexcept;  // from any thread
-// While one of these lives, the first signal is heard at the end of a case, however long that
-// takes, and says so: for verbs that keep the results of the cases before.
-class EndsBetweenCases {
- public:
-  EndsBetweenCases();
-  ~EndsBetweenCases();
-  EndsBetweenCases(const EndsBetweenCases&) = delete;
-  EndsBetweenCases& operator=(const EndsBetweenCases&) = delete;
-};
-// What ended it: "Ctrl-C", "SIGTERM" ...
-const char* stopped_by() noexcept;
-// Ctrl-C ends the program at once again.
-void stop_watching_for_interrupt();
-
 // What could not be written after long work is refused before it. Empty: nothing is to be written.
 // Throws FileTrouble.
 void expect_place_for(const std::string& file);
-
-// For long work that is not worth anything unless it is whole: ends the verb where Ctrl-C asked for
-// it, with exit code 130.
-struct Stopped {
-  std::string kept = "nothing of it is kept";
-};
-void end_if_interrupted();  // throws Stopped
-
-// Progress of long work on a terminal: a bar with rate and time left; elsewhere nothing, or where
-// the environment says FERRULE_PROGRESS=lines, lines "progress DONE OF" on stderr.
-class Progress {
- public:
-  Progress(std::string what, std::size_t total);
-  ~Progress();
-  // From any thread. `total`: where it is not the one that was said before; 0: as it was.
-  void operator()(std::size_t done, const std::string& note = "", std::size_t total = 0);
-
- private:
-  struct State;
-  std::shared_ptr<State> state_;
-};
 
 // "10", "1:500:50" (from:to:count, both ends in), "1:500:50:log". Throws BadInput naming `option`.
 std::vector<double> parse_range(const std::string& text, const std::string& option);
