@@ -105,7 +105,7 @@ TimedEpisode felt(const Scene& scene, PushingHand& hand, Kept& kept) {
 }
 
 // The thread, the clock and the ring change nothing in what is recorded.
-TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
+TEST(HapticLoopInSeconds, RowsAreThoseOfTheLoopWithoutTime) {
   const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
   const auto hand = simulated_operator(scene, start, 1, 1e-3, 1, 1);
@@ -121,7 +121,7 @@ TEST(HapticLoop, RowsAreThoseOfTheLoopWithoutTime) {
 }
 
 // No force within two periods, the rows until then, and a reason.
-TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
+TEST(HapticLoopInSeconds, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
   using Event = PushingHand::Event;
   const Scene scene = testing::quick();
   constexpr int kAt = 400;
@@ -146,7 +146,7 @@ TEST(HapticLoop, WhatCannotBeTrustedEndsTheEpisodeWithoutForceAndKeepsItsRows) {
   }
 }
 
-TEST(HapticLoop, WhatEndsAnEpisodeAfterTheGoalLeavesItInserted) {
+TEST(HapticLoopInSeconds, WhatEndsAnEpisodeAfterTheGoalLeavesItInserted) {
   using Event = PushingHand::Event;
   const Scene scene =
       testing::paper({"start.distance_um=2", "success.depth_um=1", "limits.speed_um_s=20",

@@ -112,11 +112,11 @@ TEST(SearchLaw, IsHardlySlowerUnderASupervisorThatTheNoiseDisturbs) {
 }
 
 // Nor is a touch with a gripper that gives way a jam, and a late hand goes where it is sent.
-TEST(SearchLaw, IsHardlySlowerUnderASupervisorWithASoftGripperAndALateHand) {
+TEST(SearchLawInSeconds, IsHardlySlowerUnderASupervisorWithASoftGripperAndALateHand) {
   expect_hardly_slower_under_the_supervisor(load_scene("ladder/f"), 1.3);
 }
 
-TEST(SearchLaw, InABoreThatHoldsATiltedFibreItStraightens) {
+TEST(SearchLawInSeconds, InABoreThatHoldsATiltedFibreItStraightens) {
   const std::vector<std::string> settings = {"ferrule.bore_diameter_um=125.3",
                                              "start.tilt_sd_mrad=6", "start.lateral_sd_um=3"};
   const Scene scene = load_scene("bench", settings);

@@ -38,10 +38,10 @@ struct FreeHand {
   }
 };
 
-class Inserts : public ::testing::TestWithParam<const char*> {};
+class InsertsInSeconds : public ::testing::TestWithParam<const char*> {};
 
 // The scenes say which gripper: with one that gives way, a hand that answers 0.17 s late can touch.
-TEST_P(Inserts, ByTouchAtSkill08) {
+TEST_P(InsertsInSeconds, ByTouchAtSkill08) {
   const Scene scene = load_scene(GetParam());
   const MakeController make = searching_operator(scene, 0.8, 21);
   int inserted = 0;
@@ -52,7 +52,7 @@ TEST_P(Inserts, ByTouchAtSkill08) {
   }
   EXPECT_GE(inserted, 19);
 }
-INSTANTIATE_TEST_SUITE_P(SearchingOperator, Inserts,
+INSTANTIATE_TEST_SUITE_P(SearchingOperator, InsertsInSeconds,
                          ::testing::Values("by_hand/sharp", "by_hand/face"),
                          [](const auto& info) { return std::string(info.param).substr(8); });
 

@@ -93,7 +93,8 @@ TEST_F(SharedTrialsOfACampaign, AreThoseOfOneProcess) {
   }
 }
 
-TEST_F(SharedTrialsOfACampaign, KeepWhatASupervisorDid) {
+using SharedTrialsOfACampaignInSeconds = SharedTrialsOfACampaign;
+TEST_F(SharedTrialsOfACampaignInSeconds, KeepWhatASupervisorDid) {
   make = supervised(make, supervisor_limits(task()));
   for (const std::size_t i : {1, 2}) shard(i, 2);
   const auto results = merged();

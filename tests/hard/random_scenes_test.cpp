@@ -19,7 +19,7 @@ constexpr std::uint64_t kScenes = 60;
 constexpr std::uint64_t kSeed = 5;
 constexpr double kStepTime = 1e-3;  // [s]
 
-TEST(RandomScenes, BoundTheWorkOfAStepAndGainNoEnergy) {
+TEST(RandomScenesInSeconds, BoundTheWorkOfAStepAndGainNoEnergy) {
   long all = 0, unfinished = 0;
   for (std::uint64_t k = 0; k < kScenes; ++k) {
     const Scene scene = random_scene(kSeed, k);

@@ -68,7 +68,7 @@ double error_against_law(const Policy& policy) {
   return std::sqrt(sum / n);
 }
 
-TEST(FitPolicy, ReproducesALinearLawOnStatesItHasNotSeenWithin3Percent) {
+TEST(FitPolicyInSeconds, ReproducesALinearLawOnStatesItHasNotSeenWithin3Percent) {
   NEEDS_LIBTORCH;
   PolicySettings settings;
   settings.training.epochs = 40;
@@ -118,7 +118,7 @@ std::vector<TrainingRows> noise(int demonstrations, int rows, std::uint64_t seed
 }
 
 // What grades a held-out demonstration is what the others alone would have kept.
-TEST(TrainNetwork, ADemonstrationDoesNotChooseTheWeightsThatItGrades) {
+TEST(TrainNetworkInSeconds, ADemonstrationDoesNotChooseTheWeightsThatItGrades) {
   NEEDS_LIBTORCH;
   for (const int memory : {0, 8}) {
     TrainingSettings settings;
@@ -178,7 +178,7 @@ DemonstrationSet demonstrations_by_memory(int episodes, std::uint64_t seed) {
   return set;
 }
 
-TEST(FitPolicyAtLength, WithAMemoryAnswersWhatWasFeltLongAgo) {
+TEST(FitPolicyInSeconds, WithAMemoryAnswersWhatWasFeltLongAgo) {
   NEEDS_LIBTORCH;
   PolicySettings settings = memory_settings();
   settings.training.memory = 16;

@@ -83,7 +83,7 @@ TEST(FitSearch, FindsTheNumbersOfWhoSearches) {
 
 // A person is late and slower by his skill, trembles and hesitates; none of it is learned but the
 // speed. He turns as fast as his delay lets him, so that his tilt rate does not show.
-TEST(FitSearch, OfAnOperatorIsFasterThanHe) {
+TEST(FitSearchInSeconds, OfAnOperatorIsFasterThanHe) {
   constexpr double kSkill = 0.9;
   const Scene scene = load_scene("by_hand/sharp");
   const DemonstrationSet set = searched_by(kSkill, scene, 6);

@@ -24,7 +24,7 @@ TEST(TimeWithoutForce, IsTheWayOverTheSpeed) {
       std::isinf(time_without_force(controller_maker(ConstantVelocity(motion * slow)), scene)));
 }
 
-class UnevenYieldAtLength : public ::testing::Test {
+class UnevenYieldInSeconds : public ::testing::Test {
  protected:
   static DemonstrationSet by(const char* skill) {
     return simulated_demonstrations(load_scene("bench"), OperatorSkill::parse(skill), 21, 8);
@@ -38,7 +38,7 @@ class UnevenYieldAtLength : public ::testing::Test {
 };
 
 // At skill 0.8 he yields by 0.9e-3 m/s per newton.
-TEST_F(UnevenYieldAtLength, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
+TEST_F(UnevenYieldInSeconds, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
   const DemonstrationSet set = by("0.8,bore_yield=0.3");
   const LawFile insertion = fit_law(set, 1, LawKind::insertion).controller;
   for (const char* name : {"yield_y", "yield_z"})
@@ -57,7 +57,7 @@ TEST_F(UnevenYieldAtLength, ByPlaceIsWarnedOfAndTheGuardedLawHasBoth) {
   }
 }
 
-TEST_F(UnevenYieldAtLength, ByForceIsWarnedOf) {
+TEST_F(UnevenYieldInSeconds, ByForceIsWarnedOf) {
   const DemonstrationSet set = by("0.8,force_yield=0.3");
   const LawFile law = fit_law(set, 1, LawKind::guarded).controller;
   EXPECT_EQ(warnings(set, law, "yield_z is not one number: under small forces"), 1U);

@@ -93,8 +93,8 @@ TEST(Widened, HoldsBothIntervals) {
 }
 
 // The operator's yield is in the interval, or a warning says that it may not be.
-class HisYieldAtLength : public ::testing::TestWithParam<const char*> {};
-TEST_P(HisYieldAtLength, IsInTheIntervalOrWarnedOf) {
+class HisYieldInSeconds : public ::testing::TestWithParam<const char*> {};
+TEST_P(HisYieldInSeconds, IsInTheIntervalOrWarnedOf) {
   constexpr double kSkill = 0.8;
   const double yield = trainee_traits(kSkill).yield;
   const Scene scene = load_scene(GetParam());
@@ -115,7 +115,7 @@ TEST_P(HisYieldAtLength, IsInTheIntervalOrWarnedOf) {
     EXPECT_EQ(warned, std::string(GetParam()) == "laser" || std::string(GetParam()) == "paper");
   }
 }
-INSTANTIATE_TEST_SUITE_P(OfTheOperator, HisYieldAtLength,
+INSTANTIATE_TEST_SUITE_P(OfTheOperator, HisYieldInSeconds,
                          ::testing::Values("bench", "demo", "epoxy", "laser", "paper"),
                          [](const auto& info) { return std::string(info.param); });
 

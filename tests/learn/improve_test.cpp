@@ -78,7 +78,7 @@ Scene short_insertion(const std::string& name = "bench") {
   return parse_scene(document, "short");
 }
 
-TEST(ImproveAtLength, InsertsSoonerInTrialsThatItHasNotSeen) {
+TEST(ImproveInSeconds, InsertsSoonerInTrialsThatItHasNotSeen) {
   const ControllerFile before = read_controller("tuned_by_hand");
   const Scene scene = short_insertion();
   const auto cost = [&](const ControllerFile& file) {
@@ -96,7 +96,7 @@ TEST(ImproveAtLength, InsertsSoonerInTrialsThatItHasNotSeen) {
     EXPECT_EQ(gain(improved.controller, i), gain(again.controller, i));
 }
 
-TEST(Improve, TheSameSceneTwiceIsThatScene) {
+TEST(ImproveInSeconds, TheSameSceneTwiceIsThatScene) {
   const ControllerFile before = read_controller("tuned_by_hand");
   const Scene scene = short_insertion();
   const ImproveTask task{&scene, {.time = 1}};

@@ -22,7 +22,7 @@ TEST(SolveLaw, ReturnsTheGainsOfEachLawWithoutNoise) {
 }
 
 // More gains never fit worse, whatever made the data.
-TEST(SolveLaw, ALawFitsAtLeastAsWellAsTheLawWithinIt) {
+TEST(SolveLawInSeconds, ALawFitsAtLeastAsWellAsTheLawWithinIt) {
   for (const LawKind made_by : kLaws) {
     const auto data = law_episodes(usual_law(made_by), 3, 200, 3e-4, 1);
     const auto cost = [&](LawKind kind) {

@@ -262,7 +262,8 @@ TEST_F(ServerTest, ClientsThatBreakTheRulesAreCutOff) {
 }
 
 // Of a flood no more is read in a second than a page may say.
-TEST_F(ServerTest, AFloodIsReadSlowly) {
+using ServerTestInSeconds = ServerTest;
+TEST_F(ServerTestInSeconds, AFloodIsReadSlowly) {
   const Socket socket(server.port());
   socket.say(upgrade("Origin: http://" + host() + "\r\n"));
   socket.hear("hello");

@@ -25,7 +25,7 @@ double none_higher(double number, double height) {
   return std::exp(-number * 0.5 * std::erfc(z / std::numbers::sqrt2));
 }
 
-TEST(Particle, TheHighestIsThatOfAPoissonNumberOfLogNormalOnes) {
+TEST(ParticleInSeconds, TheHighestIsThatOfAPoissonNumberOfLogNormalOnes) {
   constexpr int kTrials = 6000;
   for (const double number : {0.3, 1.5, 40.0}) {
     const Scene scene = load_scene("bench", {dust(number)});

@@ -133,7 +133,7 @@ TEST(HeldStiffness, OfAnInsertionSeesBothContactsInEveryScene) {
   }
 }
 
-TEST(HeldStiffness, OfAnInsertionWithAFarForceLimitIsOfAsManyStates) {
+TEST(HeldStiffnessInSeconds, OfAnInsertionWithAFarForceLimitIsOfAsManyStates) {
   const Scene scene = load_scene("film", {"limits.force_uN=1e10"});
   const StiffnessRange range = insertion_stiffness(scene, 1e-3);
   EXPECT_LT(range.states, 100'000u);
