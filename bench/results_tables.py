@@ -82,8 +82,8 @@ SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --lear
 ABLATE = ("./ferrule compare bench-episodes search --ladder --ablate force,memory,tilt,variation --learners torch"
           " --trials 200")
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
-IMPROVE = ("./ferrule improve searched.json --scene ladder/f --objective success,time --trials 10000"
-           " --out improved.json")
+IMPROVE = ("./ferrule improve searched.json --scene ladder/f --also ladder/b,ladder/b1,ladder/b3"
+           " --objective success,time --trials 24000 --trials-each 40 --out improved.json")
 QUICK_CLIMB = "./ferrule compare five search --ladder --learners linear --seeds 1..2 --trials 2"
 COST = "compare bench-episodes --learners insertion,torch --trials 1"
 TABLES = [

@@ -16,6 +16,7 @@ from case import PROGRAM, SOURCE, Case, main
 # How many trials and the like are enough here. What is printed stays what a reader runs.
 CUTS = [(r"\s+#.*", ""), (r"(?m)^((?!./ferrule improve).*)--trials \d+", r"\1--trials 4"),
         (r"^(./ferrule improve .*)--trials \d+", r"\1--trials 1000 --unseen 20"),
+        (r"^(./ferrule improve .*)--also \S+", r"\1"),
         (r"^(./ferrule improve .*)ladder/f", r"\1ladder/d"), (r"--scenes \d+", "--scenes 1"),
         (r"^(./ferrule (?:compare|evaluate|sweep|map|sensitivity)\b(?!.*--trials).*)", r"\1 --trials 4"),
         (r"(--ladder .*--trials) 4", r"\1 1"),
