@@ -84,11 +84,11 @@ Eigen::MatrixXd run_torchscript(const std::string& bytes, const Eigen::MatrixXd&
 // A controller for TorchScript of anybody's: forward takes an observation, float32 (1, 7), in the
 // order of kObservation and kMotion: Fx Fy Fz [N], My Mz [N m], depth [m], time [s], and where it
 // refuses (1, 7) also displacement x y z [m], tilt_y tilt_z [rad], height [m], and where it refuses
-// (1, 13) also the force at the holder that ends the trial [N], all in the hand's world; and returns
-// a velocity, (1, 5) or (5): x y z [m/s], tilt_y tilt_z [rad/s], or the first three; or a tuple of
-// that and a bool: the insertion is over, as far as it is concerned. Every trial has a module of its own, so that it may remember; where it has a method
-// `reset`, that is called first. Throws FileTrouble where these bytes are none, and as
-// train_network.
+// (1, 13) also the force at the holder that ends the trial [N], all in the hand's world; and
+// returns a velocity, (1, 5) or (5): x y z [m/s], tilt_y tilt_z [rad/s], or the first three; or a
+// tuple of that and a bool: the insertion is over, as far as it is concerned. Every trial has a
+// module of its own, so that it may remember; where it has a method `reset`, that is called first.
+// Throws FileTrouble where these bytes are none, and as train_network.
 std::unique_ptr<Controller> torchscript_controller(const std::string& bytes);
 // What makes it for each trial, of a file of a stranger: in processes of their own
 // (controller/program_policy.hpp), for such a module may crash, hang or take all memory. At most

@@ -111,8 +111,8 @@ struct Scene {
   // What is drawn as under another seed while all else stays as it is: the name of some of these, or
   // of kDrawnBesides; empty: nothing.
   std::string redrawn{};
-  // The scene as resolved: file plus settings; parsing it gives this scene again. Where something is
-  // drawn the scene of a trial is read from it, so that what is changed above alone is lost.
+  // The scene as resolved: file plus settings; parsing it gives this scene again. Where something
+  // is drawn the scene of a trial is read from it, so that what is changed above alone is lost.
   Json document;
 };
 
