@@ -12,16 +12,12 @@
 namespace ferrule {
 namespace {
 
-constexpr double kAlongTheBore = 0.05;   // of a move across, in what it changes
-constexpr double kLeastGap = 1e-9;       // [m]
-constexpr double kAdheres = 20e-9;       // from so far away, at most [m]
-constexpr double kDepthKept = 0.5;       // of a closed contact's depth
-constexpr double kSlipKept = 0.5;        // of the elastic slip before it slides
-constexpr double kLateralSlip = 0.2;     // of that, at most
-constexpr double kToFold = 0.25;         // of what is left of the path to one
-constexpr double kFromEdge = 0.2e-6;     // [m]
-constexpr double kFromPrinted = 2e-9;    // a printed surface: too steep to extrapolate [m]
-constexpr double kFromParticle = 50e-9;  // [m]
+constexpr double kAlongTheBore = 0.05;  // of a move across, in what it changes
+constexpr double kLeastGap = 1e-9;      // [m]
+constexpr double kKept = 0.5;           // of a closed contact's depth, and of its elastic slip
+constexpr double kLateralSlip = 0.2;    // of that, at most
+constexpr double kToFold = 0.25;        // of what is left of the path to one
+constexpr double kFromPrinted = 2e-9;   // a printed surface: too steep to extrapolate [m]
 
 bool extrapolates(const World& world) noexcept {
   const Numerics& n = world.numerics;
@@ -32,15 +28,15 @@ bool extrapolates(const World& world) noexcept {
 // Between which edges of the ferrule all of the rim of the end at `tip` is.
 void set_range(const World& world, const PoseVector& tip, Extrapolation& extrapolation) noexcept {
   const double rim = world.annulus.fibre_radius * (tip.t.norm() + world.end.cleave.norm()) +
-                     world.end.rounding() + kFromEdge;
+                     world.end.rounding() + kSharpRounding;
   const bool inside = tip.x < 0;
   extrapolation.least_x = inside ? rim - world.profile.length : rim;
   extrapolation.most_x = inside ? -rim - kPatch : world.profile.lead_in_length - rim;
 }
 
-// Is no particle near?
+// Does it touch no particle?
 bool is_clear(const World& world, const PoseVector& tip) noexcept {
-  return !world.laws.particle || particle_depth(world, tip).value < -kFromParticle;
+  return !world.laws.particle || particle_depth(world, tip).value < 0;
 }
 
 // What the move over the step before changes the force of the drag by.
@@ -127,21 +123,20 @@ const char* event_at(const World& world, const Extrapolation::Place& place,
                      const ContactState& contact, double deeper, const Vector3d& slid) noexcept {
   if (place.open) {
     const double depth = place.depth + deeper;
-    if (depth < -kAdheres) return nullptr;
     const AdhesionForce pull = adhesion_force(world.laws, depth, contact.branch);
     const bool apart = depth <= 0 && pull.radius == 0 && pull.branch == contact.branch;
     return apart ? nullptr : "solved: a contact closes";
   }
   if (!contact.closed) return nullptr;
-  if (std::abs(contact.depth + deeper - place.depth) > kDepthKept * std::abs(place.depth))
+  if (std::abs(contact.depth + deeper - place.depth) > kKept * std::abs(place.depth))
     return "solved: a contact's depth has changed by half";
   if (!place.friction_acts) return nullptr;
   if (!place.slides)
     return (place.slip + slid).norm() <= place.limit_slip ? nullptr : "solved: a contact slides";
   const double on = slid.dot(place.slip) / place.limit_slip;
   const double length = place.limit_slip + place.beyond;
-  const bool slides_on = on > 0 && place.limit_slip + on >= kSlipKept * length &&
-                         kSlipKept * (place.limit_slip + on) <= length &&
+  const bool slides_on = on > 0 && place.limit_slip + on >= kKept * length &&
+                         kKept * (place.limit_slip + on) <= length &&
                          std::abs(lateral_after(place, slid)) <= kLateralSlip * length;
   return slides_on ? nullptr : "solved: sliding slows, speeds up or turns";
 }
@@ -170,7 +165,7 @@ const char* try_extrapolated(const World& world, const StepResult& now, const Po
   const Pose tip = state.tip + next.move;
   if (!(tip[0] >= extrapolation.least_x && tip[0] <= extrapolation.most_x))
     return "solved: near an edge";
-  if (!is_clear(world, tip)) return "solved: near a particle";
+  if (!is_clear(world, tip)) return "solved: at a particle";
   if (present(world.laws.capillary) &&
       bridge_at(world, state.bridge, world.oval.stretched(tip)) != state.bridge)
     return "solved: the bridge changes";

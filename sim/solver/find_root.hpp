@@ -8,6 +8,9 @@ struct Bracket {
   Point holds, fails;
 };
 
+// Bisections of a step: an event on it is found to a 256th of it.
+inline constexpr int kBisections = 8;
+
 // The bracket after so many bisections. `holds(point)` is true at bracket.holds and false at
 // bracket.fails; where it changes more than once between them, any of these places is found.
 // `middle(holds, fails)` is the point between two that is tried.

@@ -7,7 +7,6 @@ namespace ferrule {
 namespace {
 
 constexpr double kMaxChange = 0.5;  // of a limit, in one step
-constexpr double kFlat = 100;       // a determinant above it: given limits hardly hold the pose
 constexpr double kSingular = 0.05;  // below it: limit and depth drive each other on
 
 }  // namespace
@@ -96,8 +95,8 @@ std::optional<PoseVector> CoupledModel::step(FrozenCoefficients& frozen) const n
   Vector2d change = Vector2d::Zero();
   for (int j = 0; j < kContactPlaces; ++j)
     if (place_[j].slides) change[j] = place_[j].error + limit_by(j, move);
-  // Where given limits hardly hold the pose, or do not, only limits that follow it do.
-  const bool must_follow = newton_.negative > 0 || schur_.determinant() > kFlat;
+  // Where given limits do not hold the pose, only limits that follow it do.
+  const bool must_follow = newton_.negative > 0;
   if (must_follow && !(determinant() > 0)) return std::nullopt;
   if (must_follow || schur_.determinant() > kSingular) change = solve_schur(change);
   for (int j = 0; j < kContactPlaces; ++j)

@@ -9,12 +9,10 @@
 namespace ferrule {
 namespace {
 
-constexpr double kOvershoot = 0.3;  // of the slope at the start: a step may end rising by that
-constexpr int kMaxBisections = 8;
+constexpr double kOvershoot = 0.3;       // of the slope at the start: a step may end rising by that
 constexpr double kBarrierStep = 50e-12;  // less than a barrier of adhesion is wide [m]
 constexpr int kBarrierSteps = 20;        // as wide as one
 constexpr double kBarrierSlope = 0.05;   // of the slope at the start: a barrier rises more
-constexpr double kShortest = 1e-12;      // part of a Newton step
 
 // Where to bisect: a part may be small.
 double between(double low, double high) noexcept {
@@ -47,7 +45,8 @@ MeritValue MeritModel::at(double part, const NonsmoothTerms& end) const noexcept
   for (std::size_t i = 0; i < kNonsmoothTerms; ++i) {
     if (!start_[i].acts || !end[i].acts) continue;
     sum.energy += end[i].energy - start_[i].energy;
-    sum.rounding += kLevel * (std::abs(end[i].energy) + std::abs(start_[i].energy));
+    sum.rounding += world_.numerics.solver.force_tolerance *
+                    (std::abs(end[i].energy) + std::abs(start_[i].energy));
     sum.slope += end[i].force * end[i].slope.dot(newton_.move);
   }
   return sum;
@@ -58,7 +57,7 @@ double MeritModel::least() const noexcept {
   const auto rises = [&](const MeritValue& value) { return value.slope > limit || higher(value); };
   double low = 0, high = first_barrier();
   if (high == 1 && !rises(at(1, terms(1)))) return 1;
-  for (int n = 0; n < kMaxBisections && high - low > kShortest; ++n) {
+  for (int n = 0; n < kBisections; ++n) {
     const double middle = between(low, high);
     const MeritValue value = at(middle, terms(middle));
     if (rises(value))
@@ -81,7 +80,7 @@ double MeritModel::largest_adhesion(double most) const noexcept {
       return term.acts && term.stiffness > 0;
     };
     if (holds(most)) continue;
-    const auto end = bisect(Bracket<double>{0, most}, kMaxBisections, holds, between);
+    const auto end = bisect(Bracket<double>{0, most}, kBisections, holds, between);
     if (end.holds > 0 && terms(end.holds)[place].force < 0) most = end.fails;
   }
   return most;

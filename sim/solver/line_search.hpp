@@ -10,8 +10,6 @@ namespace ferrule {
 
 using NonsmoothTerms = std::array<NonsmoothTerm, kNonsmoothTerms>;
 
-inline constexpr double kLevel = 1e-9;  // of the sum of all energies: they round to that
-
 // After a part of the step.
 struct MeritValue {
   double energy;    // what it has changed by [J]

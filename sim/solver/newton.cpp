@@ -161,7 +161,8 @@ Descent descend(const World& world, const FrozenCoefficients& frozen, const Newt
   const double length = length_of(world, frozen, newton.move);
   // Energies and gradients are of tables and quadratures: where the drop drowns in what these
   // differ by, a residual that falls decides.
-  const double level = std::max(kMaxRise * newton.predicted_decrease, kLevel * start.value_scale);
+  const double level = std::max(kMaxRise * newton.predicted_decrease,
+                                world.numerics.solver.force_tolerance * start.value_scale);
   Descent descent = Descent::nowhere;
   for (int expansions = 0; part * length >= kShortestTrial;) {
     if (iterate.evaluations >= max_evaluations) return Descent::ended;

@@ -8,8 +8,6 @@
 namespace ferrule {
 namespace {
 
-constexpr int kBisections = 8;  // of the move to where a contact begins
-
 // Is friction after a move what it was taken to be: sticking, or sliding on?
 bool friction_agrees(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
                      const FrozenCoefficients& after, const PoseVector& tip,

@@ -11,7 +11,6 @@
 namespace ferrule {
 namespace {
 
-constexpr int kMaxEdges = 4;                // that the end slides off in one sub-step
 constexpr int kMaxCouplings = 12;           // of friction and pose
 constexpr int kCouplingEvaluations = 16;    // for them, after a minimum at given limits
 constexpr int kReturnEvaluations = 2;       // kept for returning to where the sub-step began
@@ -161,8 +160,8 @@ void restore_contacts(const World& world, const State& state, const FrozenCoeffi
 // again there, the search goes on.
 void go_past_edges(const World& world, const State& state, int max_evaluations, const State* before,
                    FrozenCoefficients& frozen, Iterate& iterate) noexcept {
-  for (int edge = 0; edge < kMaxEdges && !iterate.converged; ++edge) {
-    if (iterate.evaluations >= max_evaluations || (before && !iterate.at_edge)) break;
+  while (!iterate.converged && iterate.evaluations < max_evaluations) {
+    if (before && !iterate.at_edge) break;
     const EdgeSide side = frozen.contact.side;
     frozen = freeze_again(world, state, frozen, iterate.tip.full());
     const int spent = iterate.evaluations;
