@@ -79,11 +79,6 @@ Json to_json(const Transfer& t) {
   return row;
 }
 
-double rate_of(const WorstTenth& worst) {
-  return worst.trials > 0 ? static_cast<double>(worst.successes) / static_cast<double>(worst.trials)
-                          : NAN;
-}
-
 Json to_json(const LadderRow& r) {
   Json row = {
       {"rung", r.rung},
@@ -94,16 +89,11 @@ Json to_json(const LadderRow& r) {
       {"success_rate", number_or_null(r.summary.success_rate)},
       {"wilson_low", number_or_null(r.summary.wilson.low)},
       {"wilson_high", number_or_null(r.summary.wilson.high)},
-      {"worst_tenth", number_or_null(rate_of(r.worst))},
       {"decided_by", {{"key", r.deciding.name}, {"share", number_or_null(r.deciding.share)}}},
-      {"worst_tenth_of",
-       {{"key", r.worst.name},
-        {"low", number_or_null(r.worst.low)},
-        {"high", number_or_null(r.worst.high)},
-        {"trials", r.worst.trials}}},
       {"time_s", number_or_null(r.summary.time.median)},
       {"search_s", number_or_null(r.search)},
       {"peak_force_uN", number_or_null(1e6 * r.summary.peak_force.median)}};
+  add_json(r.worst, row);
   if (r.supervised) row["supervised"] = to_json(*r.supervised);
   return row;
 }
@@ -241,8 +231,8 @@ void print_ladder(const std::vector<LadderRow>& rung) {
         cell(r.search, 2),
         r.worst.name.empty()
             ? "-"
-            : fmt::format("{}: {} of {:.4g} to {:.4g}", cell(100 * rate_of(r.worst), 1),
-                          r.worst.name, r.worst.low, r.worst.high));
+            : fmt::format("{}: {} of {:.4g} to {:.4g}", cell(100 * r.worst.rate(), 1), r.worst.name,
+                          r.worst.low, r.worst.high));
   std::fflush(stdout);
 }
 

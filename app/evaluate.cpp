@@ -1,6 +1,9 @@
 // ferrule evaluate: the success rate of a controller over a campaign of trials.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <span>
+
 #include "app/csv.hpp"
 #include "app/damage.hpp"
 #include "app/failures.hpp"
@@ -36,6 +39,7 @@ struct Tried {
   Tally tally{};  // of all trials
   std::optional<Target> target{};
   std::vector<TrialResult> results{};  // of the first kKept, unless all are asked for
+  WorstTenth worst{};                  // of those kKept; empty where none failed
 };
 
 // So many trials are enough to mate their connectors, to pair two controllers, and to show.
@@ -44,7 +48,8 @@ constexpr std::size_t kKept = 1 << 16;
 std::string kept_note(std::size_t trials) {
   if (trials <= kKept) return "";
   return fmt::format(
-      "note: the first {} trials are mated, paired and shown; all are counted, and quantiles "
+      "note: the first {} trials are mated, paired, sorted into tenths and shown; all are counted, "
+      "and quantiles "
       "of more than {} numbers known to 1 in {:.0f}\n",
       kKept, Quantiles::kExact, 1 / Quantiles::kWithin);
 }
@@ -63,6 +68,9 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
   tried.results = run_campaigns({campaign}, a.seed, a.trials, a.threads,
                                 Progress(tried.name, a.trials), interrupted, shared_trials())
                       .front();
+  if (const CampaignSummary all = tried.tally.summary(); all.successes == all.feasible) return;
+  const auto kept = std::span(tried.results).first(std::min(tried.results.size(), kKept));
+  tried.worst = worst_tenth(drawn_quantities(scene, a.seed, kept.size()), kept);
 }
 
 // Of a controller's trials; its connectors are mated with each other.
@@ -70,6 +78,7 @@ CampaignSummary summary_of(const EvaluateArguments& a, const Scene& scene, const
   CampaignSummary summary = tried.tally.summary();
   if (tried.target) summary.target = tried.target->verdict();
   summary.mated = mated(scene.joint, tried.results, a.seed);
+  summary.worst = tried.worst;
   return summary;
 }
 

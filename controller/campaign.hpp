@@ -11,6 +11,7 @@
 #include "controller/shared_trials.hpp"
 #include "controller/statistics.hpp"
 #include "controller/trial.hpp"
+#include "controller/worst_tenth.hpp"
 
 namespace ferrule {
 
@@ -77,6 +78,7 @@ struct CampaignSummary {
   std::int64_t steps, unfinished;                    // of all trials, as in InsertionSummary
   std::optional<Verdict> target{};                   // where there is one
   std::optional<Mated> mated{};                      // where it was asked for
+  std::optional<WorstTenth> worst{};                 // the same
 };
 
 // Takes the results of a campaign one by one, in memory that does not grow with them.

@@ -60,8 +60,17 @@ Json to_json(const CampaignSummary& s) {
     json["mated"] = to_json(s.mated->untuned);
     json["mated_tuned"] = to_json(s.mated->tuned);
   }
+  if (s.worst) add_json(*s.worst, json);
   if (s.interventions) json.update(to_json(*s.interventions));
   return json;
+}
+
+void add_json(const WorstTenth& worst, Json& json) {
+  json["worst_tenth"] = number_or_null(worst.rate());
+  json["worst_tenth_of"] = {{"key", worst.name.empty() ? Json() : Json(worst.name)},
+                            {"low", number_or_null(worst.low)},
+                            {"high", number_or_null(worst.high)},
+                            {"trials", worst.trials}};
 }
 
 void add_json(const Comparison& c, Json& json) {
@@ -79,6 +88,13 @@ void add_json(const Comparison& c, Json& json) {
 }
 
 namespace {
+
+// Told where the trials that did not choose the tenth show that it is worse than all.
+std::string to_text(const WorstTenth& worst, double rate_of_all) {
+  if (worst.trials == 0 || !(wilson(worst.successes, worst.trials).high < rate_of_all)) return "";
+  return fmt::format("  {:<14} where {} is {:.4g} to {:.4g}: {} of {} inserted\n", "fails most",
+                     worst.name, worst.low, worst.high, worst.successes, worst.trials);
+}
 
 // "99 %: 381 more trials without a failure; 99.9 %: ..."
 std::string to_show_text(const CampaignSummary& s) {
@@ -133,6 +149,7 @@ std::string to_text(const std::string& who, const CampaignSummary& s) {
     if (const auto n = s.outcomes[static_cast<std::size_t>(i)]; n > 0)
       text += fmt::format("  {:<14} {}\n", name(static_cast<Outcome>(i)), n);
   if (const std::string note = time_limit_note(s); !note.empty()) text += "  " + note + "\n";
+  if (s.worst) text += to_text(*s.worst, s.success_rate);
   const auto line = [&](const char* what, const Spread& spread, double unit, const char* in) {
     if (std::isfinite(spread.median))
       text += fmt::format("  {:<14} median {:.4g} {}, p95 {:.4g} {}\n", what, unit * spread.median,

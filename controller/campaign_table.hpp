@@ -9,6 +9,7 @@ namespace ferrule {
 
 // controller/README.md describes the keys.
 Json to_json(const CampaignSummary& summary);
+void add_json(const WorstTenth& worst, Json& json);
 void add_json(const Comparison& comparison, Json& json);
 std::string to_text(const std::string& name, const CampaignSummary& summary);
 std::string to_text(const Comparison& comparison);

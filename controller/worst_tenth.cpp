@@ -17,7 +17,7 @@ bool succeeded(const TrialResult& result) {
 }
 
 // Of every `stride`-th trial.
-std::vector<Tenth> by_tenths(const DrawnQuantity& quantity, const std::vector<TrialResult>& results,
+std::vector<Tenth> by_tenths(const DrawnQuantity& quantity, std::span<const TrialResult> results,
                              std::size_t stride) {
   std::vector<std::size_t> order;
   for (std::size_t k = 0; k < results.size(); k += stride)
@@ -80,8 +80,8 @@ Deciding deciding_quantity(const std::vector<DrawnQuantity>& drawn,
 }
 
 WorstTenth worst_tenth(const std::vector<DrawnQuantity>& drawn,
-                       const std::vector<TrialResult>& results) {
-  WorstTenth worst{"", NAN, NAN, 0, 0};
+                       std::span<const TrialResult> results) {
+  WorstTenth worst;
   double least = std::numeric_limits<double>::infinity();
   for (const DrawnQuantity& quantity : drawn) {
     for (const Tenth& tenth : by_tenths(quantity, results, 2)) {

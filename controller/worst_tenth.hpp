@@ -2,6 +2,8 @@
 // least.
 #pragma once
 
+#include <cmath>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -41,15 +43,19 @@ Deciding deciding_quantity(const std::vector<DrawnQuantity>& drawn,
                            const std::vector<TrialResult>& results);
 
 struct WorstTenth {
-  std::string name;       // of the quantity; empty: there is none
-  double low, high;       // between which it was there
-  std::size_t successes;  // there
-  std::size_t trials;
+  std::string name = {};         // of the quantity; empty: there is none
+  double low = NAN, high = NAN;  // between which it was there
+  std::size_t successes = 0;     // there
+  std::size_t trials = 0;
+
+  double rate() const noexcept {  // NaN without a trial
+    return trials > 0 ? static_cast<double>(successes) / static_cast<double>(trials) : NAN;
+  }
 };
 
 // The even trials, sorted by each quantity into ten parts, tell which part is the worst; the odd
 // ones between its bounds, which did not choose it, how bad it is. Infeasible trials do not count.
 WorstTenth worst_tenth(const std::vector<DrawnQuantity>& drawn,
-                       const std::vector<TrialResult>& results);
+                       std::span<const TrialResult> results);
 
 }  // namespace ferrule

@@ -234,6 +234,24 @@ class Compare(Case):
                                           '"bore_diameter_um":[124,124.2]}'])}
         self.assertEqual(len(heads), 1)
 
+    # Constant velocity inserts from within 10 um of the axis, and nowhere else.
+    def test_says_where_a_controller_fails_most(self):
+        def evaluated(*more):
+            arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "bench", *more]
+            return json.loads(self.done(*arguments, "--json").stdout), self.done(*arguments).stdout
+        told, text = evaluated("--trials", 600)
+        where = told["worst_tenth_of"]
+        self.assertEqual(where["key"], "start.lateral_um")
+        self.assertGreater(where["low"], 10)
+        self.assertEqual(told["worst_tenth"], 0)
+        self.assertIn(f"where start.lateral_um is {where['low']:.4g} to {where['high']:.4g}: "
+                      f"0 of {where['trials']} inserted", text)
+        told, text = evaluated("--trials", 300, "--set", "start.lateral_sd_um=2", "--set",
+                               "sensor.noise_uN=0.5..2")
+        self.assertEqual(told["successes"], 300)
+        self.assertIsNone(told["worst_tenth_of"]["key"])
+        self.assertNotIn("fails most", text)
+
     def test_a_rate_says_what_would_show_more(self):
         def evaluated(trials, *more):
             arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "bench", *SCENE,
