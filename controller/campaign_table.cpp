@@ -66,11 +66,14 @@ Json to_json(const CampaignSummary& s) {
 }
 
 void add_json(const WorstTenth& worst, Json& json) {
+  const Interval interval = worst.interval();
   json["worst_tenth"] = number_or_null(worst.rate());
   json["worst_tenth_of"] = {{"key", worst.name.empty() ? Json() : Json(worst.name)},
                             {"low", number_or_null(worst.low)},
                             {"high", number_or_null(worst.high)},
-                            {"trials", worst.trials}};
+                            {"trials", worst.trials},
+                            {"wilson_low", interval.low},
+                            {"wilson_high", interval.high}};
 }
 
 void add_json(const Comparison& c, Json& json) {
@@ -91,7 +94,7 @@ namespace {
 
 // Told where the trials that did not choose the tenth show that it is worse than all.
 std::string to_text(const WorstTenth& worst, double rate_of_all) {
-  if (worst.trials == 0 || !(wilson(worst.successes, worst.trials).high < rate_of_all)) return "";
+  if (!(worst.interval().high < rate_of_all)) return "";
   return fmt::format("  {:<14} where {} is {:.4g} to {:.4g}: {} of {} inserted\n", "fails most",
                      worst.name, worst.low, worst.high, worst.successes, worst.trials);
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "controller/statistics.hpp"
 #include "controller/trial.hpp"
 
 namespace ferrule {
@@ -50,6 +51,9 @@ struct WorstTenth {
 
   double rate() const noexcept {  // NaN without a trial
     return trials > 0 ? static_cast<double>(successes) / static_cast<double>(trials) : NAN;
+  }
+  Interval interval() const {  // of it, 95 %
+    return trials > 0 ? wilson(successes, trials) : Interval{0, 1};
   }
 };
 
