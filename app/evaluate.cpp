@@ -49,8 +49,7 @@ std::string kept_note(std::size_t trials) {
   if (trials <= kKept) return "";
   return fmt::format(
       "note: the first {} trials are mated, paired, sorted into tenths and shown; all are counted, "
-      "and quantiles "
-      "of more than {} numbers known to 1 in {:.0f}\n",
+      "and quantiles of more than {} numbers known to 1 in {:.0f}\n",
       kKept, Quantiles::kExact, 1 / Quantiles::kWithin);
 }
 
@@ -68,9 +67,22 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
   tried.results = run_campaigns({campaign}, a.seed, a.trials, a.threads,
                                 Progress(tried.name, a.trials), interrupted, shared_trials())
                       .front();
-  if (const CampaignSummary all = tried.tally.summary(); all.successes == all.feasible) return;
-  const auto kept = std::span(tried.results).first(std::min(tried.results.size(), kKept));
-  tried.worst = worst_tenth(drawn_quantities(scene, a.seed, kept.size()), kept);
+}
+
+// Where each fails most: of the same trials, drawn again once for all.
+void find_worst(const EvaluateArguments& a, const Scene& scene, std::vector<Tried>& all) {
+  const auto some_failed = [](const Tried& tried) {
+    const CampaignSummary summary = tried.tally.summary();
+    return summary.successes < summary.feasible;
+  };
+  const auto kept = [](const Tried& tried) { return std::min(tried.results.size(), kKept); };
+  std::size_t most = 0;
+  for (const Tried& tried : all)
+    if (some_failed(tried)) most = std::max(most, kept(tried));
+  const auto drawn = drawn_quantities(scene, a.seed, most);
+  for (Tried& tried : all)
+    if (some_failed(tried))
+      tried.worst = worst_tenth(drawn, std::span(tried.results).first(kept(tried)));
 }
 
 // Of a controller's trials; its connectors are mated with each other.
@@ -200,6 +212,7 @@ int evaluate_verb(const EvaluateArguments& a) {
     run(a, scene, tried);
     if (!interrupted()) refuse_if_all_failed(tried.name, tried.results);
   }
+  find_worst(a, scene, all);
   for (const Tried& tried : all) tell_failures(tried.name, tried.results);
   if (interrupted()) {
     std::string done;

@@ -222,7 +222,8 @@ def ladder(*results: Result) -> str:
         what = re.sub(r"^Rung \w+: (.*)\.$", r"\1", about)
         rows.append([f"`{name}`", what, inserted(searched["baseline"]), inserted(tuned["baseline"]),
                      inserted(tuned),
-                     f"{inserted(searched)} ({interval(searched)})", time(searched), peaks(searched), fails_most(searched)])
+                     f"{inserted(searched)} ({interval(searched)})", time(searched), peaks(searched),
+                     fails_most(searched)])
     return markdown(columns("rung | what | constant velocity | blind spiral | tuned by hand | search"
                             " | its time | its peak force, median and 95 % | where it fails most"), rows)
 
