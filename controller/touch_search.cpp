@@ -16,6 +16,7 @@ constexpr double kClearanceError = 0.7, kMouthError = 0.01;  // of its logarithm
 constexpr double kUnexplained = 10;                          // of the error of a height
 constexpr double kSteepest = 0.03;  // slope of an end, twice that of a bad cleave [rad]
 constexpr double kBelow = 0.1;      // of the lift: by which it rests lower than on the face
+constexpr double kDeep = 2;         // likewise: lower than a bore without a cone lets it
 
 }  // namespace
 
@@ -32,6 +33,7 @@ double TouchSearch::height_of(double play) const noexcept {
 
 void TouchSearch::rested(const Touch& touch, double height) {
   const bool was_upright = upright();
+  highest_ = begun_ ? std::max(highest_, touch.x) : touch.x;
   if (was_upright) recognise(touch.x, height);
   begun_ = true;
   rested_ = touch.x;
@@ -52,7 +54,8 @@ void TouchSearch::rested(const Touch& touch, double height) {
 void TouchSearch::recognise(double x, double height) {
   height_ = height;
   const double face = n_.lead_in_length - n_.near;  // as low as one may be
-  has_cone_ = has_cone_ || (height > n_.near && height < face);
+  const bool deep = x < highest_ - reach() - kDeep * n_.lift;
+  has_cone_ = has_cone_ || deep || (height > n_.near && height < face);
   const bool below = located_ && x < opening_.face - reach() - kBelow * n_.lift;
   edge_ = x;
   on_edge_ = has_cone_ ? height < face : (below || unexplained_) && edges_ < kEdgesInARow;

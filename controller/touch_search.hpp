@@ -11,8 +11,9 @@
 //                       height is off its axis; by half of the last step where it had come from
 //                       there.
 // Then it comes down upright at the axis. It is on an edge where the ferrule has turned out to have
-// a cone, or where the end rests lower than the face lets it; or where no opening explains the
-// touches, but only twice in a row.
+// a cone, by the height of a touch or by how much lower than another it came; or where the end
+// rests lower than the face lets it; or where no opening explains the touches, but only twice in a
+// row.
 //
 // A rounded rim rests on the face with a smaller disc, as if the clearance were larger.
 //
@@ -89,8 +90,9 @@ class TouchSearch {
   Opening opening_;
   TouchPlace next_;
   bool begun_ = false, located_ = false;
-  double height_ = 0;  // of the last upright touch [m]
-  double rested_ = 0;  // x of the last touch [m]
+  double height_ = 0;   // of the last upright touch [m]
+  double rested_ = 0;   // x of the last touch [m]
+  double highest_ = 0;  // and of the highest [m]
 
   std::size_t first_ = 0;             // the upright one of the touches here
   std::size_t side_ = 0, sides_ = 0;  // the next one; 0 of 0: upright

@@ -130,6 +130,16 @@ TEST(SearchLawInSeconds, InABoreThatHoldsATiltedFibreItStraightens) {
   EXPECT_GT(by_search, by_tuned + 5);
 }
 
+// There the cone is no higher than the entrance may be, as the face of a bore without one.
+TEST(SearchLaw, NearTheAxisOfAConeItDoesNotTakeTheConeForAFace) {
+  const Scene scene = load_scene("ladder/b1", {"start.lateral_sd_um=2"});
+  const MakeController search = load_controller(shipped());
+  int inserted = 0;
+  for (std::uint64_t trial = 0; trial < 20; ++trial)
+    inserted += run_trial(scene, *search(trial), 14, trial).outcome == Outcome::inserted;
+  EXPECT_GE(inserted, 16);
+}
+
 // A tilt moves the fibre's side along the wall, which holds it by more than half of the force limit.
 TEST(SearchLaw, InABoreWhoseFrictionIsHighItStraightensWithoutPulling) {
   const Scene scene = load_scene(
