@@ -1,5 +1,6 @@
 #include "controller/trial.hpp"
 
+#include <algorithm>
 #include <limits>
 
 #include "insertion/scene_scaling.hpp"
@@ -20,10 +21,13 @@ ControllerHand::ControllerHand(Controller& controller, const HandPose& start, do
 
 HandSample ControllerHand::read(double t) {
   pose_ += velocity_ * (t - time_);
+  const double within_tick = speed_ * (t - time_);
   time_ = t;
   const Supervision* supervision = controller_.supervision();
   if (supervision && supervision->gave_up) return {pose_, true, name(*supervision->gave_up)};
-  return {pose_, controller_.done() || hand_depth(pose_, entrance_) >= end_depth_};
+  const double depth = std::min(hand_depth(pose_, entrance_),
+                                hand_depth(holder_, entrance_) + within_tick);
+  return {pose_, controller_.done() || depth >= end_depth_};
 }
 
 void ControllerHand::render(const HandWrench& wrench) {

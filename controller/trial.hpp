@@ -30,9 +30,10 @@ TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t 
 // A controller as a device: the hand of a trial, and of a recording of it like that of a person.
 class ControllerHand : public Device {
  public:
-  // `speed` limits it [m/s, hand's world]; it is finished once past `end_depth` [m, hand's world],
-  // when its controller is done, and when its supervisor gives up. Depths are from where it takes
-  // the entrance to be (x [m, hand's world]). `force_limit` is told to the controller.
+  // `speed` limits it [m/s, hand's world]; it is finished once it and the holder, which may be late
+  // or move less, are past `end_depth` [m, hand's world], when its controller is done, and when its
+  // supervisor gives up. Depths are from where it takes the entrance to be (x [m, hand's world]).
+  // `force_limit` is told to the controller.
   ControllerHand(Controller& controller, const HandPose& start, double speed, double end_depth,
                  double entrance = 0, double force_limit = std::numeric_limits<double>::infinity());
   HandSample read(double t) override;

@@ -148,6 +148,24 @@ TEST(Loop, ARecordingAndATrialOfAControllerAreTheSame) {
   EXPECT_LT(outcomes[static_cast<std::size_t>(Outcome::inserted)], 8);
 }
 
+// Its own way is no measure of how deep the fibre is.
+TEST(Loop, ARecordedHandThatTheHolderFollowsLessGoesOnUntilTheFibreIsDeep) {
+  const Scene scene = load_scene("demo", {"hand.gain=0.7", "hand.delay_ms=10"});
+  const Scaling scaling = scene_scaling(scene);
+  int inserted = 0;
+  for (std::uint64_t trial = 1; trial <= 8; ++trial) {
+    ConstantVelocity controller(scaling.motion * scene.limits.speed);
+    const TrialResult alone = run_trial(scene, controller, 1, trial);
+    const State start = draw_start(scene, 1, trial);
+    ControllerHand hand = recorded_hand(scene, start, controller);
+    const InsertionEnd end = run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, trial),
+                                           testing::recording_settings(scene));
+    EXPECT_EQ(end.outcome, alone.outcome) << trial;
+    inserted += alone.outcome == Outcome::inserted;
+  }
+  EXPECT_GT(inserted, 0);
+}
+
 TEST(Loop, PastSuccessTheHandSaysWhenItIsFinished) {
   const Scene scene = testing::quick();
   const Ended trial = run(
