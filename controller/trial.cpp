@@ -25,8 +25,8 @@ HandSample ControllerHand::read(double t) {
   time_ = t;
   const Supervision* supervision = controller_.supervision();
   if (supervision && supervision->gave_up) return {pose_, true, name(*supervision->gave_up)};
-  const double depth = std::min(hand_depth(pose_, entrance_),
-                                hand_depth(holder_, entrance_) + within_tick);
+  const double depth =
+      std::min(hand_depth(pose_, entrance_), hand_depth(holder_, entrance_) + within_tick);
   return {pose_, controller_.done() || depth >= end_depth_};
 }
 
