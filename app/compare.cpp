@@ -230,12 +230,14 @@ void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candi
   provenance.partial(text);
 }
 
-void write_trials(const CompareArguments& a, const Found& found, const Provenance& provenance) {
+void write_trials(const CompareArguments& a, const Scene& scene, const Found& found,
+                  const Provenance& provenance) {
   if (a.trials_out.empty()) return;
+  const std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, a.trials);
   Json rows = Json::array();
   for (const Entry& e : found.entries) {
-    add_trials(e.candidate.name, e.results, rows);
-    add_trials(e.candidate.name + ", supervised", e.supervised_results, rows);
+    add_trials(e.candidate.name, e.results, drawn, rows);
+    add_trials(e.candidate.name + ", supervised", e.supervised_results, drawn, rows);
   }
   write_text(a.trials_out, csv_text(rows, provenance));
 }
@@ -317,7 +319,7 @@ int compare_verb(const CompareArguments& a) {
   if (a.output.text()) fmt::print("\n{}", provenance.foot());
   print_result(a.output, to_json(a, scene, set, seen, found), "rows", provenance);
   std::fflush(stdout);  // before what may fail
-  write_trials(a, found, provenance);
+  write_trials(a, scene, found, provenance);
   if (!a.plot.empty() && !interrupted()) {
     write_plots(a, scene, set, found, starts, provenance);
     fmt::print(stderr, "plots are in {}, all of them in report.html\n", printable(a.plot));

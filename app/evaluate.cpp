@@ -69,8 +69,10 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
                       .front();
 }
 
-// Where each fails most: of the same trials, drawn again once for all.
-void find_worst(const EvaluateArguments& a, const Scene& scene, std::vector<Tried>& all) {
+// Where each fails most. Returns what chance decided in the trials: of those that are told one by
+// one, or else of those of which some failed.
+std::vector<DrawnQuantity> find_worst(const EvaluateArguments& a, const Scene& scene,
+                                      std::vector<Tried>& all) {
   const auto some_failed = [](const Tried& tried) {
     const CampaignSummary summary = tried.tally.summary();
     return summary.successes < summary.feasible;
@@ -78,11 +80,15 @@ void find_worst(const EvaluateArguments& a, const Scene& scene, std::vector<Trie
   const auto kept = [](const Tried& tried) { return std::min(tried.results.size(), kKept); };
   std::size_t most = 0;
   for (const Tried& tried : all)
-    if (some_failed(tried)) most = std::max(most, kept(tried));
-  const auto drawn = drawn_quantities(scene, a.seed, most);
+    if (!a.trials_out.empty())
+      most = std::max(most, tried.results.size());
+    else if (some_failed(tried))
+      most = std::max(most, kept(tried));
+  const std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, most);
   for (Tried& tried : all)
     if (some_failed(tried))
       tried.worst = worst_tenth(drawn, std::span(tried.results).first(kept(tried)));
+  return drawn;
 }
 
 // Of a controller's trials; its connectors are mated with each other.
@@ -212,7 +218,7 @@ int evaluate_verb(const EvaluateArguments& a) {
     run(a, scene, tried);
     if (!interrupted()) refuse_if_all_failed(tried.name, tried.results);
   }
-  find_worst(a, scene, all);
+  const std::vector<DrawnQuantity> drawn = find_worst(a, scene, all);
   for (const Tried& tried : all) tell_failures(tried.name, tried.results);
   if (interrupted()) {
     std::string done;
@@ -230,7 +236,7 @@ int evaluate_verb(const EvaluateArguments& a) {
   }
   if (!a.trials_out.empty()) {
     Json rows = Json::array();
-    for (const Tried& tried : all) add_trials(tried.name, tried.results, rows);
+    for (const Tried& tried : all) add_trials(tried.name, tried.results, drawn, rows);
     write_text(a.trials_out, csv_text(rows, provenance));
   }
   if (!a.report.empty() && !interrupted()) write_report(a, scene, all, provenance);

@@ -184,7 +184,7 @@ std::string to_text(const Comparison& c) {
 }
 
 void add_trials(const std::string& controller, const std::vector<TrialResult>& results,
-                Json& rows) {
+                const std::vector<DrawnQuantity>& drawn, Json& rows) {
   for (std::size_t k = 0; k < results.size(); ++k) {
     const auto& [outcome, summary, loss_dB, supervision, why, light] = results[k];
     Json& row = rows.emplace_back(Json{{"controller", controller},
@@ -197,6 +197,8 @@ void add_trials(const std::string& controller, const std::vector<TrialResult>& r
                                        {"tilt_mrad", 1e3 * summary.tilt},
                                        {"loss_dB", number_or_null(loss_dB)},
                                        {"why", why}});
+    for (const DrawnQuantity& quantity : drawn)
+      row[quantity.name] = number_or_null(quantity.values[k]);
     if (!supervision) continue;
     row["gave_up"] = supervision->gave_up ? Json(name(*supervision->gave_up)) : Json();
     for (std::size_t i = 0; i < kInterventions; ++i)

@@ -24,8 +24,10 @@ std::string trials_to_show_or(const char* otherwise, double rate, const Campaign
 std::string time_limit_note(std::size_t timeouts, std::size_t failures);
 std::string time_limit_note(const CampaignSummary& summary);
 
-// Appends one row for each trial of a controller: what --trials-out holds.
-void add_trials(const std::string& controller, const std::vector<TrialResult>& results, Json& rows);
+// Appends one row for each trial of a controller, with what chance decided in it: what --trials-out
+// holds.
+void add_trials(const std::string& controller, const std::vector<TrialResult>& results,
+                const std::vector<DrawnQuantity>& drawn, Json& rows);
 
 // What the supervisor of a scene keeps; and what it says where it cannot hold the force limit.
 Json supervisor_json(const SupervisorLimits& limits, const Scaling& scaling);

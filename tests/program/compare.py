@@ -246,8 +246,17 @@ class Compare(Case):
         self.assertEqual(told["worst_tenth"], 0)
         self.assertIn(f"where start.lateral_um is {where['low']:.4g} to {where['high']:.4g}: "
                       f"0 of {where['trials']} inserted", text)
-        told, text = evaluated("--trials", 300, "--set", "start.lateral_sd_um=2", "--set",
-                               "sensor.noise_uN=0.5..2")
+        trials = self.path("where.csv")
+        noisy = ["--set", "sensor.noise_uN=0.5..2"]
+        self.done("evaluate", "--baseline", "constant-velocity", "--scene", "bench", *noisy, "--trials", 60,
+                  "--trials-out", trials)
+        with open(trials, newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual(len({row["sensor.noise_uN"] for row in rows}), 60)
+        for row in rows:
+            self.assertEqual(row["outcome"] == "inserted", float(row["start.lateral_um"]) < 10, row)
+            self.assertTrue(0.5 <= float(row["sensor.noise_uN"]) <= 2)
+        told, text = evaluated("--trials", 300, "--set", "start.lateral_sd_um=2", *noisy)
         self.assertEqual(told["successes"], 300)
         self.assertIsNone(told["worst_tenth_of"]["key"])
         self.assertNotIn("fails most", text)
