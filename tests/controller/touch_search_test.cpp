@@ -91,26 +91,6 @@ TEST(TouchSearch, GoesFromAConeToTheAxisInOneStep) {
   EXPECT_EQ(search.next().tilt.norm(), 0);
 }
 
-// Near the axis the cone is no higher than the entrance may be: it looks like a face at first.
-TEST(TouchSearch, TellsAConeNearItsAxisFromAFace) {
-  std::mt19937 random(5);
-  const double widening = (150 - 63) / 150.7, clearance = 0.5 * um;
-  for (int k = 0; k < 20; ++k) {
-    const Vector2d start = 2 * um * testing::drawn(random);
-    TouchSearch search(kNumbers);
-    int touches = 0;
-    Vector2d e = start;
-    for (; e.norm() > clearance && touches < 40; ++touches) {
-      const TouchPlace place = search.next();
-      const double upright = (e.norm() - clearance) / widening;
-      const double x = upright + 62.5 * um * place.tilt.dot(e.normalized());
-      search.rested({x, place.across, place.tilt}, x);
-      e = start + search.next().across;
-    }
-    EXPECT_LT(touches, 40) << start.transpose() / um;
-  }
-}
-
 TEST(TouchSearch, SaysBetweenWhichHeightsTheEndCanRestOnTheFace) {
   const Face face = {Vector2d(12 * um, 5 * um), Vector2d(1e-3, -2e-3), 63 * um, 0};
   std::mt19937 random(4);
