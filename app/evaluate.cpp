@@ -69,13 +69,13 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
                       .front();
 }
 
-// Where each fails most. Returns what chance decided in the trials: of those that are told one by
-// one, or else of those of which some failed.
+// Where each fails most; nobody who pressed Ctrl-C waits for that. Returns what chance decided in
+// the trials: of all that are told one by one, or else of those of which some failed.
 std::vector<DrawnQuantity> find_worst(const EvaluateArguments& a, const Scene& scene,
                                       std::vector<Tried>& all) {
   const auto some_failed = [](const Tried& tried) {
     const CampaignSummary summary = tried.tally.summary();
-    return summary.successes < summary.feasible;
+    return !interrupted() && summary.successes < summary.feasible;
   };
   const auto kept = [](const Tried& tried) { return std::min(tried.results.size(), kKept); };
   std::size_t most = 0;

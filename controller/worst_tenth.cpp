@@ -1,5 +1,7 @@
 #include "controller/worst_tenth.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -46,15 +48,15 @@ std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t se
     if (number.shared.empty()) drawn.push_back({number.key, {}});
   for (DrawnQuantity& quantity : drawn)
     quantity.values.assign(trials, std::numeric_limits<double>::quiet_NaN());
-  for (std::size_t k = 0; k < trials; ++k) {
+  tbb::parallel_for(std::size_t{0}, trials, [&](std::size_t k) {
     const auto of_trial = draw_scene(scene, seed, k);
-    if (!of_trial) continue;
+    if (!of_trial) return;
     const Pose tip = draw_start(*of_trial, seed, k).tip;
     drawn[0].values[k] = tip.segment<2>(1).norm() / micro;
     drawn[1].values[k] = 1e3 * tip.tail<2>().norm();
     for (std::size_t i = 2; i < drawn.size(); ++i)
       drawn[i].values[k] = of_trial->document.at(pointer_to(drawn[i].name)).get<double>();
-  }
+  });
   return drawn;
 }
 
