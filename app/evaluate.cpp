@@ -84,7 +84,7 @@ std::vector<DrawnQuantity> find_worst(const EvaluateArguments& a, const Scene& s
       most = std::max(most, tried.results.size());
     else if (some_failed(tried))
       most = std::max(most, kept(tried));
-  const std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, most);
+  std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, most);
   for (Tried& tried : all)
     if (some_failed(tried))
       tried.worst = worst_tenth(drawn, std::span(tried.results).first(kept(tried)));
