@@ -233,7 +233,10 @@ void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candi
 void write_trials(const CompareArguments& a, const Scene& scene, const Found& found,
                   const Provenance& provenance) {
   if (a.trials_out.empty()) return;
-  const std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, a.trials);
+  std::size_t trials = 0;  // of whoever needed most
+  for (const Entry& e : found.entries)
+    trials = std::max({trials, e.results.size(), e.supervised_results.size()});
+  const std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, trials);
   Json rows = Json::array();
   for (const Entry& e : found.entries) {
     add_trials(e.candidate.name, e.results, drawn, rows);

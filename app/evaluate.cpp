@@ -73,20 +73,21 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
 // the trials: of all that are told one by one, or else of those of which some failed.
 std::vector<DrawnQuantity> find_worst(const EvaluateArguments& a, const Scene& scene,
                                       std::vector<Tried>& all) {
-  const auto some_failed = [](const Tried& tried) {
+  const bool in_time = !interrupted();
+  const auto is_told = [&](const Tried& tried) {
     const CampaignSummary summary = tried.tally.summary();
-    return !interrupted() && summary.successes < summary.feasible;
+    return in_time && summary.successes < summary.feasible;
   };
   const auto kept = [](const Tried& tried) { return std::min(tried.results.size(), kKept); };
   std::size_t most = 0;
   for (const Tried& tried : all)
     if (!a.trials_out.empty())
       most = std::max(most, tried.results.size());
-    else if (some_failed(tried))
+    else if (is_told(tried))
       most = std::max(most, kept(tried));
   std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, most);
   for (Tried& tried : all)
-    if (some_failed(tried))
+    if (is_told(tried))
       tried.worst = worst_tenth(drawn, std::span(tried.results).first(kept(tried)));
   return drawn;
 }

@@ -262,6 +262,16 @@ class Compare(Case):
         self.assertIsNone(told["worst_tenth_of"]["key"])
         self.assertNotIn("fails most", text)
 
+    # Nothing is drawn of trials that nobody runs.
+    def test_trials_out_has_the_trials_that_decided(self):
+        trials = self.path("few.csv")
+        self.done("compare", self.out, *SCENE, "--learners", "linear", "--target", 0.5, "--trials", 20000000,
+                  "--trials-out", trials)
+        with open(trials, newline="") as file:
+            rows = list(csv.DictReader(file))
+        self.assertIn("ceres, linear", {row["controller"] for row in rows})
+        self.assertTrue(all(float(row["start.lateral_um"]) >= 0 for row in rows))
+
     def test_a_rate_says_what_would_show_more(self):
         def evaluated(trials, *more):
             arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "bench", *SCENE,
