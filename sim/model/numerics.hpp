@@ -13,8 +13,8 @@ enum class Integrator { backward_euler, bdf2 };
 struct Numerics {
   Integrator integrator = Integrator::backward_euler;
   double longest_step = std::numeric_limits<double>::infinity();  // longer ones are divided [s]
-  // A step in which a contact or bridge opens or closes, a contact turns over an edge, or the fibre
-  // snaps, is divided until the command travels no more than this in it [m].
+  // A step in which a contact or bridge opens or closes, or the fibre snaps, is divided until the
+  // command travels no more than this in it [m].
   double event_travel = std::numeric_limits<double>::infinity();
   // Where these are not 0, steps are extrapolated over smooth intervals
   // (sim/solver/extrapolation.hpp), to about this error of the end [m] and of the force at the

@@ -98,4 +98,21 @@ NewtonStep::NewtonStep(const World& world, const FrozenCoefficients& frozen, con
   }
 }
 
+bool friction_agrees(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
+                     const FrozenCoefficients& after, const PoseVector& tip, const PoseVector& move,
+                     double slides_at) noexcept {
+  for (std::size_t at = 0; at < kContactPlaces; ++at) {
+    const FrozenFriction& friction = before[at];
+    if (!friction.acts) continue;
+    const Vector3d now = elastic_slip(world, after, static_cast<int>(at), tip);
+    const Vector3d next = now + elastic_slip_by(world, after, static_cast<int>(at), move);
+    const double length = now.norm(), next_length = next.norm();
+    const bool slid = friction.stiffness * length > slides_at * friction.limit;
+    if (slid != after.friction[at].slides(next)) return false;
+    if (slid && next.dot(now) < (1 - 0.5 * kLinearTurn * kLinearTurn) * length * next_length)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace ferrule

@@ -88,4 +88,11 @@ struct NewtonStep {
              Pivots pivots = Pivots::magnitudes, bool slides_on = false) noexcept;
 };
 
+// Is friction after a move from `tip` what it was taken to be there, with the friction `before`:
+// sticking, or sliding on in the same direction? It slides where its elastic force is more than
+// `slides_at` of its limit.
+bool friction_agrees(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
+                     const FrozenCoefficients& after, const PoseVector& tip, const PoseVector& move,
+                     double slides_at) noexcept;
+
 }  // namespace ferrule

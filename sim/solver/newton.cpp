@@ -262,7 +262,8 @@ NewtonStep stationary_step(const World& world, const FrozenCoefficients& frozen,
           Pivots::as_they_are};
 }
 
-bool final_newton_step(const World& world, const FrozenCoefficients& frozen, const PoseVector& move,
+bool final_newton_step(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
+                       const FrozenCoefficients& frozen, const PoseVector& move,
                        Iterate& iterate) noexcept {
   const SolverParameters& parameters = world.numerics.solver;
   Potential& potential = iterate.potential;
@@ -270,7 +271,8 @@ bool final_newton_step(const World& world, const FrozenCoefficients& frozen, con
   const double most = in_well ? kFinalResidualInWell : parameters.final_residual;
   const double longest = in_well ? kFinalMoveInWell : parameters.final_move;
   if (!(residual(world, potential.gradient) <= most * potential.force_scale &&
-        length_of(world, frozen, move) <= longest * world.annulus.clearance()))
+        length_of(world, frozen, move) <= longest * world.annulus.clearance() &&
+        friction_agrees(world, before, frozen, iterate.tip, move, 1)))
     return false;
   note(iterate, SolverStage::newton, "converged: the last step needs no evaluation", world, move);
   potential.follow(move, iterate.tip);
@@ -298,7 +300,8 @@ void minimise(const World& world, const FrozenCoefficients& frozen, int max_eval
     NewtonStep newton(world, frozen, smooth, iterate.tip);
     if (before && iterate.iterations > 0 && !newton.convex)
       return note(iterate, SolverStage::newton, "ends: concave");
-    if (newton.convex && final_newton_step(world, frozen, newton.move, iterate)) return;
+    if (newton.convex && final_newton_step(world, frozen.friction, frozen, newton.move, iterate))
+      return;
     const NonsmoothTerms terms =
         nonsmooth_terms(world, frozen, iterate.tip, side_share(world, frozen, iterate.tip));
     const Direction direction = choose_direction(world, frozen, smooth, iterate, terms, newton);

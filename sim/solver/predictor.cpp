@@ -8,24 +8,6 @@
 namespace ferrule {
 namespace {
 
-// Is friction after a move what it was taken to be: sticking, or sliding on?
-bool friction_agrees(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
-                     const FrozenCoefficients& after, const PoseVector& tip,
-                     const PoseVector& move) noexcept {
-  for (std::size_t at = 0; at < kContactPlaces; ++at) {
-    const FrozenFriction& friction = before[at];
-    if (!friction.acts) continue;
-    const Vector3d now = elastic_slip(world, after, static_cast<int>(at), tip);
-    const Vector3d next = now + elastic_slip_by(world, after, static_cast<int>(at), move);
-    const double length = now.norm(), next_length = next.norm();
-    const bool slid = friction.stiffness * length > kSlidingOn * friction.limit;
-    if (slid != after.friction[at].slides(next)) return false;
-    if (slid && next.dot(now) < (1 - 0.5 * kLinearTurn * kLinearTurn) * length * next_length)
-      return false;
-  }
-  return true;
-}
-
 // A Newton step and what the friction limits change along it; the whole move, if there is one.
 // Limit and depth may hold each other in check within far less than either alone would change: to
 // first order they change together from where the step begins.
@@ -38,7 +20,7 @@ std::optional<PoseVector> predict_with_friction(const World& world, const Energy
     return CoupledModel(*newton, FrictionCoupling(world, frozen, at, slides_at)).step(frozen);
   };
   auto move = coupled(tip, kSlidingOn);
-  if (move && friction_agrees(world, first, frozen, tip, *move)) return move;
+  if (move && friction_agrees(world, first, frozen, tip, *move, kSlidingOn)) return move;
   frozen.friction = first;
   newton.emplace(world, frozen, start, tip);
   if (!newton->convex) return std::nullopt;
@@ -89,7 +71,8 @@ bool correct(const World& world, const FrozenCoefficients& frozen, const Predict
   iterate.curvature = curvature;
   iterate.curvature += potential.gradient;
   if (residual(world, potential.gradient) <= kNearForce * potential.force_scale)
-    final_newton_step(world, frozen, end.factors.solve(potential.gradient), iterate);
+    final_newton_step(world, frozen.friction, frozen, end.factors.solve(potential.gradient),
+                      iterate);
   return true;
 }
 

@@ -12,11 +12,10 @@
 namespace ferrule {
 namespace {
 
-constexpr int kMaxParts = 8192;        // of the longest steps that the world allows
-constexpr double kFirstParts = 12;     // sub-steps of a long path, before events divide it
-constexpr double kEdgeStep = 0.05;     // of the rim's radius, where it slides over an edge
-constexpr double kNearEdge = 0.5;      // and so far before and behind the edge, of the same
-constexpr double kContactTurn = 0.02;  // squared sine of the angle that a contact may turn by
+constexpr int kMaxParts = 8192;     // of the longest steps that the world allows
+constexpr double kFirstParts = 12;  // sub-steps of a long path, before events divide it
+constexpr double kEdgeStep = 0.05;  // of the rim's radius, where it slides over an edge
+constexpr double kNearEdge = 0.5;   // and so far before and behind the edge, of the same
 
 // --- Where the path to the command is divided ---
 
@@ -89,13 +88,6 @@ enum class Divisible { no, where_end_opens, at_events };
 const char* event_in(const World& world, const State& before, const FrozenCoefficients& frozen,
                      const Iterate& iterate, const Contacts& contacts, double travel) noexcept {
   if (contact_set_changed(before, contacts)) return "contact set changed";
-  for (std::size_t place = 0; place < kContactPlaces; ++place) {
-    const FrozenFriction& friction = frozen.friction[place];
-    if (!friction.acts || !contacts.contact[place].closed) continue;
-    const Vector3d normal = iterate.potential.depth[place].normal(iterate.tip.t);
-    if (normal.dot(friction.tangential * normal) > kContactTurn * normal.squaredNorm())
-      return "contact turned over an edge";
-  }
   const EdgeSide side = frozen.contact.side;
   if (before.side != side || side_of(world, iterate.tip, side) != side) return "end left the face";
   if ((iterate.tip.position() - before.tip.head<3>()).norm() >

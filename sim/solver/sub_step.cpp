@@ -85,11 +85,11 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
     if (agrees && iterate.converged) return true;
     if (iterate.evaluations >= max_evaluations) return false;
     const NewtonStep newton = stationary_step(world, frozen, iterate);
-    const std::array limit = {frozen.friction[kEnd].limit, frozen.friction[kSide].limit};
+    const auto start = frozen.friction;
     const auto move = CoupledModel(newton, coupling).step(frozen);
     iterate.converged = false;
     if (move) {
-      final = agrees && final_newton_step(world, frozen, *move, iterate);
+      final = agrees && final_newton_step(world, start, frozen, *move, iterate);
       if (final) continue;
       const PoseVector from = iterate.tip;
       evaluate_at(world, frozen, retract(world, frozen, from, *move), iterate);
@@ -101,7 +101,7 @@ bool couple_friction(const World& world, const State* before, int max_evaluation
       }
       if (iterate.evaluations >= max_evaluations) return false;
       for (std::size_t at = 0; at < kContactPlaces; ++at)
-        frozen.friction[at].limit = 0.5 * (limit[at] + frozen.friction[at].limit);
+        frozen.friction[at].limit = 0.5 * (start[at].limit + frozen.friction[at].limit);
       evaluate_at(world, frozen, from, iterate);
       note(iterate, SolverStage::friction,
            any_opens ? "returned, limits halfway: a contact opened"

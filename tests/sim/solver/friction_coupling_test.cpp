@@ -2,11 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
+
 #include "bench/random_scene.hpp"
 #include "sim/scene/draw.hpp"
+#include "sim/scene/terms.hpp"
 #include "sim/solver/newton.hpp"
 #include "sim/solver/step.hpp"
 #include "tests/compare.hpp"
+#include "tests/scenes.hpp"
 
 namespace ferrule {
 namespace {
@@ -91,6 +95,34 @@ TEST(FrictionCoupling, SettleWhereLimitAndDepthAgree) {
     ++settled;
   }
   EXPECT_GT(settled, 50);
+}
+
+// A hand that trembles lets contacts stick and slide in turn. A last Newton step that is not evaluated
+// leaves no more than what it may begin with.
+TEST(FrictionCoupling, ForcesBalanceWhereContactsBeginAndStopToSlide) {
+  for (const char* name : {"bench", "hard", "sticky", "laser"}) {
+    const World world = load_scene(name).world;
+    StepResult now(at_rest(world, testing::pose(2e-6, 0, 0)));
+    const Pose first = now.state.command;
+    const double tremor = 0.3e-6;
+    int rubbing = 0;
+    for (int n = 0; n < 12000; ++n) {
+      const double t = 1e-3 * n, pressed = std::min(1.0, t), turn = 2 * std::numbers::pi * t;
+      const Pose to =
+          first + pressed * testing::pose(0, 1e-6, 0, 0, 3e-4) - testing::pose(8e-6 * t, 0, 0) +
+          tremor * testing::pose(-std::sin(8 * turn), std::sin(7 * turn), std::cos(9 * turn));
+      step_on(world, to, 1e-3, now);
+      if (now.evaluations == 0 || now.status != StepStatus::ok) continue;
+      const Breakdown all = forces(world, now);
+      double scale = 0;
+      for (const Term term : kAllTerms) scale += all.force(term).norm();
+      const Wrench left = all.sum(now.state.tip) - now.holder;
+      EXPECT_LT(left.head<3>().norm(), world.numerics.solver.final_residual * scale)
+          << name << " " << n;
+      rubbing += all.force(Term::friction).norm() > 0;
+    }
+    EXPECT_GT(rubbing, 5000) << name;
+  }
 }
 
 }  // namespace
