@@ -28,15 +28,19 @@ struct Magnitude {
   }
 };
 
+// Do two slips differ in direction by no more than a model is good for?
+bool same_direction(const Vector3d& a, const Vector3d& b) noexcept {
+  return a.dot(b) >= (1 - 0.5 * kLinearTurn * kLinearTurn) * a.norm() * b.norm();
+}
+
 // Whether a contact is taken for what it is after the step; if not, `about` is what it is then.
 bool mapping_agrees(const FrozenFriction& friction, Vector3d next, Vector3d& about) noexcept {
   const bool slid = friction.slides(about), slides = friction.slides(next);
   if (!slid && !slides) return true;
   if (slid && slides) {
-    const double along = next.dot(about);
-    if (along <= 0)  // it comes to rest on the way
+    if (next.dot(about) <= 0)  // it comes to rest on the way
       next.setZero();
-    else if (along >= (1 - 0.5 * kLinearTurn * kLinearTurn) * next.norm() * about.norm())
+    else if (same_direction(next, about))
       return true;
   }
   about = next;
@@ -106,11 +110,9 @@ bool friction_agrees(const World& world, const std::array<FrozenFriction, kConta
     if (!friction.acts) continue;
     const Vector3d now = elastic_slip(world, after, static_cast<int>(at), tip);
     const Vector3d next = now + elastic_slip_by(world, after, static_cast<int>(at), move);
-    const double length = now.norm(), next_length = next.norm();
-    const bool slid = friction.stiffness * length > slides_at * friction.limit;
+    const bool slid = friction.stiffness * now.norm() > slides_at * friction.limit;
     if (slid != after.friction[at].slides(next)) return false;
-    if (slid && next.dot(now) < (1 - 0.5 * kLinearTurn * kLinearTurn) * length * next_length)
-      return false;
+    if (slid && !same_direction(now, next)) return false;
   }
   return true;
 }

@@ -62,9 +62,9 @@ inline constexpr double kNearForce = 1e-7;
 NewtonStep stationary_step(const World& world, const FrozenCoefficients& frozen,
                            const Iterate& iterate) noexcept;
 
-// The last Newton step, with the friction `before` at its start, where it is so short that the
-// forces change along it as the Hessian says, and every contact goes on sticking or sliding, so that
-// it needs no evaluation; false where it is not.
+// The last Newton step, with the friction `before` at its start, where it needs no evaluation: it
+// is so short that the forces change along it as the Hessian says, and every contact goes on
+// sticking or sliding. False where it is not.
 bool final_newton_step(const World& world, const std::array<FrozenFriction, kContactPlaces>& before,
                        const FrozenCoefficients& frozen, const PoseVector& move,
                        Iterate& iterate) noexcept;

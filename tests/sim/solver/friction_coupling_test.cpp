@@ -97,8 +97,8 @@ TEST(FrictionCoupling, SettleWhereLimitAndDepthAgree) {
   EXPECT_GT(settled, 50);
 }
 
-// A hand that trembles lets contacts stick and slide in turn. A last Newton step that is not evaluated
-// leaves no more than what it may begin with.
+// A hand that trembles lets contacts stick and slide in turn. A last Newton step that is not
+// evaluated leaves no more than what it may begin with.
 TEST(FrictionCoupling, ForcesBalanceWhereContactsBeginAndStopToSlide) {
   for (const char* name : {"bench", "hard", "sticky", "laser"}) {
     const World world = load_scene(name).world;
