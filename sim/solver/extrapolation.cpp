@@ -7,7 +7,7 @@
 #include "sim/solver/friction_coupling.hpp"
 #include "sim/terms/contact.hpp"
 #include "sim/terms/particle_depth.hpp"
-#include "sim/terms/surface.hpp"
+#include "sim/terms/printed_well.hpp"
 
 namespace ferrule {
 namespace {

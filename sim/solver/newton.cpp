@@ -6,7 +6,7 @@
 
 #include "sim/solver/line_search.hpp"
 #include "sim/terms/contact.hpp"
-#include "sim/terms/surface.hpp"
+#include "sim/terms/printed_well.hpp"
 
 namespace ferrule {
 namespace {
@@ -41,15 +41,12 @@ Vector2d turned(const Vector2d& e, const Vector2d& move, double near) noexcept {
   return outwards * over * ((1 - half * half) * out + 2 * half * along);
 }
 
-// What the printed well's pull bends by where it is so much more: along the wall.
-void bend_well(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
-               double more, PoseMatrix& hessian) noexcept {
-  const double arm = printed_arm(world, frozen);
-  const Radial middle(eccentricity(world.oval.stretched(tip), arm), world.annulus.clearance());
-  const Matrix2d bend = more * world.oval.stretch * middle.curving * world.oval.stretch;
+// What a term bends by where its force is so much more: along the wall.
+void add_bend(double more, const NonsmoothTerm& term, PoseMatrix& hessian) noexcept {
+  const Matrix2d bend = more * term.curvature;
   hessian.ee += bend;
-  hessian.et += arm * bend;
-  hessian.tt += arm * arm * bend;
+  hessian.et += term.arm * bend;
+  hessian.tt += term.arm * term.arm * bend;
 }
 
 // A Newton step whose model has the nonsmooth terms as they are where it ends, curved surfaces
@@ -83,8 +80,7 @@ bool meet_nonsmooth_terms(const World& world, const FrozenCoefficients& frozen,
       model[i].force = end[i].force - stiffness * on;
       bent.gradient += (model[i].force - terms[i].force) * terms[i].slope;
       add_square(bent.hessian, stiffness - terms[i].stiffness, terms[i].slope);
-      if (i == kPrintedWell)
-        bend_well(world, frozen, tip, end[i].force - terms[i].force, bent.hessian);
+      if (terms[i].arm > 0) add_bend(end[i].force - terms[i].force, terms[i], bent.hessian);
     }
     if (part == 1 && error <= tolerance) {
       if (round == 0) return true;
@@ -141,17 +137,6 @@ Direction choose_direction(const World& world, const FrozenCoefficients& frozen,
 
 enum class Descent { lower, nowhere, ended };  // ended: evaluations are spent, or it is at an edge
 
-// Where the printed laws turn within less than the clearance.
-bool near_printed_well(const World& world, const FrozenCoefficients& frozen,
-                       const Iterate& iterate) noexcept {
-  if (!has_printed_wells(world.laws)) return false;
-  const auto& depth = iterate.potential.depth;
-  if (std::holds_alternative<printed::Adhesion>(world.laws.adhesion) &&
-      std::max(depth[kEnd].value, depth[kSide].value) > -kNearWall)
-    return true;
-  return std::abs(printed_gap(world, frozen, iterate.tip)) < kNearWall;
-}
-
 // Takes a part of a step, less where that is not lower and more where it gets ever steeper.
 Descent descend(const World& world, const FrozenCoefficients& frozen, const NewtonStep& newton,
                 double part, int max_evaluations, bool past_edges, Iterate& iterate) noexcept {
@@ -197,8 +182,7 @@ Descent descend(const World& world, const FrozenCoefficients& frozen, const Newt
 PoseVector retract(const World& world, const FrozenCoefficients& frozen, const PoseVector& tip,
                    const PoseVector& move) noexcept {
   const double clearance = world.annulus.clearance();
-  const double gap = printed_gap(world, frozen, tip);
-  const bool in_well = std::abs(gap) < kInteratomicDistance;
+  const bool in_well = in_printed_well(world, frozen, tip);
   const double near = in_well ? 0.5 * clearance : std::max(clearance - kNearWall, 0.5 * clearance);
   PoseVector end = tip;
   end += move;
@@ -215,22 +199,7 @@ PoseVector retract(const World& world, const FrozenCoefficients& frozen, const P
         end.e += mouth_at_end - (mouth + mouth_move);
     }
   }
-  if (!in_well) return end;
-  // In the printed well the middle keeps the gap that it would have to first order: the axis turns
-  // about where the fibre is nearest to the wall, its end or the mouth.
-  const double arm = printed_arm(world, frozen), radius = clearance - gap;
-  const auto middle = [&](const PoseVector& at) {
-    return eccentricity(world.oval.stretched(at), arm);
-  };
-  const Vector2d to = middle(end);
-  const double off = to.norm(), wanted = radius + middle(tip).dot(middle(move)) / radius;
-  if (!(off > near)) return end;
-  const bool about_end = tip.e.squaredNorm() > eccentricity(tip, length).squaredNorm();
-  const double pivot = about_end ? 0 : std::max(length_at_end, 2 * arm);
-  const Vector2d turn = (wanted / off - 1) / (arm - pivot) * (world.oval.stretch.inverse() * to);
-  end.e -= pivot * turn;
-  end.t += turn;
-  return end;
+  return in_well ? keep_in_printed_well(world, frozen, tip, move, end) : end;
 }
 
 double residual(const World& world, const PoseVector& gradient) noexcept {
@@ -267,9 +236,9 @@ bool final_newton_step(const World& world, const std::array<FrozenFriction, kCon
                        Iterate& iterate) noexcept {
   const SolverParameters& parameters = world.numerics.solver;
   Potential& potential = iterate.potential;
-  const bool in_well = near_printed_well(world, frozen, iterate);
-  const double most = in_well ? kFinalResidualInWell : parameters.final_residual;
-  const double longest = in_well ? kFinalMoveInWell : parameters.final_move;
+  const bool near_well = near_printed_well(world, frozen, potential.depth, iterate.tip, kNearWall);
+  const double most = near_well ? kFinalResidualInWell : parameters.final_residual;
+  const double longest = near_well ? kFinalMoveInWell : parameters.final_move;
   if (!(residual(world, potential.gradient) <= most * potential.force_scale &&
         length_of(world, frozen, move) <= longest * world.annulus.clearance() &&
         friction_agrees(world, before, frozen, iterate.tip, move, 1)))

@@ -5,7 +5,7 @@
 #include "sim/terms/contact.hpp"
 #include "sim/terms/particle.hpp"
 #include "sim/terms/particle_depth.hpp"
-#include "sim/terms/surface.hpp"
+#include "sim/terms/printed_well.hpp"
 
 namespace ferrule {
 
@@ -48,7 +48,9 @@ std::array<NonsmoothTerm, kNonsmoothTerms> nonsmooth_terms(const World& world,
                         {0, out, arm * out},
                         length * force.potential,
                         length * force.force,
-                        -length * force.slope};
+                        -length * force.slope,
+                        world.oval.stretch * middle.curving * world.oval.stretch,
+                        arm};
   return laws;
 }
 

@@ -16,6 +16,10 @@ struct NonsmoothTerm {
   double energy;      // [J]
   double force;       // derivative of the energy by it [N]
   double stiffness;   // second derivative [N/m]
+  // Second derivative of the length by the eccentricity at `arm` from the end [1/m, m], where the
+  // force is so large that what it bends by matters; else 0.
+  Matrix2d curvature = Matrix2d::Zero();
+  double arm = 0;
 };
 // After the contacts:
 inline constexpr std::size_t kPrintedWell = kContactPlaces, kInParticle = kPrintedWell + 1;

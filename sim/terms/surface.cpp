@@ -1,7 +1,6 @@
 #include "sim/terms/surface.hpp"
 
-#include <algorithm>
-#include <cmath>
+#include "sim/terms/printed_well.hpp"
 
 namespace ferrule {
 namespace {
@@ -25,23 +24,6 @@ PoseVector whole(const World& world, const PoseVector& tip) noexcept {
   at.x += world.end.behind;
   at.e += world.end.behind * at.t;
   return at;
-}
-
-double printed_length(const World& world, const FrozenCoefficients& frozen) noexcept {
-  return std::max(0.0, frozen.length - world.end.behind);
-}
-
-double printed_arm(const World& world, const FrozenCoefficients& frozen) noexcept {
-  const double length = printed_length(world, frozen);
-  const bool acts = frozen.contact.side == EdgeSide::throat && length > 0;
-  return acts && has_printed_forces(world) ? world.end.behind + 0.5 * length : 0;
-}
-
-double printed_gap(const World& world, const FrozenCoefficients& frozen,
-                   const PoseVector& tip) noexcept {
-  const double arm = printed_arm(world, frozen);
-  if (arm == 0) return INFINITY;
-  return world.annulus.clearance() - eccentricity(world.oval.stretched(tip), arm).norm();
 }
 
 void SurfaceForcesTerm::add(const World& world, const FrozenCoefficients& frozen,
