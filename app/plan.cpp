@@ -83,7 +83,7 @@ void print(const Plan& plan, const std::vector<double>& costs) {
       dynamics(plan), 1e3 * plan.step, std::min(bound_left_out, plan.error_bound),
       plan.tangent > 0
           ? fmt::format(
-                "Smooth stretches are followed along the tangent, to {:.2g} of the clearance.\n",
+                "Smooth intervals are followed along the tangent, to {:.2g} of the clearance.\n",
                 plan.tangent)
           : "",
       plan.sampled_twice, plan.sampling_counts ? "that counts" : "the bound does not cover that",

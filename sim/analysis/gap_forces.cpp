@@ -59,7 +59,7 @@ double capillary_at_gap(const World& world, const Posture& at) {
     return along(printed::capillary(*law, middle_gap(at)), at);
   const auto& law = std::get<Capillary>(world.laws.capillary);
   return along([&](double h) { return capillary(law, world.annulus, h, true); },
-               capillary_reach(law, true), world, at);
+               capillary_range(law, true), world, at);
 }
 
 // The branch on which the surfaces touch.

@@ -9,8 +9,8 @@ namespace ferrule {
 double stored_energy(const World& world, const State& state) noexcept {
   const FrozenCoefficients frozen = freeze(world, state, state.command, 0);
   const Potential there(world, frozen, state.tip);
-  const Pose stretch = state.tip - state.command - world.holder.sag;
-  return there.bore.value + 0.5 * stretch.dot(world.holder.stiffness * stretch) -
+  const Pose deflection = state.tip - state.command - world.holder.sag;
+  return there.bore.value + 0.5 * deflection.dot(world.holder.stiffness * deflection) -
          world.holder.weight.dot(state.command);
 }
 

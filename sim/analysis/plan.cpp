@@ -174,7 +174,7 @@ Choice choose(const Reference& reference, const Budget& budget) {
 }
 
 // The cheapest model whose steps are good enough, by whether terms are left out and how closely
-// stretches are followed along the tangent, at the control period; else the full one.
+// intervals are followed along the tangent, at the control period; else the full one.
 Choice choose_for_success(const Reference& reference, double tolerance) {
   const Scene& scene = reference.scene;
   const double enough = kMeasured * tolerance;
@@ -258,7 +258,7 @@ Scene full_model(const Scene& scene, bool inertial, double step) {
 Reference reference_in_longest_steps(const Scene& scene, double enough, Runs& watch) {
   const auto in_steps = [&](double step) {
     Reference r(full_model(scene, false, step), watch);
-    r.step_error = r.error_of_stretches();
+    r.step_error = r.error_of_intervals();
     return r;
   };
   double per_step = 0;  // the error, which falls with it
@@ -325,9 +325,9 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
                                    : kTimeless};
   Scene full = full_model(scene, inertial, budget.steps.back());
   const std::size_t probes = probes_of(full);
-  const std::size_t of_stretches = rubs ? 2 * (1 + kDragSteps.size()) * probes : 0;
+  const std::size_t of_intervals = rubs ? 2 * (1 + kDragSteps.size()) * probes : 0;
   Runs runs{go_on, kResampled + (for_success ? probes + 5 * kProbesForSteps
-                                             : budget.most_runs(probes) + of_stretches)};
+                                             : budget.most_runs(probes) + of_intervals)};
   const Reference reference = rubs ? reference_in_longest_steps(scene, kMeasured * left, runs)
                                    : Reference(std::move(full), runs);
   budget.steps.back() = reference.scene.parameters.numerics.longest_step;

@@ -25,8 +25,8 @@
 // has inertia, is run in the finest step and in the longer one: where even the finest two differ by
 // more than the measured error may be, the full model is the plan. With friction or adhesion no
 // step, however fine, ends at the same place after a snap, and a step is judged between such
-// events: along stretches of 0.1 s, the time in which a command changes speed, against eight times
-// finer steps from the same state, of 95 % of the stretches. What is left out is then measured in
+// events: along intervals of 0.1 s, the time in which a command changes speed, against eight times
+// finer steps from the same state, of 95 % of the intervals. What is left out is then measured in
 // that step.
 //
 // Statistics bear more than a motion does. Where a fibre snaps and sticks, a hand that is off by a
@@ -35,10 +35,10 @@
 // full model would do from the same state: the motion is then the full model's for a hand that is
 // off by no more than that. Its bound is that error of a step, of 95 % of the steps of four probes.
 // Terms may be left out by their share whether it sticks or not, drag is compared over the control
-// period, and smooth stretches are followed along the tangent to 0.3 or 0.03 of the tolerance.
+// period, and smooth intervals are followed along the tangent to 0.3 or 0.03 of the tolerance.
 // Scenes with inertia are planned for the motion.
 //
-// The full model follows smooth stretches along the tangent (sim/solver/extrapolation.hpp) where
+// The full model follows smooth intervals along the tangent (sim/solver/extrapolation.hpp) where
 // and as closely as the scene does, and locates events as it does: to 0.1 nm of the hand's travel,
 // in scenes with printed surface laws or adhesion not at all unless they ask for it.
 //
@@ -79,7 +79,7 @@ struct Plan {  // NOLINT(bugprone-exception-escape): the JSON library moves with
   std::vector<PlannedTerm> terms;
   Dynamics dynamics;
   double step;  // longest step in time [s]
-  // Error to which smooth stretches follow the tangent, of the clearance [-]; 0: none does.
+  // Error to which smooth intervals follow the tangent, of the clearance [-]; 0: none does.
   double tangent = 0;
   double force_scale;  // what force errors are relative to [N]
   double error_bound;  // of tip over clearance and of force over force_scale

@@ -17,7 +17,7 @@ constexpr std::uint64_t kProbeSeed = 20;
 constexpr double kLongest = 16, kLongestWithDrag = 30, kLongestInertial = 2;  // of a probe [s]
 // Of a probe [m].
 constexpr double kDepth = 100e-6, kDepthWithDrag = 20e-6, kDepthInertial = 5e-6;
-constexpr double kMostLean = 0.03;  // [rad]
+constexpr double kMostTilt = 0.03;  // [rad]
 constexpr double kMouth = 2e-6;     // so far outside, a fibre is out of the bore [m]
 
 double deepest(const World& world) noexcept {
@@ -59,15 +59,15 @@ Pose tip_at(double x, const Vector2d& e, const Vector2d& t = Vector2d::Zero()) n
 // In, pressed to one side and the other on the way back, and out; or, if misaligned, straight down
 // from the start and so on.
 std::vector<Pose> in_and_out(const Scene& scene, const Pose& start, bool misaligned,
-                             double most_lean, RandomStream& random) {
+                             double most_tilt, RandomStream& random) {
   const World& world = scene.world;
   const double depth = std::min(scene.success.depth, deepest(world));
-  const double lean = std::min(most_lean, world.annulus.clearance() / depth);
-  const auto leaning = [&] {
-    const double y = around_zero(random, lean);
-    return Vector2d(y, around_zero(random, lean));
+  const double largest_tilt = std::min(most_tilt, world.annulus.clearance() / depth);
+  const auto any_tilt = [&] {
+    const double y = around_zero(random, largest_tilt);
+    return Vector2d(y, around_zero(random, largest_tilt));
   };
-  const Vector2d aside = within_the_bore(random, world), tilt = leaning();
+  const Vector2d aside = within_the_bore(random, world), tilt = any_tilt();
   std::vector<Pose> tips;
   if (misaligned)
     tips = {start, tip_at(-depth, start.segment<2>(1), start.tail<2>())};
@@ -75,7 +75,7 @@ std::vector<Pose> in_and_out(const Scene& scene, const Pose& start, bool misalig
     tips = {tip_at(kMouth, aside, tilt), tip_at(-depth, aside, tilt)};
   for (const double side : {1.0, -1.0}) {
     const Vector2d pressed = side * push(scene) * in_any_direction(random);
-    tips.push_back(tip_at(-depth, pressed, tilt + leaning()));
+    tips.push_back(tip_at(-depth, pressed, tilt + any_tilt()));
     tips.push_back(tip_at(-(0.4 + 0.2 * random.uniform()) * depth, pressed, tilt));
   }
   tips.push_back(tip_at(misaligned ? world.profile.lead_in_length + kMouth : kMouth, aside));
@@ -100,19 +100,20 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
   const World& world = scene.world;
   const bool misaligned = k % 4 == 3,
              across = depends_on_speed(world.laws) && k % 2 == 1 && !misaligned;
-  // Half of them lean as the scene's starts do, half as much as the bore allows.
-  const double lean = k % 2 ? scene.start.tilt_sd : kMostLean;
-  const std::vector<Pose> tips = across ? from_wall_to_wall(scene, k % 8 == 5, random)
-                                        : in_and_out(scene, start.tip, misaligned, lean, random);
+  // Half of them tilt as the scene's starts do, half as much as the bore allows.
+  const double largest_tilt = k % 2 ? scene.start.tilt_sd : kMostTilt;
+  const std::vector<Pose> tips =
+      across ? from_wall_to_wall(scene, k % 8 == 5, random)
+             : in_and_out(scene, start.tip, misaligned, largest_tilt, random);
 
   const double lever = std::min(scene.success.depth, deepest(world)) + world.annulus.fibre_radius;
-  const auto way_to = [&](std::size_t i) {
+  const auto distance_to = [&](std::size_t i) {
     const Pose move = tips[i] - tips[i - 1];
     return move.head<3>().norm() + lever * move.tail<2>().norm();
   };
   // Where nothing depends on time the hand may as well be faster than the scene's.
   double speed = scene.limits.speed, all = 0;
-  for (std::size_t i = 1; i < tips.size(); ++i) all += way_to(i);
+  for (std::size_t i = 1; i < tips.size(); ++i) all += distance_to(i);
   if (!depends_on_speed(world.laws) && world.dynamics == Dynamics::quasi_static)
     speed = std::max(speed, kPeakOfMinimumJerk * all / (0.75 * kLongest));
   std::vector<Pose> hand = {tips.front() - world.holder.sag};
@@ -120,7 +121,7 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
     const Pose from = hand.back(), to = tips[i] - world.holder.sag;
     const double part = speed * (across ? 1 : 0.5 + 0.5 * random.uniform());
     const auto steps = static_cast<std::size_t>(std::ceil(
-        std::max(kPeakOfMinimumJerk * way_to(i) / part, 2 * kSpeedingUp) / kSamplePeriod));
+        std::max(kPeakOfMinimumJerk * distance_to(i) / part, 2 * kSpeedingUp) / kSamplePeriod));
     for (std::size_t n = 1; n <= steps; ++n) {
       if (static_cast<double>(hand.size()) * kSamplePeriod > longest(world)) return hand;
       const double p = static_cast<double>(n) / static_cast<double>(steps);

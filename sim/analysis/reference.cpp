@@ -10,9 +10,9 @@ namespace ferrule {
 namespace {
 
 constexpr std::size_t kEveryForSteps = 5;        // from which a step is compared
-constexpr std::size_t kEveryForStretches = 500;  // and a stretch
+constexpr std::size_t kEveryForIntervals = 500;  // and an interval
 constexpr double kFiner = 8;                     // times the steps that it is compared with
-constexpr double kMost = 0.95;  // of steps and stretches, whose error is below the bound
+constexpr double kMost = 0.95;  // of steps and intervals, whose error is below the bound
 
 // The value that all but a few are below.
 double most_of(std::vector<double> values) {
@@ -35,10 +35,10 @@ Reference::Reference(Scene full, Runs& watched)
     probes.push_back(make_probe(scene, k));
     const Probe& p = probes.back();
     std::size_t number = 0;
-    std::vector<State>& begin = stretches.emplace_back();
+    std::vector<State>& begin = intervals.emplace_back();
     runs.push_back(sample_run(world, p.start, p.hand, scene.limits.force, [&](const StepResult& r) {
       const State& s = r.state;
-      if (number++ % kEveryForStretches == 0) begin.push_back(s);
+      if (number++ % kEveryForIntervals == 0) begin.push_back(s);
       if (!r.extrapolated()) find_extremes(r);
     }));
     force_scale = std::min(force_scale, largest_force(runs.back()));
@@ -90,7 +90,7 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
   return most_of(std::move(errors));
 }
 
-double Reference::error_of_stretches() const {
+double Reference::error_of_intervals() const {
   constexpr auto length = static_cast<std::size_t>(kSpeedingUp / kSamplePeriod);
   WorldParameters p = scene.parameters;
   p.numerics.longest_step /= kFiner;
@@ -98,17 +98,17 @@ double Reference::error_of_stretches() const {
   std::vector<double> errors;
   for (std::size_t k = 0; k < probes.size(); ++k) {
     if (!watch.next()) return INFINITY;
-    for (std::size_t i = 0; i < stretches[k].size(); ++i) {
-      const auto from = static_cast<std::ptrdiff_t>(i * kEveryForStretches);
+    for (std::size_t i = 0; i < intervals[k].size(); ++i) {
+      const auto from = static_cast<std::ptrdiff_t>(i * kEveryForIntervals);
       const auto to = static_cast<std::ptrdiff_t>(
-          std::min(i * kEveryForStretches + length, runs[k].tip.size()));
+          std::min(i * kEveryForIntervals + length, runs[k].tip.size()));
       const auto part = [&](const auto& all) {
         return std::remove_cvref_t<decltype(all)>(all.begin() + from, all.begin() + to);
       };
       const SampledRun run{part(runs[k].tip), part(runs[k].force)};
       const std::vector<Pose> hand = part(probes[k].hand);
       SampledRun exact{{run.tip.front()}, {run.force.front()}};
-      State state = stretches[k][i];
+      State state = intervals[k][i];
       for (std::size_t n = 1; n < hand.size(); ++n) {
         const StepResult reached = step(finer, state, hand[n], kSamplePeriod);
         state = reached.state;

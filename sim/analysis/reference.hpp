@@ -47,7 +47,7 @@ struct Reference {
   double clearance;                           // [m]
   double force_scale = INFINITY;              // what force errors are relative to [N]
   bool sticks = false;                        // or snaps
-  std::vector<std::vector<State>> stretches;  // of each probe, where they begin
+  std::vector<std::vector<State>> intervals;  // of each probe, where they begin
   double step_error = 0;                      // of its own step, where that was chosen [-]
 
   Reference(Scene full, Runs& watched);
@@ -69,9 +69,9 @@ struct Reference {
   // What all but a few of the steps of a reduced model miss those by that `full` makes from the
   // same states.
   double error_of_steps(const World& reduced, const World& full) const;
-  // What all but a few short stretches miss those by that begin in the same states and are taken
+  // What all but a few short intervals miss those by that begin in the same states and are taken
   // in much finer steps.
-  double error_of_stretches() const;
+  double error_of_intervals() const;
   // By how much the full model ends elsewhere where the hand is sampled twice as finely.
   double sampled_twice() const;
 };

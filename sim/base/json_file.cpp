@@ -60,16 +60,16 @@ std::vector<RefusedKey> unknown_besides(Json& document, const std::string& file,
 void refuse_with_line(const RefusedKey& refused, const Json& document, const std::string& text,
                       const std::function<void(const Json&)>& read) {
   int left = 200;
-  RefusedKey told = refused;
+  RefusedKey shown = refused;
   if (refused.kind == RefusedKey::missing) {
     Json filled = document;
     const std::vector<RefusedKey> unknown = unknown_besides(filled, refused.file, read, left);
-    if (!unknown.empty()) told = unknown.front();
+    if (!unknown.empty()) shown = unknown.front();
   }
-  const bool there = document.contains(told.at) && document.at(told.at) == told.value;
-  const std::size_t line = there ? line_of(told.at, text) : 0;
-  if (line > 0) told = {told.file, told.at, "line " + std::to_string(line) + ": " + told.why};
-  throw told;
+  const bool there = document.contains(shown.at) && document.at(shown.at) == shown.value;
+  const std::size_t line = there ? line_of(shown.at, text) : 0;
+  if (line > 0) shown = {shown.file, shown.at, "line " + std::to_string(line) + ": " + shown.why};
+  throw shown;
 }
 
 }  // namespace ferrule

@@ -51,7 +51,7 @@ Capillary prepare(Capillary law, const Annulus& annulus) noexcept {
   return law;
 }
 
-double capillary_reach(const Capillary& law, bool bridge) noexcept {
+double capillary_range(const Capillary& law, bool bridge) noexcept {
   return bridge ? law.rupture : 2 * law.film;
 }
 
@@ -64,11 +64,11 @@ void capillary(const Capillary& law, const Annulus& annulus, bool bridge,
                std::span<const double> gaps, std::span<LineForce> forces) noexcept {
   const double radius = annulus.fibre_radius * annulus.bore_radius / annulus.clearance();
   const double tension = 4 * law.surface_tension * elementary::cos(law.contact_angle);
-  const double reach = capillary_reach(law, bridge);
+  const double range = capillary_range(law, bridge);
   const double prepared = bridge ? law.rupture_half_width : law.film_half_width;
   // The potential is zero where the force ends.
   const double end =
-      tension * (prepared > 0 ? prepared : half_width_at(law, annulus, reach + annulus.roughness));
+      tension * (prepared > 0 ? prepared : half_width_at(law, annulus, range + annulus.roughness));
   AtGaps distance, x;  // from one mean plane to the other; half width
   for (std::size_t i = 0; i < gaps.size(); ++i)
     distance[i] = std::max(gaps[i], 0.0) + annulus.roughness;
@@ -78,7 +78,7 @@ void capillary(const Capillary& law, const Annulus& annulus, bool bridge,
     const double force = -tension * x[i] / height;
     const double slope = tension * x[i] / (height * height) * (2 - x[i] * x[i] / (radius * height));
     const double h = gaps[i], potential = -tension * x[i];
-    if (h >= reach)
+    if (h >= range)
       forces[i] = {};
     else if (h < 0)
       forces[i] = {potential - force * h + end, force, 0};
@@ -89,7 +89,7 @@ void capillary(const Capillary& law, const Annulus& annulus, bool bridge,
 
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept {
   LineForce force;
-  if (h < capillary_reach(law, bridge)) capillary(law, annulus, bridge, {&h, 1}, {&force, 1});
+  if (h < capillary_range(law, bridge)) capillary(law, annulus, bridge, {&h, 1}, {&force, 1});
   return force;
 }
 

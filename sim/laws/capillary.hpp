@@ -37,14 +37,14 @@ Capillary prepare(Capillary law, const Annulus& annulus) noexcept;
 
 // Where the force ends on the way out [m]: the rupture of a bridge, or the films' meeting where
 // there is none yet.
-double capillary_reach(const Capillary& law, bool bridge) noexcept;
+double capillary_range(const Capillary& law, bool bridge) noexcept;
 
 // Gap over which the force of a bridge falls [m]: beyond contact its half width is a function of
 // h/scale that is singular at -1 or below.
 double bridge_scale(const Capillary& law, const Annulus& annulus) noexcept;
 
 // Force per inserted length at gap h [m], any finite h. Zero, with a constant potential, beyond
-// capillary_reach(law, bridge).
+// capillary_range(law, bridge).
 LineForce capillary(const Capillary& law, const Annulus& annulus, double h, bool bridge) noexcept;
 // The same at several gaps, kMostNodes at most, which takes less time.
 void capillary(const Capillary& law, const Annulus& annulus, bool bridge,

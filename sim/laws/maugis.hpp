@@ -71,7 +71,7 @@ class MaugisCurve {
   static constexpr int kDegree = 5;
   static constexpr std::size_t kCells = 1024;
 
-  // A stretch of a branch, tabulated over y with D = begin + y^4: smooth at a fold, where P grows
+  // A part of a branch, tabulated over y with D = begin + y^4: smooth at a fold, where P grows
   // like a square root, and finest there.
   // Polynomials in the fraction u of a cell of y.
   struct Cell {

@@ -37,8 +37,8 @@ double Holder::bending_stress(const Pose& tip, const Pose& command) const noexce
 }
 
 double Holder::work_of_hand(const Pose& tip, const Pose& from, const Pose& to) const noexcept {
-  const Pose stretch = tip - 0.5 * (from + to);
-  return -(stiffness * stretch).dot(to - from);
+  const Pose deflection = tip - 0.5 * (from + to);
+  return -(stiffness * deflection).dot(to - from);
 }
 
 // The lower root of det(K - omega^2 M) in y and its tilt.

@@ -57,7 +57,7 @@ struct WorldParameters {
   Numerics numerics;
 };
 
-// What a smooth stretch may be off by where a scene does not state it: of the clearance and of the
+// What a smooth interval may be off by where a scene does not state it: of the clearance and of the
 // force limit; of the end [m].
 inline constexpr double kUsualTangent = 1e-5;
 double usual_tangent_tip(const WorldParameters& p) noexcept;

@@ -12,13 +12,13 @@ namespace {
 bool flies_free(const World& world, const State& state, const Pose& goal) noexcept {
   const double lever = world.annulus.fibre_radius;
   const auto steepest = [](const auto& slope) { return std::abs(slope[0]) + std::abs(slope[1]); };
-  const double reach =
+  const double clear_beyond =
       world.profile.lead_in_length + world.annulus.clearance() + lever * steepest(world.end.cleave);
   const double nearest = std::min(state.tip[0], state.command[0]);
-  if (!(nearest > reach)) return false;
+  if (!(nearest > clear_beyond)) return false;
   return std::min(nearest, goal[0]) -
              lever * (steepest(state.tip.tail<2>()) + steepest(goal.tail<2>())) >
-         reach;
+         clear_beyond;
 }
 
 // How far the rim of an end at `p` is at least from the walls of the opening, across the bore,

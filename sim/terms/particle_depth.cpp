@@ -9,13 +9,13 @@ ParticleDepth particle_depth(const World& world, const PoseVector& tip) noexcept
   const Vector2d& u = law.outward;
   const double wide = u.dot(world.oval.widest);
   const double room = world.annulus.clearance() + world.oval.amplitude * (2 * wide * wide - 1);
-  const double lean = u.dot(tip.t), arm = -law.depth - tip.x;
-  there.value = u.dot(tip.e) + (arm + 0.5 * h * lean) * lean + h - room;
-  there.slope = {-lean, u, (arm + h * lean) * u};
+  const double tilt = u.dot(tip.t), arm = -law.depth - tip.x;
+  there.value = u.dot(tip.e) + (arm + 0.5 * h * tilt) * tilt + h - room;
+  there.slope = {-tilt, u, (arm + h * tilt) * u};
   there.curve.xt = -u;
   const Matrix2d square = u * u.transpose();
   there.curve.tt = h * square;
-  const double before = rho - arm - (r - rho) * (lean + u.dot(world.end.cleave)) - h * lean;
+  const double before = rho - arm - (r - rho) * (tilt + u.dot(world.end.cleave)) - h * tilt;
   if (before > 0) {
     const double wider = 1 / (h + rho), lever = r - rho + h;
     const PoseVector by_pose = {1, Vector2d::Zero(), -lever * u};

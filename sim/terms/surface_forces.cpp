@@ -159,7 +159,7 @@ struct LocalLaw {
 
 const Quadrature kTouchingNodes = Quadrature::gauss_legendre(4);
 
-// The stretches where the mean surfaces touch and the laws end (sim/laws/corrected_range.hpp), by
+// The intervals where the mean surfaces touch and the laws end (sim/laws/corrected_range.hpp), by
 // Gauss-Legendre of order 4, exact where they are parabolas: the nodes are computed side by side.
 class Touching {
  public:
@@ -380,7 +380,7 @@ bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept 
   const double gap =
       world.annulus.clearance() -
       std::max(eccentricity(tip, 0).norm(), eccentricity(tip, Overlap(world, tip).length).norm());
-  return gap < capillary_reach(*law, bridge);
+  return gap < capillary_range(*law, bridge);
 }
 
 }  // namespace ferrule

@@ -2,7 +2,7 @@
 //
 // Corrected van der Waals and electrostatic forces are integrated between tilted axes in closed
 // form (sim/laws/tilted_annulus.hpp); where the world asks for nodes, by Gauss-Legendre quadrature.
-// So is the capillary bridge, in parts of the stretches where the gap is below its reach. Corrected
+// So is the capillary bridge, in parts of the intervals where the gap is below its range. Corrected
 // forces act along the inserted length as it changes, and so pull the fibre in by what a longer
 // overlap gains; they begin smoothly within its first 10 nm. The printed ones know one gap, that at
 // the middle of the length, and no axial force.
@@ -34,7 +34,7 @@ LineForce printed_forces(const World& world, double h) noexcept;
 // Whether the corrected electrostatic force is taken in closed form in this world.
 bool electrostatic_in_closed_form(const World& world) noexcept;
 
-// Whether liquid spans the gap at `tip`: it does up to the bridge's reach.
+// Whether liquid spans the gap at `tip`: it does up to the bridge's range.
 bool bridge_at(const World& world, bool bridge, const PoseVector& tip) noexcept;
 
 }  // namespace ferrule

@@ -25,7 +25,7 @@ struct Bridge {
         tip(pose),
         length(inserted),
         clearance(around.clearance()),
-        reach(capillary_reach(capillary_law, there)),
+        range(capillary_range(capillary_law, there)),
         core(kRadialSmoothing * clearance),
         flat(core / inserted) {}
 
@@ -36,9 +36,9 @@ struct Bridge {
   const Annulus& annulus;
   bool present;
   PoseVector tip;
-  double length, clearance, reach;  // [m]
+  double length, clearance, range;  // [m]
   double core;                      // the eccentricity within which its direction turns [m]
-  double flat;  // the slope of a gap below which there is no place where it is the reach [1]
+  double flat;  // the slope of a gap below which there is no place where it is the range [1]
 };
 
 // A place along the inserted length, and how it moves with the pose.
@@ -53,12 +53,12 @@ class Cuts {
   // Adds to the Hessian of `total` where the force per length ends with a step.
   Cuts(const Bridge& bridge, double per_x, Energy& total) noexcept {
     add_ends(bridge, per_x);
-    const double c = bridge.clearance, reach = bridge.reach;
-    if (reach < c) add(bridge, c - reach, total, bridge.at(std::nextafter(reach, 0)).force);
+    const double c = bridge.clearance, range = bridge.range;
+    if (range < c) add(bridge, c - range, total, bridge.at(std::nextafter(range, 0)).force);
     add(bridge, c, total);  // contact
     // Between them by equal factors of the distance from where the law is singular.
     const double scale = bridge_scale(bridge.law, bridge.annulus);
-    const double most = 1 + std::min(reach, c) / scale;
+    const double most = 1 + std::min(range, c) / scale;
     const double log_most = elementary::log(most);
     const double factor =
         elementary::exp(log_most / std::ceil(log_most / elementary::log(kSteepest)));
@@ -66,7 +66,7 @@ class Cuts {
       add(bridge, c - scale * (rise - 1), total);
     // Near the bore's axis, where the direction turns.
     for (double radius = bridge.core; radius < 0.5 * c; radius *= 10)
-      if (radius > c - reach) add(bridge, radius, total);
+      if (radius > c - range) add(bridge, radius, total);
     std::sort(cut_.begin(), cut_.begin() + static_cast<std::ptrdiff_t>(count_),
               [](const Cut& l, const Cut& r) { return l.arm < r.arm; });
   }
@@ -111,7 +111,7 @@ void add_piece(Energy& total, PoseVector& gradient, const Bridge& bridge, const 
                const Cut& from, const Cut& to) noexcept {
   const Vector2d t = bridge.tip.t;
   const double width = to.arm - from.arm;
-  if (bridge.clearance - bridge.radial(from.arm + 0.5 * width).eccentricity >= bridge.reach) return;
+  if (bridge.clearance - bridge.radial(from.arm + 0.5 * width).eccentricity >= bridge.range) return;
   const auto count = static_cast<std::size_t>(nodes.order);
   std::array<double, kMostNodes> gap;
   for (std::size_t n = 0; n < count; ++n)

@@ -1,10 +1,10 @@
 // The corrected capillary bridge (4c) along a tilted fibre.
 //
 // Its energy per length w(h) is integrated over the inserted length where the gap h = c - |e(s)| is
-// below the bridge's reach; there the force jumps to nothing. Gauss-Legendre nodes, those of the
+// below the bridge's range; there the force jumps to nothing. Gauss-Legendre nodes, those of the
 // world and at least 5, in each part between cuts, which are made where the law ends or bends. The
 // nodes move with the cuts, so that the gradient is that of the sum at any order; the Hessian is
-// the integral's, with f(reach) (dh/dq)(dh/dq)^T/|dh/ds| at each end that moves, |dh/ds| of no less
+// the integral's, with f(range) (dh/dq)(dh/dq)^T/|dh/ds| at each end that moves, |dh/ds| of no less
 // than a thousandth of the clearance over the length. With 5 nodes force and moment are within
 // 1e-3 of the integral, whatever the bridge's volume.
 #pragma once

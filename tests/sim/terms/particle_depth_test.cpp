@@ -211,7 +211,7 @@ TEST(ParticleDepth, AMirroredOneDoesTheSameToTheLastBit) {
   EXPECT_TRUE(any);
 }
 
-// Smooth stretches are followed along the tangent, but not where it is near.
+// Smooth intervals are followed along the tangent, but not where it is near.
 TEST(ParticleDepth, IsNoPartOfATangent) {
   const Scene scene =
       load_scene("bench", {bump(0.6, 9, 40), R"(tangent={"tip_nm":5,"force_uN":1})"});
