@@ -256,26 +256,6 @@ void follow_path(const World& world, const Pose& command, double dt, StepResult&
   }
 }
 
-// Near the ferrule, or with inertia: solved, in no longer steps than the world allows.
-void solve(const World& world, const Pose& command, double dt, StepResult& now,
-           StepTrace* trace) noexcept {
-  const State before = now.state;
-  const std::optional<Extrapolation> last = now.warm_start.extrapolation;
-  now.status = StepStatus::ok;
-  now.evaluations = now.iterations = now.substeps = now.rejected = 0;
-  now.state.time = before.time + dt;
-  now.state = end_extrapolation(world, now);
-  now.warm_start.extrapolation.reset();
-  const int parts = parts_of(world, dt);
-  for (int k = 1; k <= parts; ++k)
-    follow_path(world,
-                k == parts ? command
-                           : Pose(before.command +
-                                  static_cast<double>(k) / parts * (command - before.command)),
-                dt / parts, now, trace);
-  if (last) set_trust_radius(world, before, *last, now);
-}
-
 // A command that is no command: the state is unchanged.
 void refuse(const World& world, StepResult& now) noexcept {
   now = StepResult(now.state);
@@ -298,7 +278,21 @@ void step_on(const World& world, const Pose& command, double dt, StepResult& now
     if (trace) trace->add({SolverStage::free_flight, "nothing is near the fibre", 1, 0, NAN, NAN});
     return;
   }
-  solve(world, command, dt, now, trace);
+  // Near the ferrule, or with inertia: solved, in parts no longer than the world allows.
+  const State before = now.state;
+  const std::optional<Extrapolation> last = now.warm_start.extrapolation;
+  now.status = StepStatus::ok;
+  now.evaluations = now.iterations = now.substeps = now.rejected = 0;
+  now.state.time = before.time + dt;
+  now.state = end_extrapolation(world, now);
+  now.warm_start.extrapolation.reset();
+  const int parts = parts_of(world, dt);
+  for (int k = 1; k <= parts; ++k) {
+    const double part = static_cast<double>(k) / parts;
+    const Pose to = k == parts ? command : Pose(before.command + part * (command - before.command));
+    follow_path(world, to, dt / parts, now, trace);
+  }
+  if (last) set_trust_radius(world, before, *last, now);
 }
 
 StepResult step(const World& world, const State& state, const Pose& command, double dt,
