@@ -283,9 +283,10 @@ Columns<RecordingRow> recording_columns() {
 }
 
 int recording(const BenchArguments& a) {
-  return show(a, recording_columns(), bench_recording(watched("recording")),
-              "recorded: by the thread of the loop; written: by a child process, afterwards\n",
-              provenance_of_bench());
+  return show(
+      a, recording_columns(), bench_recording(watched("recording")),
+      "recorded: time of the loop's thread; written: until a child process has made the file\n",
+      provenance_of_bench());
 }
 
 Columns<TailRow> tail_columns() {

@@ -12,7 +12,7 @@ struct RecordingRow {
   std::string scene;
   long rows;
   double us_per_row;  // of the thread that records: a row made, kept, brought to the journal
-  double us_per_row_written;  // of the thread that makes the file afterwards
+  double us_per_row_written;  // by the clock, until a child process has made the file
   double kB_per_s;            // of recording, in the file
 };
 
