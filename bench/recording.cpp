@@ -16,7 +16,6 @@ namespace ferrule {
 namespace {
 
 namespace fs = std::filesystem;
-using Clock = std::chrono::steady_clock;
 
 constexpr std::uint64_t kRecordingSeed = 1;
 constexpr int kRecordings = 3;  // of which the fastest counts
@@ -40,9 +39,10 @@ RecordingRow measured_recording(const std::string& name) {
                     recorded += 1e6 * thread_seconds() - begin;
                     return true;
                   });
-    const auto begin = Clock::now();  // a child process writes
+    const auto begin = std::chrono::steady_clock::now();  // a child process writes
     const std::string file = recorder.finish(Outcome::inserted);
-    const std::chrono::duration<double, std::micro> written = Clock::now() - begin;
+    const std::chrono::duration<double, std::micro> written =
+        std::chrono::steady_clock::now() - begin;
     const auto rows = static_cast<double>(recorder.rows());
     best.rows = static_cast<long>(recorder.rows());
     best.us_per_row = std::fmin(best.us_per_row, recorded / rows);
