@@ -101,10 +101,10 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
   const bool misaligned = k % 4 == 3,
              across = depends_on_speed(world.laws) && k % 2 == 1 && !misaligned;
   // Half of them tilt as the scene's starts do, half as much as the bore allows.
-  const double largest_tilt = k % 2 ? scene.start.tilt_sd : kMostTilt;
-  const std::vector<Pose> tips =
-      across ? from_wall_to_wall(scene, k % 8 == 5, random)
-             : in_and_out(scene, start.tip, misaligned, largest_tilt, random);
+  const double most_tilt = k % 2 ? scene.start.tilt_sd : kMostTilt;
+  const std::vector<Pose> tips = across
+                                     ? from_wall_to_wall(scene, k % 8 == 5, random)
+                                     : in_and_out(scene, start.tip, misaligned, most_tilt, random);
 
   const double lever = std::min(scene.success.depth, deepest(world)) + world.annulus.fibre_radius;
   const auto distance_to = [&](std::size_t i) {

@@ -51,7 +51,7 @@ PoseVector keep_in_printed_well(const World& world, const FrozenCoefficients& fr
   const double arm = printed_arm(world, frozen), clearance = world.annulus.clearance();
   const Vector2d from = printed_eccentricity(world, arm, tip),
                  to = printed_eccentricity(world, arm, end);
-  const double radius = clearance - printed_gap(world, frozen, tip), off = to.norm();
+  const double radius = from.norm(), off = to.norm();
   if (!(off > 0.5 * clearance)) return end;
   const double wanted = radius + from.dot(printed_eccentricity(world, arm, move)) / radius;
   const bool about_end = tip.e.squaredNorm() > eccentricity(tip, -tip.x).squaredNorm();
