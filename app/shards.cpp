@@ -110,7 +110,7 @@ void refuse_other(const std::string& file, const Json& there, const Json& here) 
     throw BadInput(fmt::format("{}: is another job, ferrule {}: give another --out", file,
                                printable(shell_words(there.at("command")), 300)));
   for (const auto& [name, hash] : there.at("read").items())
-    if (here.at("read").value(name, "") != hash)
+    if (here.at("read").value(name, "") != hash.get<std::string>())
       throw BadInput(file + ": " + name + " has changed since the job was begun");
 }
 

@@ -62,7 +62,7 @@ void SharedTrials::look_around() {
 
 void SharedTrials::take(const BlockReader& reader, const Json& block,
                         const BlockReader::Place& place) {
-  if (block.value("job", "") != job_) {
+  if (block.value("job", std::string()) != job_) {
     ++progress_.others;
     return;
   }
@@ -77,7 +77,7 @@ void SharedTrials::take(const BlockReader& reader, const Json& block,
     ++progress_.campaigns;
     progress_.begun += block.at("of").get<std::size_t>();
   }
-  if (campaign->second.what != block.at("what"))
+  if (campaign->second.what != block.at("what").get<std::string>())
     throw FileTrouble(fmt::format(
         "{} and {}: have trials of different scenes as campaign {} of the same job: one of them "
         "comes from another program or a machine that calculates differently",
