@@ -2,7 +2,6 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,9 +10,11 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 
+#include "sim/base/file_system.hpp"
 #include "sim/base/written_file.hpp"
 
 namespace ferrule {
@@ -66,20 +67,36 @@ EpisodeInfo parse_header(const std::string& text, const std::string& file) {
   return info;
 }
 
-// Opens and locks a journal; -1 with errno, EWOULDBLOCK where somebody has it. Whoever had it
-// before may have removed the file that was opened: that is nobody's.
-int lock_journal(const std::string& journal, int flags) {
+// Opens a journal, and locks it where the file system has locks; -1 with errno, EWOULDBLOCK where
+// somebody has it. Whoever had it before may have removed the file that was opened: that is
+// nobody's. Throws FileTrouble where it cannot be locked.
+int open_journal(const std::string& journal, int flags) {
   const int fd = ::open(journal.c_str(), flags | O_CLOEXEC, 0644);
   if (fd < 0) return -1;
   struct stat ours {};
   struct stat there {};
-  if (::flock(fd, LOCK_EX | LOCK_NB) == 0 && ::fstat(fd, &ours) == 0 &&
-      ::stat(journal.c_str(), &there) == 0 && ours.st_ino == there.st_ino &&
-      ours.st_dev == there.st_dev)
-    return fd;
+  try {
+    const FileLock lock = lock_file(fd, journal);
+    if (lock == FileLock::none) return fd;
+    if (lock == FileLock::ours && ::fstat(fd, &ours) == 0 && ::stat(journal.c_str(), &there) == 0 &&
+        ours.st_ino == there.st_ino && ours.st_dev == there.st_dev)
+      return fd;
+  } catch (const FileTrouble&) {
+    if (flags & O_CREAT) ::unlink(journal.c_str());
+    ::close(fd);
+    throw;
+  }
   ::close(fd);
   errno = EWOULDBLOCK;
   return -1;
+}
+
+// Without locks: may somebody still be recording into a journal? Who does so writes every 100 ms.
+bool may_be_recorded(const std::string& journal) {
+  constexpr std::time_t kQuiet = 600;  // [s], on the clocks of all machines
+  struct stat there {};
+  return ::stat(journal.c_str(), &there) == 0 &&
+         (there.st_size == 0 || std::time(nullptr) < there.st_mtime + kQuiet);
 }
 
 // What a journal begins with, and how many rows follow it.
@@ -183,6 +200,8 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
     fs::copy_file(claim.journal(), kept, fs::copy_options::overwrite_existing);
     result.damaged = true;
     result.remark = fmt::format("row {} is damaged; the journal is kept as {}", sound, kept);
+  } else if (fs::exists(claim.file()) && fs::file_size(claim.file()) == 0) {
+    fs::remove(claim.file());  // rename_unless_there was killed
   } else if (fs::exists(claim.file()) && agrees(open_episode(claim.file()), rows())) {
     claim.remove();
     result.remark = "was already whole as " + file_name(claim.file()) + ": journal removed";
@@ -206,15 +225,22 @@ void recover_claimed(EpisodeClaim& claim, Recovered& result) {
 Recovered recover_one(const std::string& journal) {
   Recovered result;
   result.journal = journal;
-  std::optional<EpisodeClaim> claim = EpisodeClaim::of_left(journal);
-  if (!claim) {
-    const bool held = errno == EWOULDBLOCK || errno == ENOENT;
-    result.remark = held ? "is still being recorded: left alone"
-                         : std::string("cannot be read: ") + std::strerror(errno);
-    result.damaged = !held;
-    return result;
-  }
   try {
+    std::optional<EpisodeClaim> claim = EpisodeClaim::of_left(journal);
+    if (!claim) {
+      const bool held = errno == EWOULDBLOCK || errno == ENOENT;
+      result.remark = held ? "is still being recorded: left alone"
+                           : std::string("cannot be read: ") + std::strerror(errno);
+      result.damaged = !held;
+      return result;
+    }
+    if (!claim->locked() && may_be_recorded(journal)) {
+      claim->leave();
+      result.remark =
+          "may still be recorded, as the file system has no locks: left alone until ten minutes "
+          "after its last row";
+      return result;
+    }
     recover_claimed(*claim, result);
   } catch (const std::exception& error) {
     result.damaged = true;
@@ -252,11 +278,13 @@ EpisodeClaim::EpisodeClaim(const std::string& folder, int first) : folder_(folde
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileTrouble(folder + ": cannot be made: " + error.message());
+  constexpr int kMostTaken = 100;  // journals that others took as soon as they were there
+  int taken = 0;
   for (number_ = first; number_ <= kMostNumber; ++number_) {
     stem_ = folder + "/" + episode_name(number_);
     if (fs::exists(file(), error)) continue;
-    fd_ = lock_journal(journal(), O_CREAT | O_EXCL | O_WRONLY | O_APPEND);
-    if (fd_ < 0 && (errno == EEXIST || errno == EWOULDBLOCK)) continue;
+    fd_ = open_journal(journal(), O_CREAT | O_EXCL | O_WRONLY | O_APPEND);
+    if (fd_ < 0 && (errno == EEXIST || (errno == EWOULDBLOCK && ++taken < kMostTaken))) continue;
     if (fd_ < 0) throw FileTrouble(journal() + ": cannot be made: " + std::strerror(errno));
     // Another recorder may have finished this number since it was looked at.
     if (!fs::exists(file(), error)) return;
@@ -282,11 +310,15 @@ EpisodeClaim::~EpisodeClaim() {
 
 std::optional<EpisodeClaim> EpisodeClaim::of_left(const std::string& journal) {
   EpisodeClaim claim;
-  claim.fd_ = lock_journal(journal, O_RDWR | O_APPEND);
+  claim.fd_ = open_journal(journal, O_RDWR | O_APPEND);
   if (claim.fd_ < 0) return std::nullopt;
   claim.folder_ = fs::path(journal).parent_path().string();
   claim.stem_ = fs::path(journal).replace_extension().string();
   return claim;
+}
+
+bool EpisodeClaim::locked() const {
+  return lock_file(fd_, journal()) == FileLock::ours;  // which changes nothing where it is
 }
 
 void EpisodeClaim::append(const void* data, std::size_t size) const {
@@ -319,6 +351,10 @@ void EpisodeClaim::move_on() {
   ::close(std::exchange(next.fd_, -1));
   stem_ = next.stem_;
   number_ = next.number_;
+}
+
+void EpisodeClaim::leave() noexcept {
+  ::close(std::exchange(fd_, -1));
 }
 
 void EpisodeClaim::remove() noexcept {

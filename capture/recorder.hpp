@@ -19,7 +19,8 @@
 namespace ferrule {
 
 // A number of a folder that nobody else has: its journal, locked from the start. Who holds the lock
-// owns the journal; `recover` leaves it alone.
+// owns the journal; `recover` leaves it alone. Where the file system has no locks, whoever makes
+// the journal owns it, and `recover` leaves alone those that somebody may still write to.
 class EpisodeClaim {
  public:
   // The first number from `first` on that no file and no other recorder has, with an empty journal;
@@ -30,10 +31,12 @@ class EpisodeClaim {
   // Gives the number back where there is nothing in the journal.
   ~EpisodeClaim();
 
-  // A journal that somebody left. Empty where somebody holds it, or it is gone.
+  // A journal that somebody left. Empty where somebody holds it, or it is gone; without locks
+  // nobody holds it. Throws FileTrouble where it cannot be locked.
   static std::optional<EpisodeClaim> of_left(const std::string& journal);
 
   int number() const noexcept { return number_; }
+  bool locked() const;  // false: the file system has no locks
   std::string journal() const { return stem_ + ".part"; }
   std::string file() const { return stem_ + ".h5"; }
 
@@ -44,7 +47,8 @@ class EpisodeClaim {
   void begin(const EpisodeRows& rows);
   // Waits until the same rows are written, and removes the journal. Throws FileTrouble.
   void finish(const EpisodeRows& rows, const WriteProgress& progress = {});
-  // Removes the journal.
+  // Leaves the journal to others, or removes it.
+  void leave() noexcept;
   void remove() noexcept;
 
  private:
@@ -124,13 +128,14 @@ struct Recovered {
 };
 
 // Turns every journal in `folder` that nobody is writing to into an episode of the rows before the
-// first that is damaged; such a journal is kept as NAME.part.damaged. The outcome is what the rows
-// show, `inserted` once the success depth was reached, or else `interrupted`. Where an episode of
-// its name is there already, the journal is removed if header and rows agree with it, and else
-// becomes an episode of the next number. A journal that is empty or ends with its header is
-// removed; one of which nothing can be read is left as it is. Also removes half-written files of
-// recordings that were killed. `go_on` is called before each journal with those that are done, and
-// all; false leaves the others as they are. Throws FileTrouble.
+// first that is damaged; such a journal is kept as NAME.part.damaged. Where the file system has no
+// locks, one that has rows is left alone for ten minutes after the last, and an empty one for good.
+// The outcome is what the rows show, `inserted` once the success depth was reached, or else
+// `interrupted`. Where an episode of its name is there already, the journal is removed if header
+// and rows agree with it, and else becomes an episode of the next number. A journal that is empty
+// or ends with its header is removed; one of which nothing can be read is left as it is. Also
+// removes half-written files of recordings that were killed. `go_on` is called before each journal
+// with those that are done, and all; false leaves the others as they are. Throws FileTrouble.
 std::vector<Recovered> recover(
     const std::string& folder,
     const std::function<bool(std::size_t done, std::size_t all)>& go_on = {});

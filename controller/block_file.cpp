@@ -1,15 +1,17 @@
 #include "controller/block_file.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/crc.hpp>
 #include <boost/endian/conversion.hpp>
 #include <cerrno>
 #include <cstring>
 
 #include "sim/base/error.hpp"
+#include "sim/base/file_system.hpp"
 
 namespace ferrule {
 namespace {
@@ -18,6 +20,8 @@ constexpr std::string_view kMagic = "FRB1";
 constexpr std::size_t kHead = 12;
 constexpr std::size_t kPart = 1U << 20;       // bytes read at once, where blocks are no larger
 constexpr std::uint32_t kLargest = 1U << 26;  // of a content; more is damage
+// Bytes of blocks with a wrong checksum in one file; more is not damage, but made so.
+constexpr std::uint64_t kMostInVain = 1U << 30;
 
 std::uint32_t checksum(std::string_view content) {
   boost::crc_32_type crc;
@@ -35,18 +39,24 @@ void add_number(std::string& bytes, std::uint32_t number) {
   bytes.append(reinterpret_cast<const char*>(four), 4);
 }
 
-// The content of the block at the start of `bytes`; empty: there is no whole one.
-std::string_view content_at_start(std::string_view bytes) {
+// The content of the block at the start of `bytes`; empty: there is no whole one, and how many
+// bytes were looked at in vain is added.
+std::string_view content_at_start(std::string_view bytes, std::uint64_t& in_vain) {
   if (bytes.size() < kHead || !bytes.starts_with(kMagic)) return {};
   const std::uint32_t size = number_at(bytes, 4);
   if (size > kLargest || size > bytes.size() - kHead) return {};
   const std::string_view content = bytes.substr(kHead, size);
-  return checksum(content) == number_at(bytes, 8) ? content : std::string_view();
+  if (checksum(content) == number_at(bytes, 8)) return content;
+  in_vain += size;
+  return {};
 }
 
 }  // namespace
 
 std::ifstream BlockReader::open() const {
+  struct stat there {};
+  if (::stat(file_.c_str(), &there) == 0 && !S_ISREG(there.st_mode))
+    throw FileTrouble(file_ + ": is not a regular file");
   std::ifstream in(file_, std::ios::binary);
   if (!in && ::access(file_.c_str(), F_OK) == 0)
     throw FileTrouble(file_ + ": " + std::strerror(errno));
@@ -56,6 +66,7 @@ std::ifstream BlockReader::open() const {
 void BlockReader::read(const std::function<void(const Json&, const Place&)>& show) {
   std::ifstream in = open();
   if (!in) return;
+  in_vain_ = 0;
   std::string part;
   for (std::size_t size = kPart;;) {
     part.resize(size);
@@ -73,12 +84,16 @@ void BlockReader::read(const std::function<void(const Json&, const Place&)>& sho
 void BlockReader::show_blocks(std::string_view part,
                               const std::function<void(const Json&, const Place&)>& show) {
   for (std::size_t passed = 0; passed < part.size();) {
-    const std::string_view content = content_at_start(part.substr(passed));
-    if (content.empty()) {
+    const std::string_view content = content_at_start(part.substr(passed), in_vain_);
+    if (in_vain_ > kMostInVain)
+      throw FileTrouble(file_ + ": is damaged: it begins blocks that do not end");
+    const Json block =
+        content.empty() ? Json(Json::value_t::discarded) : Json::from_cbor(content, true, false);
+    if (block.is_discarded()) {
       passed = part.find(kMagic, passed + 1);
       continue;
     }
-    show(Json::from_cbor(content), {end_ + passed + kHead, content.size()});
+    show(block, {end_ + passed + kHead, content.size()});
     damaged_ += passed > 0;
     const std::size_t whole = passed + kHead + content.size();
     part.remove_prefix(whole);
@@ -97,18 +112,35 @@ Json BlockReader::read_again(const Place& place) const {
 }
 
 BlockWriter::BlockWriter(const std::string& file)
-    : file_(file), fd_(::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666)) {
-  if (fd_ < 0) throw FileTrouble(file + ": " + std::strerror(errno));
-  const auto refuse = [&](const std::string& why) {
+    : file_(file),
+      fd_(::open(file.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK,
+                 0666)) {
+  if (fd_ < 0)
+    throw FileTrouble(file + ": " + (errno == ELOOP ? "is a link" : std::strerror(errno)));
+  try {
+    const FileLock lock = lock_file(fd_, file);
+    if (lock == FileLock::others)
+      throw FileTrouble(file + ": another process is writing to it: give each its own shard");
+    locked_ = lock == FileLock::ours;
+    cut_off_rest();
+  } catch (...) {
     ::close(fd_);
-    throw FileTrouble(file + ": " + why);
-  };
-  if (::flock(fd_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-    refuse("another process is writing to it: give each its own shard");
-  BlockReader reader(file);
+    throw;
+  }
+}
+
+void BlockWriter::cut_off_rest() const {
+  BlockReader reader(file_);
   reader.read([](const Json&, const BlockReader::Place&) {});
-  if (reader.cut_off() > 0 && ::ftruncate(fd_, static_cast<off_t>(reader.end())) != 0)
-    refuse(std::strerror(errno));
+  if (reader.cut_off() == 0) return;
+  char start[kMagic.size()];
+  const ssize_t n = ::pread(fd_, start, sizeof start, 0);
+  const std::string_view begins(start, static_cast<std::size_t>(std::max<ssize_t>(0, n)));
+  // Zeros are what is left of a file that had not come to the disk.
+  if (reader.end() == 0 && !kMagic.starts_with(begins) && !begins.starts_with('\0'))
+    throw FileTrouble(file_ + ": is no file of a shard, or damaged at its start: remove it");
+  if (::ftruncate(fd_, static_cast<off_t>(reader.end())) != 0)
+    throw FileTrouble(file_ + ": " + std::strerror(errno));
 }
 
 BlockWriter::~BlockWriter() {
@@ -124,7 +156,7 @@ void BlockWriter::append(const Json& block) {
   bytes += content;
   const off_t before = ::lseek(fd_, 0, SEEK_END);
   int error = write_all(fd_, bytes.data(), bytes.size());
-  if (error == 0 && ::fdatasync(fd_) != 0) error = errno;
+  if (error == 0) error = sync_file(fd_, ::fdatasync);
   if (error == 0) return;
   if (before < 0 || ::ftruncate(fd_, before) != 0) error = errno;
   throw FileTrouble(file_ + ": " + std::strerror(error));

@@ -25,7 +25,8 @@ class BlockReader {
     std::size_t size;
   };
   // Shows the blocks that were added since the last call; none where the file is not there. A block
-  // that is cut off at the end of the file is shown once it is whole. Throws FileTrouble.
+  // that is cut off at the end of the file is shown once it is whole. Throws FileTrouble, also for
+  // what is no file of blocks, and what `show` throws.
   void read(const std::function<void(const Json& block, const Place& place)>& show);
   // One that was shown, again. Throws FileTrouble.
   Json read_again(const Place& place) const;
@@ -42,15 +43,15 @@ class BlockReader {
                    const std::function<void(const Json&, const Place&)>& show);
 
   std::string file_;
-  std::uint64_t end_ = 0, cut_off_ = 0;
+  std::uint64_t end_ = 0, cut_off_ = 0, in_vain_ = 0;  // in_vain_: bytes of blocks that were not
   std::size_t damaged_ = 0;
 };
 
 class BlockWriter {
  public:
   // Makes the file, or cuts off what a killed process left half-written at its end. It is locked:
-  // throws FileTrouble where another process writes to it. (Where the file system has no locks, two
-  // that do damage each other's blocks; a reader passes over those.)
+  // throws FileTrouble where another process writes to it, and for a link, and what is no file of
+  // blocks.
   explicit BlockWriter(const std::string& file);
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;
@@ -59,9 +60,16 @@ class BlockWriter {
   // On the disk when it returns; absent where it throws FileTrouble, as on a full disk.
   void append(const Json& block);
 
+  // False where the file system has no locks: two that write to it damage each other's blocks,
+  // which a reader passes over.
+  bool locked() const noexcept { return locked_; }
+
  private:
+  void cut_off_rest() const;
+
   std::string file_;
   int fd_;
+  bool locked_ = true;
 };
 
 }  // namespace ferrule

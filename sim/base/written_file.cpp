@@ -1,7 +1,6 @@
 #include "sim/base/written_file.hpp"
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -11,6 +10,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "sim/base/file_system.hpp"
 #include "sim/base/json_fields.hpp"
 
 namespace ferrule {
@@ -31,16 +31,27 @@ bool to_be_written_at_once(const std::string& name) {
   return fs::exists(there) && !fs::is_regular_file(there);
 }
 
-// Makes a file beside `file` and locks it, so that nobody takes it for a leftover.
+// Makes a file beside `file` and locks it, so that nobody takes it for a leftover; -1 with errno.
 int open_beside(std::string& beside, const std::string& file) {
-  for (;;) {
+  constexpr int kTries =
+      100;  // somebody may remove it before it is locked, but not again and again
+  for (int i = 0; i < kTries; ++i) {
     beside = file + std::string(kBeside);
     const int fd = ::mkstemps(beside.data(), static_cast<int>(kTemporary.size()));
+    if (fd < 0) return fd;
     struct stat now {};
-    if (fd < 0 || (::flock(fd, LOCK_EX) == 0 && ::fstat(fd, &now) == 0 && now.st_nlink > 0))
-      return fd;
+    try {
+      if (lock_file(fd, beside, true) == FileLock::none) return fd;
+    } catch (const FileTrouble&) {
+      ::unlink(beside.c_str());
+      ::close(fd);
+      throw;
+    }
+    if (::fstat(fd, &now) == 0 && now.st_nlink > 0) return fd;
     ::close(fd);
   }
+  errno = EBUSY;
+  return -1;
 }
 
 }  // namespace
@@ -75,7 +86,7 @@ const std::string& WrittenFile::path() const {
 }
 
 void WrittenFile::keep() {
-  if (::fsync(fd_) != 0 && errno != EINVAL && errno != EROFS) cannot_write(name_, errno);
+  if (const int error = sync_file(fd_)) cannot_write(name_, error);
 }
 
 WrittenFile::~WrittenFile() {
@@ -94,11 +105,11 @@ void WrittenFile::commit(bool replace) {
     if (error) cannot_write(name_, error);
     return;
   }
-  // A link is only made where there is no file yet.
-  const int done =
-      replace ? ::rename(beside_.c_str(), file_.c_str()) : ::link(beside_.c_str(), file_.c_str());
-  if (done != 0) cannot_write(name_, errno);
-  if (!replace) ::unlink(beside_.c_str());
+  if (!replace) {
+    if (const int error = rename_unless_there(beside_, file_)) cannot_write(name_, error);
+  } else if (::rename(beside_.c_str(), file_.c_str()) != 0) {
+    cannot_write(name_, errno);
+  }
   ::close(std::exchange(fd_, -1));
 }
 
@@ -113,7 +124,10 @@ void remove_half_written(const std::string& folder,
       continue;
     const int fd = ::open(entry.path().c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOFOLLOW);
     if (fd < 0) continue;
-    if (::flock(fd, LOCK_EX | LOCK_NB) == 0) ::unlink(entry.path().c_str());
+    try {
+      if (lock_file(fd, beside) == FileLock::ours) ::unlink(entry.path().c_str());
+    } catch (const FileTrouble&) {  // it stays
+    }
     ::close(fd);
   }
 }

@@ -33,7 +33,8 @@ class WrittenFile {
 };
 
 // Removes the half-written files of killed runs in `folder` that were to become a file of a name
-// that is `wanted`; those that are being written are left alone.
+// that is `wanted`; those that are being written are left alone, and where the file system has no
+// locks all of them.
 void remove_half_written(const std::string& folder,
                          const std::function<bool(const std::string& name)>& wanted);
 
