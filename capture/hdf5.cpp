@@ -15,6 +15,9 @@ constexpr hsize_t kMostRows = 100'000'000;  // more is damage: a day at 1 kHz
 constexpr hsize_t kMostChunk = 1 << 22;     // numbers
 constexpr hsize_t kMostDeflated = 1032;     // bytes from one
 constexpr std::size_t kMostNames = 1000;    // of objects, and of the attributes of one
+constexpr std::size_t kMostAttribute =
+    60'000;  // bytes in an attribute itself; HDF5 takes 64 kB less
+             // what it says of it
 
 void check(herr_t status, const std::string& what) {
   if (status < 0) throw FileTrouble(what);
@@ -71,28 +74,47 @@ struct Packed {
     }
   }
   static hid_t create(hsize_t count) { return H5Screate_simple(1, &count, nullptr); }
+  const void* data() const noexcept { return bytes.data(); }
+  bool fits_attribute() const noexcept { return bytes.size() <= kMostAttribute; }
 
   Handle type, space;
   std::string bytes;
 };
 
+// Texts of any length: an attribute holds where they are in the file's heap.
+struct InHeap {
+  InHeap(const std::vector<std::string>& texts, const std::string& trouble)
+      : type(H5Tcopy(H5T_C_S1), H5Tclose, trouble) {
+    check(H5Tset_size(type, H5T_VARIABLE), trouble);
+    check(H5Tset_cset(type, H5T_CSET_UTF8), trouble);
+    for (const std::string& text : texts) starts.push_back(text.c_str());
+  }
+  const void* data() const noexcept { return starts.data(); }
+
+  Handle type;
+  std::vector<const char*> starts;
+};
+
 void write_attribute(hid_t where, const std::string& key, const Json& value,
                      const std::string& trouble) {
-  const auto scalar = [&](hid_t type, const void* bytes) {
-    const Handle space(H5Screate(H5S_SCALAR), H5Sclose, trouble);
+  const auto write = [&](hid_t space, hid_t type, const void* bytes) {
     const Handle made(H5Acreate2(where, key.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT),
                       H5Aclose, trouble);
     check(H5Awrite(made, type, bytes), trouble);
   };
-  if (value.is_string()) {
-    const Packed text({value.get<std::string>()}, trouble);
-    scalar(text.type, text.bytes.data());
-  } else if (value.is_array()) {
-    const Packed texts(value, trouble);
-    const Handle made(
-        H5Acreate2(where, key.c_str(), texts.type, texts.space, H5P_DEFAULT, H5P_DEFAULT), H5Aclose,
-        trouble);
-    check(H5Awrite(made, texts.type, texts.bytes.data()), trouble);
+  const Handle one(H5Screate(H5S_SCALAR), H5Sclose, trouble);
+  const auto scalar = [&](hid_t type, const void* bytes) { write(one, type, bytes); };
+  if (value.is_string() || value.is_array()) {
+    const std::vector<std::string> texts = value.is_string()
+                                               ? std::vector{value.get<std::string>()}
+                                               : value.get<std::vector<std::string>>();
+    const Packed packed(texts, trouble);
+    const InHeap in_heap(texts, trouble);
+    const hid_t space = value.is_string() ? one : packed.space;
+    if (packed.fits_attribute())
+      write(space, packed.type, packed.data());
+    else
+      write(space, in_heap.type, in_heap.data());
   } else if (value.is_number_float()) {
     const double number = value;
     scalar(H5T_NATIVE_DOUBLE, &number);

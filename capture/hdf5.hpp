@@ -61,7 +61,8 @@ struct Labels {
 };
 
 // All that is in a file but the numbers. An attribute is a text, a list of texts, a double, or a
-// whole number of 64 bits.
+// whole number of 64 bits. Texts of more than 60 kB are of variable length, in the file's heap;
+// HDF5 has no room for them in an attribute.
 struct Content {
   // Of every group and data set, by its path; "/" is the root.
   std::map<std::string, std::map<std::string, Json>> attributes;
