@@ -1,7 +1,9 @@
 #include "controller/campaign.hpp"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <atomic>
@@ -13,7 +15,9 @@
 #include <thread>
 
 #include "controller/kept_trial.hpp"
+#include "controller/program_policy.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/base/error.hpp"
 
 namespace ferrule {
 
@@ -22,6 +26,19 @@ namespace {
 std::string fingerprint(const Scene& scene, std::uint64_t seed, std::size_t trials) {
   return sha1(scene.document.dump() + scene.redrawn + std::to_string(seed) + " " +
               std::to_string(trials));
+}
+
+// Trial `k`; again where the system ended its policy, which says nothing of the trial.
+TrialResult run_trial_of(const Campaign& campaign, std::uint64_t seed, std::size_t k,
+                         const std::function<bool()>& stop) {
+  constexpr int kTries = 3;
+  for (int i = 1;; ++i) {
+    TrialResult result = run_trial(*campaign.scene, *campaign.make(k), seed, k, 1e-3, {}, stop);
+    if (!ended_by_system(result.why) || (stop && stop())) return result;
+    if (i == kTries)
+      throw BadInput(fmt::format("trial {}: {}, each of {} times: is there enough memory?", k,
+                                 result.why, kTries));
+  }
 }
 
 // A campaign while it runs: its trials are begun in their order, and its results taken in it.
@@ -45,7 +62,7 @@ class Running {
   // Runs it. False where that was ended before the trial was over.
   bool run(std::size_t k, std::uint64_t seed, const std::function<bool()>& stop) {
     const std::function<bool()> ends = [&] { return known_ || (stop && stop()); };
-    TrialResult result = run_trial(*campaign_.scene, *campaign_.make(k), seed, k, 1e-3, {}, ends);
+    TrialResult result = run_trial_of(campaign_, seed, k, ends);
     if (ends()) return false;
     if (shared_) shared_->keep(number_, k, kept_trial(result));
     const std::lock_guard lock(mutex_);
@@ -99,7 +116,12 @@ class Running {
   std::size_t next_ = 0, shown_ = 0;  // shown_: to `enough` and `each`
 };
 
-// Calls `work` on every core.
+// Has one of the cores thrown what ends all?
+bool others_ended() {
+  return tbb::is_current_task_group_canceling();
+}
+
+// Calls `work` on every core; where it throws on one, those end that ask others_ended().
 void on_all_cores(int threads, const std::function<void()>& work) {
   tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
   arena.execute([&] {
@@ -137,9 +159,8 @@ void run_alone(const std::vector<Campaign>& campaigns, std::uint64_t seed, std::
       const Campaign& campaign = campaigns[i / own];
       const std::size_t number = numbers[i / own], k = shared.own_trial(i % own);
       if (kept[i]) continue;
-      if (stop && stop()) return;
-      const TrialResult result =
-          run_trial(*campaign.scene, *campaign.make(k), seed, k, 1e-3, {}, stop);
+      if ((stop && stop()) || others_ended()) return;
+      const TrialResult result = run_trial_of(campaign, seed, k, stop);
       if (stop && stop()) return;
       shared.keep(number, k, kept_trial(result));
       const std::size_t so_far = ++count;
@@ -176,6 +197,8 @@ std::vector<std::vector<TrialResult>> run_campaigns(
     const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
     const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop,
     SharedTrials* shared) {
+  // Which campaign comes after trials that were cut short is not what the other processes run.
+  if (shared && stop && stop()) return std::vector<std::vector<TrialResult>>(campaigns.size());
   if (shared && stands_alone(*shared, campaigns)) {
     run_alone(campaigns, seed, trials, threads, progress, stop, *shared);
     return std::vector<std::vector<TrialResult>>(campaigns.size());
@@ -191,7 +214,7 @@ std::vector<std::vector<TrialResult>> run_campaigns(
   on_all_cores(threads, [&] {
     for (Running& one : all)
       while (const auto k = one.begin()) {
-        if (stop && stop()) return;
+        if ((stop && stop()) || others_ended()) return;
         if (!one.run(*k, seed, stop)) continue;
         const std::size_t so_far = ++count;
         if (progress) progress(so_far);

@@ -24,8 +24,9 @@ using IsEnough = std::function<bool(const TrialResult&)>;
 // results are those of the first trials up to one that was not done, fewer than `trials`. The trial
 // after which it is `enough` is the last. With `shared` it runs those of its shard that are not
 // kept yet, and returns none, unless what comes next depends on them: then it waits for those of
-// the other shards. In a merge it returns what the shards kept. Throws what `make` and `shared`
-// throw.
+// the other shards; once stopped it shares nothing more. In a merge it returns what the shards
+// kept. A trial whose policy the system ended is run again. Throws what `make` and `shared` throw,
+// and BadInput where that does not help.
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,

@@ -9,8 +9,9 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
-#include <stdexcept>
+#include <iterator>
 #include <thread>
 #include <utility>
 
@@ -21,26 +22,31 @@ constexpr std::size_t kMostLine = 1 << 16;  // bytes of an answer
 constexpr std::size_t kMostShown = 80;      // of it in a message
 constexpr std::chrono::milliseconds kLook(100), kGrace(200), kNap(10);
 
+// What others send to a program, or the system where something is short; no mistake of its own.
+bool from_outside(int signal) {
+  constexpr int kSignals[] = {SIGKILL, SIGTERM, SIGINT, SIGHUP, SIGQUIT, SIGXCPU};
+  return std::find(std::begin(kSignals), std::end(kSignals), signal) != std::end(kSignals);
+}
+
 }  // namespace
 
 PolicyProcess::PolicyProcess(const Work& work, Said said, Stop stop)
     : said_(std::move(said)), stop_(std::move(stop)) {
   int ends[2], errors[2];
   if (::socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
-    throw std::runtime_error(std::string("no pipe to the policy: ") + std::strerror(errno));
+    throw PolicyKilled(std::string("no pipe to the policy: ") + std::strerror(errno));
   fd_ = ends[0];
   const bool piped = ::pipe2(errors, O_CLOEXEC) == 0;
   const int trouble = errno;
   try {
-    if (!piped)
-      throw std::runtime_error(std::string("no pipe to the policy: ") + std::strerror(trouble));
+    if (!piped) throw PolicyKilled(std::string("no pipe to the policy: ") + std::strerror(trouble));
     error_ = errors[0];
     ::fcntl(error_, F_SETFL, O_NONBLOCK);
     process_.emplace(std::vector{ends[1], errors[1]}, [&] { work(ends[1], errors[1]); });
-  } catch (...) {
+  } catch (const std::exception& error) {
     for (const int fd : {ends[0], ends[1], piped ? errors[0] : -1, piped ? errors[1] : -1})
       ::close(fd);
-    throw;
+    throw PolicyKilled(error.what());
   }
   ::close(ends[1]);
   ::close(errors[1]);
@@ -68,7 +74,7 @@ Json PolicyProcess::ask(const Json& question, double seconds) {
     wait(POLLOUT, until, seconds);
     const ssize_t n =
         ::send(fd_, line.data() + sent, line.size() - sent, MSG_NOSIGNAL | MSG_DONTWAIT);
-    if (n < 0 && errno != EAGAIN && errno != EINTR) throw std::runtime_error(how_it_ended());
+    if (n < 0 && errno != EAGAIN && errno != EINTR) throw_how_it_ended();
     if (n > 0) sent += static_cast<std::size_t>(n);
   }
   std::string answer;
@@ -76,8 +82,7 @@ Json PolicyProcess::ask(const Json& question, double seconds) {
     wait(POLLIN, until, seconds);
     char bytes[4096];
     const ssize_t n = ::recv(fd_, bytes, sizeof bytes, MSG_DONTWAIT);
-    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR))
-      throw std::runtime_error(how_it_ended());
+    if (n == 0 || (n < 0 && errno != EAGAIN && errno != EINTR)) throw_how_it_ended();
     if (n > 0) answer.append(bytes, static_cast<std::size_t>(n));
     if (answer.size() > kMostLine)
       throw std::runtime_error("the policy answered a line of more than 65536 bytes");
@@ -117,16 +122,19 @@ void PolicyProcess::pass_on() {
   }
 }
 
-std::string PolicyProcess::how_it_ended() {
+void PolicyProcess::throw_how_it_ended() {
   std::optional<int> status;
   for (const auto begin = Clock::now();
        !(status = process_->ended()) && Clock::now() < begin + kGrace;)
     std::this_thread::sleep_for(kNap);
   pass_on();
-  if (!status) return "the policy closed its pipe";
-  return WIFSIGNALED(*status)
-             ? fmt::format("the policy ended (signal {})", WTERMSIG(*status))
-             : fmt::format("the policy ended (exit code {})", WEXITSTATUS(*status));
+  if (!status) throw std::runtime_error("the policy closed its pipe");
+  // The shell says of a program that a signal ended 128 and its number.
+  const int signal = WIFSIGNALED(*status) ? WTERMSIG(*status) : WEXITSTATUS(*status) - 128;
+  if (from_outside(signal)) throw PolicyKilled(fmt::format("signal {}", signal));
+  throw std::runtime_error(
+      WIFSIGNALED(*status) ? fmt::format("the policy ended (signal {})", signal)
+                           : fmt::format("the policy ended (exit code {})", WEXITSTATUS(*status)));
 }
 
 }  // namespace ferrule

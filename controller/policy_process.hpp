@@ -1,18 +1,24 @@
 // A process that is asked, and answers: JSON, a line each, in turns.
 //
 // What goes wrong is a std::runtime_error that says what: it ended, answered something else, or was
-// silent for too long. It is good for nothing then.
+// silent for too long. It is good for nothing then. A PolicyKilled says nothing of it.
 #pragma once
 
 #include <chrono>
 #include <functional>
 #include <optional>
+#include <stdexcept>
 #include <string>
 
 #include "sim/base/child_process.hpp"
 #include "sim/base/json_fields.hpp"
 
 namespace ferrule {
+
+// It was killed from outside, as where memory is short, or could not be started.
+struct PolicyKilled : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 class PolicyProcess {
  public:
@@ -23,6 +29,7 @@ class PolicyProcess {
   // Whether it is waited for no longer; asked ten times a second.
   using Stop = std::function<bool()>;
 
+  // Throws PolicyKilled where no process can be started.
   PolicyProcess(const Work& work, Said said, Stop stop);
   PolicyProcess(const PolicyProcess&) = delete;
   PolicyProcess& operator=(const PolicyProcess&) = delete;
@@ -38,7 +45,7 @@ class PolicyProcess {
 
   void wait(short events, Clock::time_point until, double seconds);
   void pass_on();
-  std::string how_it_ended();
+  [[noreturn]] void throw_how_it_ended();
 
   Said said_;
   Stop stop_;

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kShownAnswer = 80;     // bytes of an answer in a message
 constexpr std::size_t kMostSaid = 64 << 10;  // bytes that are passed on
-constexpr std::size_t kTries = 10;           // trials in which it may fail to begin with
+constexpr const char* kEndedBySystem = "the system ended the policy: ";
+constexpr std::size_t kTries = 10;  // trials in which it may fail to begin with
 
 // The processes that wait for a trial, and what is known of all.
 class Processes {
@@ -143,6 +144,9 @@ class ProgramPolicy : public Controller {
   void guarded(const Work& work) noexcept {
     try {
       work();
+    } catch (const PolicyKilled& error) {
+      failure_ = std::string(kEndedBySystem) + error.what();
+      process_.reset();
     } catch (const std::exception& error) {
       failure_ = error.what();
       process_.reset();
@@ -207,6 +211,10 @@ MakeController asking(PolicyProcess::Work work, const ProgramSettings& settings)
 }
 
 }  // namespace
+
+bool ended_by_system(const std::string& why) {
+  return why.starts_with(kEndedBySystem);
+}
 
 MakeController program_policy(const std::string& command, const ProgramSettings& settings) {
   return asking(

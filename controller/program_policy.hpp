@@ -12,8 +12,8 @@
 // One process serves one trial at a time and many after one another, each thread its own. One that
 // ends, is silent for too long, or answers anything else ends its trial, which then says why, and
 // is ended itself; the next trial begins another. One that failed in each of its first ten trials
-// is not asked any more: it fails in all. No process outlives this program
-// (sim/base/child_process.hpp).
+// is not asked any more: it fails in all. A trial in which it was killed from outside is no
+// failure: a campaign runs it again. No process outlives this program (sim/base/child_process.hpp).
 #pragma once
 
 #include <string>
@@ -33,6 +33,10 @@ struct ProgramSettings {
   // 64 kB of all its processes.
   std::function<void(const std::string&)> said{};
 };
+
+// Of a trial that says `why` it ended (TrialResult): was the policy's process killed from outside,
+// as where memory is short, or could not be started? That says nothing of the trial.
+bool ended_by_system(const std::string& why);
 
 // A controller that asks the program `command`, for /bin/sh -c; all that it makes share the
 // processes.
