@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 
 std::string how_far(const SharedTrials::Progress& p, double rate) {
   std::string text = fmt::format("{} of {} trials, {} of {} shards whole", p.trials, p.begun,
-                                 p.count() - p.not_done().size(), p.count());
+                                 p.count() - p.not_done().count, p.count());
   if (rate > 0 && p.begun > p.trials)
     text += fmt::format(", {:.3g} trials a second, {:.0f} s left", rate,
                         static_cast<double>(p.begun - p.trials) / rate);
@@ -32,7 +32,7 @@ void watch(SharedTrials& trials) {
   const std::size_t before = p.trials;
   const auto begin = Clock::now();
   std::size_t told = SIZE_MAX;
-  while (p.counts.empty() || !p.not_done().empty()) {
+  while (p.counts.empty() || p.not_done().count > 0) {
     end_if_interrupted();
     const std::chrono::duration<double> seconds = Clock::now() - begin;
     if (p.trials != told)
@@ -53,10 +53,11 @@ void expect_whole(const std::string& folder) {
   for (const std::string& file : p.damaged)
     fmt::print(stderr, "note: {}: a part of it is damaged and is left out\n", file);
   if (p.counts.empty()) throw FileTrouble(folder + ": no shard of this job has begun");
-  if (const std::vector<Shard> left = p.not_done(); !left.empty())
+  if (const SharedTrials::Progress::NotDone left = p.not_done(); left.count > 0)
     throw FileTrouble(fmt::format("{}: {} {} not whole ({}): run {} again, or wait with --watch",
-                                  folder, to_text(left), left.size() == 1 ? "is" : "are",
-                                  how_far(p, 0), left.size() == 1 ? "it" : "them"));
+                                  folder, to_text(left.first, left.count),
+                                  left.count == 1 ? "is" : "are", how_far(p, 0),
+                                  left.count == 1 ? "it" : "them"));
 }
 
 int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling) {

@@ -30,10 +30,18 @@ Json to_json(const Supervision& supervision) {
   return {supervision.interventions, why ? Json(static_cast<int>(*why)) : Json()};
 }
 
+// One of an enum of so many.
+template <class Enum>
+Enum one_of(const Json& json, std::int64_t count) {
+  const auto number = json.get<std::int64_t>();
+  if (number < 0 || number >= count) throw Json::out_of_range::create(401, "unknown", &json);
+  return static_cast<Enum>(number);
+}
+
 Supervision supervision_of(const Json& json) {
   Supervision s;
   s.interventions = json.at(0);
-  if (!json.at(1).is_null()) s.gave_up = static_cast<Intervention>(json.at(1).get<int>());
+  if (!json.at(1).is_null()) s.gave_up = one_of<Intervention>(json.at(1), kInterventions);
   return s;
 }
 
@@ -55,7 +63,7 @@ Json kept_trial(const TrialResult& r) {
 
 TrialResult trial_of(const Json& json) {
   TrialResult r{};
-  r.outcome = static_cast<Outcome>(json.at(0).get<int>());
+  r.outcome = one_of<Outcome>(json.at(0), kOutcomes);
   std::size_t i = 0;
   each_number(r.summary, [&](double& x) { x = json.at(1).at(i++); });
   r.summary.steps = json.at(2);

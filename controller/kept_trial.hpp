@@ -7,6 +7,7 @@
 namespace ferrule {
 
 Json kept_trial(const TrialResult& result);
+// Throws Json::exception where it is no result.
 TrialResult trial_of(const Json& kept);
 
 }  // namespace ferrule

@@ -16,6 +16,20 @@ using std::chrono::steady_clock;
 
 constexpr auto kBetweenBlocks = std::chrono::seconds(1);
 constexpr const char* kEnding = ".trials";
+constexpr std::size_t kMostNamed = 8;  // shards in a message
+
+// A number that counts. Throws Json::exception where it is none.
+std::size_t count_of(const Json& number) {
+  if (!number.is_number_integer() || number < 0)
+    throw Json::type_error::create(302, "no count", &number);
+  return number;
+}
+
+// A block, or a result in it, that no shard has written.
+FileTrouble made_up(const std::string& file, const BlockReader::Place& place) {
+  return FileTrouble(
+      fmt::format("{}: has no trials of this program in the block at byte {}", file, place.at));
+}
 
 }  // namespace
 
@@ -23,12 +37,11 @@ std::string to_text(const Shard& shard) {
   return fmt::format("{}/{}", shard.index, shard.count);
 }
 
-std::string to_text(const std::vector<Shard>& shards) {
-  constexpr std::size_t kMost = 8;
-  std::string text = shards.size() == 1 ? "shard" : "shards";
-  for (std::size_t i = 0; i < std::min(kMost, shards.size()); ++i)
-    text += (i > 0 ? ", " : " ") + to_text(shards[i]);
-  if (shards.size() > kMost) text += fmt::format(" and {} more", shards.size() - kMost);
+std::string to_text(const std::vector<Shard>& first, std::size_t count) {
+  const std::size_t shown = std::min(kMostNamed, first.size());
+  std::string text = count == 1 ? "shard" : "shards";
+  for (std::size_t i = 0; i < shown; ++i) text += (i > 0 ? ", " : " ") + to_text(first[i]);
+  if (count > shown) text += fmt::format(" and {} more", count - shown);
   return text;
 }
 
@@ -48,8 +61,13 @@ void SharedTrials::read(const std::string& file) {
   const auto added = readers_.emplace(file, file);
   if (file == own_ && !added.second) return;  // what is new there is of this process
   BlockReader& reader = added.first->second;
-  reader.read(
-      [&](const Json& block, const BlockReader::Place& place) { take(reader, block, place); });
+  reader.read([&](const Json& block, const BlockReader::Place& place) {
+    try {
+      take(reader, block, place);
+    } catch (const Json::exception&) {
+      throw made_up(file, place);
+    }
+  });
 }
 
 void SharedTrials::look_around() {
@@ -66,16 +84,17 @@ void SharedTrials::take(const BlockReader& reader, const Json& block,
     ++progress_.others;
     return;
   }
-  const Shard shard{block.at("shard").at(0), block.at("shard").at(1)};
+  const Shard shard{count_of(block.at("shard").at(0)), count_of(block.at("shard").at(1))};
+  if (shard.index < 1 || shard.index > shard.count) throw made_up(reader.file(), place);
   progress_.counts.insert(shard.count);
   if (block.contains("done")) progress_.done.insert(shard);
   if (!block.contains("campaign")) return;
-  const std::size_t number = block.at("campaign");
+  const std::size_t number = count_of(block.at("campaign"));
   const auto [campaign, is_new] =
       campaigns_.emplace(number, Campaign{block.at("what"), reader.file()});
   if (is_new) {
     ++progress_.campaigns;
-    progress_.begun += block.at("of").get<std::size_t>();
+    progress_.begun += count_of(block.at("of"));
   }
   if (campaign->second.what != block.at("what").get<std::string>())
     throw FileTrouble(fmt::format(
@@ -84,7 +103,8 @@ void SharedTrials::take(const BlockReader& reader, const Json& block,
         campaign->second.file, reader.file(), number + 1));
   const Json& trials = block.at("trials");
   progress_.trials += trials.size();
-  if (!trials.empty()) campaign->second.blocks.push_back({trials[0].at(0), &reader, place});
+  if (!trials.empty())
+    campaign->second.blocks.push_back({count_of(trials[0].at(0)), &reader, place});
 }
 
 std::size_t SharedTrials::begin(const std::string& what, std::size_t trials) {
@@ -111,9 +131,13 @@ std::size_t SharedTrials::found(std::size_t first, const std::function<void(cons
               [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [_, reader, place] : blocks) {
       Json block = reader->read_again(place);
-      for (Json& trial : block.at("trials")) {
-        show({number, trial.at(0), std::move(trial.at(1))});
-        ++count;
+      try {
+        for (Json& trial : block.at("trials")) {
+          show({number, count_of(trial.at(0)), std::move(trial.at(1))});
+          ++count;
+        }
+      } catch (const Json::exception&) {
+        throw made_up(reader->file(), place);
       }
     }
   }
@@ -160,7 +184,7 @@ void SharedTrials::refuse_missing(std::size_t campaign,
   throw FileTrouble(
       fmt::format("{}: of campaign {}, {} trials are missing, {} the first: run {} again", folder_,
                   campaign + 1, trials.size(), trials.front(),
-                  to_text(std::vector<Shard>(lacking.begin(), lacking.end()))));
+                  to_text(std::vector<Shard>(lacking.begin(), lacking.end()), lacking.size())));
 }
 
 void SharedTrials::finish() {
@@ -169,13 +193,15 @@ void SharedTrials::finish() {
   writer_->append({{"job", job_}, {"shard", {shard_->index, shard_->count}}, {"done", true}});
 }
 
-std::vector<Shard> SharedTrials::Progress::not_done() const {
-  std::vector<Shard> lacking;
+SharedTrials::Progress::NotDone SharedTrials::Progress::not_done() const {
+  NotDone lacking;
   for (const std::size_t of : counts) {  // the last is the most
-    lacking.clear();
-    for (std::size_t i = 1; i <= of; ++i)
-      if (!done.contains({i, of})) lacking.push_back({i, of});
-    if (lacking.empty()) return {};
+    const auto finished = static_cast<std::size_t>(std::count_if(
+        done.begin(), done.end(), [of](const Shard& shard) { return shard.count == of; }));
+    lacking = {of - finished, {}};
+    if (lacking.count == 0) return {};
+    for (std::size_t i = 1; i <= of && lacking.first.size() < kMostNamed; ++i)
+      if (!done.contains({i, of})) lacking.first.push_back({i, of});
   }
   return lacking;
 }

@@ -29,8 +29,9 @@ struct Shard {
   bool has(std::size_t trial) const noexcept { return trial % count == index - 1; }
   auto operator<=>(const Shard&) const = default;
 };
-std::string to_text(const Shard& shard);                // "3/10"
-std::string to_text(const std::vector<Shard>& shards);  // "shards 3/10, 4/10 and 7 more"
+std::string to_text(const Shard& shard);  // "3/10"
+// Of `count` shards the first ones: "shards 3/10, 4/10 and 7 more".
+std::string to_text(const std::vector<Shard>& first, std::size_t count);
 
 class SharedTrials {
  public:
@@ -49,6 +50,9 @@ class SharedTrials {
   std::size_t begin(const std::string& what, std::size_t trials);
   bool waits() const noexcept { return shard_ && waits_; }
   bool merges() const noexcept { return !shard_; }
+  const std::string& folder() const noexcept { return folder_; }
+  // False where the file system of a shard has no locks (BlockWriter).
+  bool locked() const noexcept { return !writer_ || writer_->locked(); }
   // Is the trial to be run here, unless somebody has it? How many of the first `trials` are, the
   // i-th of them, and which of them one is; not of a merge.
   bool mine(std::size_t trial) const noexcept { return shard_ && shard_->has(trial); }
@@ -64,7 +68,8 @@ class SharedTrials {
   // program ran.
   void look_around();
   // Shows what was read of the campaigns that have begun, from number `first` on, each trial once
-  // and nearly in their order; how many they are. Throws FileTrouble, and what `show` throws.
+  // and nearly in their order; how many they are. Throws FileTrouble, also where `show` throws
+  // Json::exception of a result that is none, and what else it throws.
   std::size_t found(std::size_t first, const std::function<void(const Found&)>& show);
   // Was a block written since this was asked last?
   bool wrote() noexcept { return wrote_.exchange(false); }
@@ -93,8 +98,13 @@ class SharedTrials {
     std::vector<std::string> damaged{};  // files with stretches that are passed over
 
     std::size_t count() const { return counts.empty() ? 0 : *counts.rbegin(); }
-    // Where it was divided again and again: empty if any division is whole.
-    std::vector<Shard> not_done() const;
+    // The shards that are not whole: how many, and the first few. Where it was divided again and
+    // again: none if any division is whole.
+    struct NotDone {
+      std::size_t count = 0;
+      std::vector<Shard> first{};
+    };
+    NotDone not_done() const;
   };
   // Reads what is new.
   Progress progress();

@@ -7,6 +7,7 @@
 #include <thread>
 
 #include "controller/campaign.hpp"
+#include "controller/kept_trial.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "tests/refusal.hpp"
@@ -168,7 +169,8 @@ TEST_F(SharedTrialsOfACampaign, AreRefusedWhereSomeAreMissing) {
             "trouble: " + folder.path() +
                 ": of campaign 1, 8 trials are missing, 1 the first: run shard 2/3 again");
   SharedTrials shared(folder.path(), "job", std::nullopt, false);
-  EXPECT_EQ(to_text(shared.progress().not_done()), "shard 2/3");
+  const SharedTrials::Progress::NotDone left = shared.progress().not_done();
+  EXPECT_EQ(to_text(left.first, left.count), "shard 2/3");
 }
 
 // The same trials in shards of two counts: they are counted once, unless they went differently.
@@ -187,7 +189,7 @@ TEST_F(SharedTrialsOfACampaign, MayBeThereTwiceIfTheyAreTheSame) {
     const SharedTrials::Progress progress =
         SharedTrials(folder.path(), "job", std::nullopt, false).progress();
     EXPECT_EQ(progress.count(), 3);
-    EXPECT_TRUE(progress.not_done().empty());
+    EXPECT_EQ(progress.not_done().count, 0);
   }
   make = controller_maker(ConstantVelocity(1e-3));
   for (const std::size_t i : {1, 2, 3}) shard(i, 3);
@@ -226,6 +228,59 @@ TEST_F(SharedTrialsOfACampaign, WaitForEachOther) {
   run_waiting(1);
   other.join();
   for (const auto& results : found) expect_same(results, alone());
+}
+
+// As a stranger may make them: right checksums, the right job, and something else in it.
+TEST_F(SharedTrialsOfACampaign, RefusesWhatNoShardHasWritten) {
+  const Json trial = kept_trial(run_campaign(task(), make, kSeed, 1, 1, {}).front());
+  std::string what;
+  shard(1, 1);
+  BlockReader(folder / "shard_0001_of_0001.trials")
+      .read(
+          [&](const Json& block, const BlockReader::Place&) { what = block.value("what", what); });
+  const Json good = {{"job", "job"}, {"shard", {1, 1}}, {"campaign", 0},
+                     {"what", what}, {"of", kTrials},   {"trials", {{0, trial}}}};
+  const auto changed = [&](const char* place, const Json& value) {
+    Json block = good;
+    block[Json::json_pointer(place)] = value;
+    return block;
+  };
+  const Json blocks[] = {
+      Json(3),
+      Json::array({1, 2}),
+      changed("/job", 5),
+      changed("/shard", "1/1"),
+      changed("/shard", {1}),
+      changed("/shard", {0, 1}),
+      changed("/shard", {2, 1}),
+      changed("/shard", {-1, 1}),
+      changed("/campaign", "first"),
+      changed("/campaign", -1),
+      changed("/what", Json::object()),
+      changed("/of", "many"),
+      changed("/trials", 7),
+      changed("/trials", {7}),
+      changed("/trials/0", Json::array()),
+      changed("/trials/0/0", -3),
+      changed("/trials/0/0", 1.5),
+      changed("/trials/0/1", "inserted"),
+      changed("/trials/0/1/0", 1000),
+      changed("/trials/0/1/0", -1),
+      changed("/trials/0/1/1", Json::array()),
+      changed("/trials/0/1/7", 3),
+      changed("/trials/0/1/8", {Json::array(), 99}),
+  };
+  const std::string file = folder / "shard_0001_of_0001.trials";
+  for (const Json& block : blocks) {
+    std::filesystem::remove(file);
+    BlockWriter(file).append(block);
+    const std::string said = testing::refusal([&] {
+      SharedTrials shared(folder.path(), "job", std::nullopt, false);
+      run(shared);
+    });
+    EXPECT_EQ(said, "trouble: " + file + ": has no trials of this program in the block at byte 12")
+        << block;
+  }
 }
 
 }  // namespace
