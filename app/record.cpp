@@ -194,6 +194,10 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   for (int i = 0; i < a.episodes && !interrupted() && !all.lost;) {
     EpisodeClaim claim(a.out, next);
     const int number = claim.number();
+    if (i == 0 && all.list.empty() && !claim.locked())
+      fmt::print(stderr,
+                 "note: {}: its file system has no locks: do not recover there while it records\n",
+                 printable(a.out));
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
     all.infeasible += drawn.infeasible;
@@ -225,14 +229,34 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
   return all;
 }
 
-// What a killed process left of an episode that is to be recorded again.
-EpisodeClaim claim_again(const std::string& folder, int number) {
-  const std::string stem = folder + "/" + episode_name(number);
+// Of an episode that is to be recorded again, what a killed process left is removed.
+EpisodeClaim claim_again(const std::string& folder, int number, const Holding& holding,
+                         std::uint64_t seed, const FeasibleTrial& drawn) {
+  const std::string stem = folder + "/" + episode_name(number), file = stem + ".h5";
   if (auto left = EpisodeClaim::of_left(stem + ".part")) left->remove();
-  std::filesystem::remove(stem + ".h5");
+  if (std::filesystem::exists(file)) {
+    try {
+      const EpisodeInfo there = open_episode(file).info();
+      if (there.operator_ != holding.name || there.seed != seed || there.trial != drawn.trial ||
+          there.scene != drawn.scene->document.dump())
+        throw BadInput(file + ": is no episode of this job; move it away");
+    } catch (const FileTrouble&) {  // it is damaged
+    }
+    std::filesystem::remove(file);
+  }
   EpisodeClaim claim(folder, number);
   if (claim.number() != number) throw FileTrouble(stem + ": is being recorded by another process");
   return claim;
+}
+
+// What record_shared keeps of an episode. Throws Json::exception where it is something else.
+void expect_row(const Json& kept) {
+  kept.at("infeasible").get<std::size_t>();
+  const Json& row = kept.at("row");
+  for (const char* text : {"file", "outcome", "why"}) row.at(text).get<std::string>();
+  for (const char* number :
+       {"time_s", "recorded_s", "peak_force_uN", "depth_um", "steps", "unfinished_steps"})
+    row.at(number).get<double>();
 }
 
 // Those of a shard; in a merge all of them, by what their shards kept.
@@ -242,22 +266,27 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
   const std::size_t recording = shared.begin(sha1(toleranced.document.dump()), count);
   std::vector<Json> kept(count);  // null: not recorded
   shared.found(recording, [&](const SharedTrials::Found& found) {
-    if (kept.at(found.trial).is_null()) kept[found.trial] = found.result;
+    if (found.trial >= count || !kept[found.trial].is_null()) return;
+    expect_row(found.result);
+    kept[found.trial] = found.result;
   });
   std::vector<std::size_t> missing;
   std::optional<Keys> no_keys;
   Progress progress("recording", count);
   struct Begun {
     std::size_t k, infeasible;
+    bool cut_short;  // by a signal, after success too
     Recorded recorded;
   };
   std::deque<Begun> before;  // whose files are written while the next one is recorded
   const auto keep = [&](std::size_t but) {
     for (; before.size() > but; before.pop_front()) {
-      auto& [k, infeasible, recorded] = before.front();
+      auto& [k, infeasible, cut_short, recorded] = before.front();
       recorded.wait();
+      if (cut_short) continue;
       kept[k] = {{"row", episode_json(recorded)}, {"infeasible", infeasible}};
-      if (recorded.end.outcome != Outcome::interrupted) shared.keep(recording, k, kept[k]);
+      kept[k]["row"]["file"] = std::filesystem::path(recorded.file).filename().string();
+      shared.keep(recording, k, kept[k]);
     }
   };
   for (std::size_t k = 0; k < count && !interrupted(); ++k) {
@@ -267,9 +296,10 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
     const int number = static_cast<int>(k) + 1;
     const FeasibleTrial drawn =
         feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-    before.push_back(
-        {k, drawn.infeasible,
-         record_episode(a, holding, drawn, claim_again(a.out, number), no_keys).value()});
+    Recorded recorded = record_episode(a, holding, drawn,
+                                       claim_again(a.out, number, holding, a.seed, drawn), no_keys)
+                            .value();
+    before.push_back({k, drawn.infeasible, interrupted(), std::move(recorded)});
     keep(kWriting);
     progress(k + 1);
   }
@@ -281,7 +311,9 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
   for (const Json& each : kept) {
     if (each.is_null()) continue;
     all.infeasible += each.at("infeasible").get<std::size_t>();
-    take_down(a, each.at("row"), all);
+    Json row = each.at("row");
+    row["file"] = a.out + "/" + row["file"].get<std::string>();
+    take_down(a, row, all);
   }
   return all;
 }

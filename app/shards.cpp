@@ -10,9 +10,12 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
+#include <map>
 
+#include "app/named_files.hpp"
 #include "app/standard_streams.hpp"
 #include "capture/episode.hpp"
+#include "capture/recorder.hpp"
 #include "sim/base/content_hash.hpp"
 
 namespace ferrule {
@@ -48,30 +51,19 @@ Shard shard_of(const std::string& text) {
   return shard;
 }
 
-// Of all files of a folder, and their names.
-std::string folder_hash(const std::string& name) {
-  std::vector<std::string> files;
-  for (const fs::directory_entry& entry : fs::directory_iterator(name))
-    if (entry.is_regular_file()) files.push_back(entry.path().string());
-  std::sort(files.begin(), files.end());
+// Of the files of a name; of several their names too.
+std::string hash_of(const NamedFiles& named) {
+  if (named.files.size() == 1 && !named.folder) return sha1_of_file(named.files.front());
   std::string all;
-  for (const std::string& file : files)
+  for (const std::string& file : named.files)
     all += fs::path(file).filename().string() + " " + sha1_of_file(file) + "\n";
   return sha1(all);
 }
 
-// Of the files and folders that are named after the verb, the folder of the job apart, and of the
-// files that a command within a word names.
+// Of all that the words name after the verb, the folder of the job apart.
 Json hashes(const std::vector<std::string>& words, const std::string& folder) {
-  Json all = Json::object();
-  std::error_code error;
-  for (std::size_t i = 1; i < words.size(); ++i) {
-    const std::string word = words[i].substr(words[i].find('=') + 1);
-    if (fs::is_directory(word, error) && !fs::equivalent(word, folder, error))
-      all[word] = folder_hash(word);
-    for (const std::string& part : CLI::detail::split(word, ' '))
-      if (fs::is_regular_file(part, error)) all[part] = sha1_of_file(part);
-  }
+  std::map<std::string, std::string> all;  // a name may be that of a scene and a controller
+  for (const NamedFiles& named : named_files(words, folder)) all[named.name] += hash_of(named);
   return all;
 }
 
@@ -98,6 +90,16 @@ Json read_job_file(const std::string& file) {
   return job;
 }
 
+// Words of a job, whose folder may have several names.
+std::vector<std::string> without_folder(const Json& words) {
+  return without_option(words, "--out");
+}
+
+std::string hash_of_job(Json job) {
+  job["command"] = without_folder(job["command"]);
+  return sha1(job.dump());
+}
+
 // `there` is what `file` says, `here` what this process would do.
 void refuse_other(const std::string& file, const Json& there, const Json& here) {
   for (const char* key : {"version", "build"})
@@ -106,7 +108,7 @@ void refuse_other(const std::string& file, const Json& there, const Json& here) 
                                  there.at("version").get<std::string>(),
                                  there.at("build").get<std::string>(), program_version(),
                                  program_build()));
-  if (there.at("command") != here.at("command"))
+  if (without_folder(there.at("command")) != without_folder(here.at("command")))
     throw BadInput(fmt::format("{}: is another job, ferrule {}: give another --out", file,
                                printable(shell_words(there.at("command")), 300)));
   for (const auto& [name, hash] : there.at("read").items())
@@ -126,16 +128,21 @@ std::string begin_job(const std::string& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileTrouble(folder + ": " + error.message());
-  const Json here = job_json(job_words(command_words()), folder);
+  const std::vector<std::string> words = job_words(command_words());
+  const Json here = job_json(words, folder);
+  const bool holds_episodes = words.front() == "record" && next_episode_number(folder) > 1;
   if (!fs::exists(job_file(folder))) {
+    if (holds_episodes)
+      throw BadInput(folder + ": already holds episodes, of no job; choose another folder");
     try {
       write_text(job_file(folder), here.dump(1) + "\n", false);
     } catch (const FileTrouble&) {  // another shard was faster
       if (!fs::exists(job_file(folder))) throw;
     }
   }
-  refuse_other(job_file(folder), read_job_file(job_file(folder)), here);
-  return sha1(here.dump());
+  const Json there = read_job_file(job_file(folder));
+  refuse_other(job_file(folder), there, here);
+  return hash_of_job(there);
 }
 
 }  // namespace
@@ -169,6 +176,7 @@ TimedController learned_once(const std::string& what,
   if (g_folder.empty() || !fs::exists(folder)) {
     const auto begin = std::chrono::steady_clock::now();
     const ControllerFile made = learn();
+    end_if_interrupted();  // it may be cut short
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     if (g_folder.empty()) return {made, took.count()};
     std::error_code error;
@@ -178,6 +186,7 @@ TimedController learned_once(const std::string& what,
     write_controller(beside + controller, made);
     write_text(beside + seconds, Json(took.count()).dump());
     fs::rename(beside, folder, error);
+    if (error && !fs::exists(folder)) throw FileTrouble(folder + ": " + error.message());
     if (error) fs::remove_all(beside, error);  // another process was faster
   }
   return {read_controller(folder + controller),
@@ -197,9 +206,14 @@ int run_shard(const CLI::App& app, const Run& run) {
   const std::string job = begin_job(folder);
   g_folder = folder;
   g_shared = std::make_unique<SharedTrials>(folder, job, shard, a.waits);
-  {
+  if (!g_shared->locked())
+    fmt::print(stderr,
+               "note: {}: its file system has no locks: run each shard in one process at a time\n",
+               printable(folder));
+  try {
     const MutedOutput muted;
     run();
+  } catch (const Stopped&) {
   }
   if (interrupted()) {
     fmt::print(stderr, "stopped by {}: what is done is kept; the same command goes on with it\n",
@@ -216,7 +230,7 @@ Job read_job(const std::string& folder) {
   const Json there = read_job_file(job_file(folder));
   const std::vector<std::string> words = there.at("command");
   refuse_other(job_file(folder), there, job_json(words, folder));
-  return {words, sha1(there.dump())};
+  return {words, hash_of_job(there)};
 }
 
 void share_all(const std::string& folder, const Job& job) {

@@ -5,16 +5,31 @@ import json
 import os
 import random
 import resource
+import shutil
 import signal
 import subprocess
 import sys
 import time
+from unittest import mock
 
-from case import PROGRAM, QUICK, Case, ferrule, main
+from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
 
 STRAIGHT = ("--baseline", "constant-velocity")
 # Trials of some milliseconds.
 JOB = ("evaluate", *STRAIGHT, "--scene", "paper", *QUICK, "--set", "ferrule.bore_diameter_um=125.4..126")
+
+
+# Goes straight in. In trial 3 it ends itself by SIGNAL, the first TIMES times.
+POLICY = """
+import json, os, sys
+for line in sys.stdin:
+    asked = json.loads(line)
+    if asked.get("reset", {}).get("trial") == 3 and "KILLED" in os.environ and os.path.getsize(os.environ["KILLED"]) < int(os.environ.get("TIMES", 0)):
+        with open(os.environ["KILLED"], "a") as file:
+            file.write("x")
+        os.kill(os.getpid(), int(os.environ["SIGNAL"]))
+    print(json.dumps({} if "reset" in asked else {"velocity": [-0.05, 0, 0, 0, 0]}), flush=True)
+"""
 
 
 class Shards(Case):
@@ -141,6 +156,175 @@ class Shards(Case):
         merged = self.done("merge", self.job, "--json")
         self.assertEqual(merged.stdout, self.done(*job, "--json", timeout=3600).stdout)
         self.assertIn("a part of it is damaged", merged.stderr)
+
+    # All shards at once, as by Slurm's time limit, at many moments of the search, and once each on its own.
+    def expect_finished_after_interruptions(self, *job, count=2, rounds=12, longest=1.0):
+        chance = random.Random(7)
+        for _ in range(rounds):
+            processes = [self.start(index, count, *job) for index in range(1, count + 1)]
+            time.sleep(chance.uniform(0.05, longest))
+            for process in processes:
+                process.send_signal(chance.choice((signal.SIGTERM, signal.SIGINT)))
+            for process in processes:
+                _, said = process.communicate(timeout=60)
+                self.assertIn(process.returncode, (0, 130, -signal.SIGTERM, -signal.SIGINT), said)  # before it hears
+        processes = [self.start(index, count, *job) for index in range(1, count + 1)]
+        for process in processes:
+            _, said = process.communicate(timeout=300)
+            self.assertEqual(process.returncode, 0, said)
+
+    def test_an_interrupted_search_is_finished(self):
+        job = ("improve", "tuned_by_hand", "--scene", "paper", *QUICK, "--trials", 3000, "--unseen", 20)
+        self.expect_finished_after_interruptions(*job)
+        better = self.path("better.json")
+        found = [(self.done(*command, "--out", better).stdout, open(better).read())
+                 for command in (job, ("merge", self.job))]
+        self.assertEqual(*found)
+
+    def test_an_interrupted_map_is_finished(self):
+        job = ("map", "constant-velocity", "limits.force_uN=0.1..10:log", "start.lateral_sd_um=0.1..10", "--scene",
+               "paper", *QUICK, "--trials", 100, "--width", 0.25, "--target", 0.5)
+        self.expect_finished_after_interruptions(*job)
+        self.assertEqual(self.done("merge", self.job, "--json").stdout, self.done(*job, "--json").stdout)
+
+    def test_interrupted_trials_are_finished(self):
+        for job in (("sweep", "constant-velocity", "limits.force_uN=1,3,10", "--scene", "paper", *QUICK, "--trials", 400),
+                    ("sensitivity", "constant-velocity", "--scene", "paper", *QUICK, "--trials", 100),
+                    (*JOB, "--target", 0.5, "--trials", 2000)):
+            self.job = self.path(job[0])
+            self.expect_finished_after_interruptions(*job, rounds=5, longest=0.6)
+            self.assertEqual(self.done("merge", self.job, "--json").stdout, self.done(*job, "--json").stdout)
+
+    # A learner that was cut short is not kept as if it had learned.
+    def test_an_interrupted_comparison_is_finished(self):
+        episodes = self.path("episodes")
+        self.record(episodes, episodes=4)
+        job = ("compare", episodes, "--trials", 20, "--learners", "linear,insertion", "--seeds", "1,2")
+        self.expect_finished_after_interruptions(*job, rounds=8)
+        self.assertEqual(without_times(json.loads(self.done("merge", self.job, "--json").stdout)),
+                         without_times(json.loads(self.done(*job, "--json").stdout)))
+
+    # Also where the hand goes on after success: what comes then is part of the episode.
+    def test_interrupted_and_killed_recordings_are_finished(self):
+        chance = random.Random(26)
+        job = ("record", "--scene", "paper", *QUICK, "--episodes", 40)
+        whole = self.path("whole")
+        table = self.done(*job, "--out", whole, "--csv").stdout
+        for _ in range(40):
+            process = self.start(1, 1, *job)
+            time.sleep(chance.uniform(0.02, 0.3))
+            process.send_signal(chance.choice((signal.SIGTERM, signal.SIGTERM, signal.SIGKILL)))
+            if process.wait() == 0:
+                break
+        self.shard(1, 1, *job)
+        for file in sorted(glob.glob(whole + "/*.h5")):
+            name = os.path.basename(file)
+            self.assertEqual(open(file, "rb").read(), open(f"{self.job}/{name}", "rb").read(), name)
+        self.assertEqual(self.done("merge", self.job, "--csv").stdout.replace(self.job, whole), table)
+        self.assertEqual(len(glob.glob(self.job + "/episode_*")), 40)
+
+    def test_a_folder_has_several_names(self):
+        job = ("record", "--scene", "paper", *QUICK, "--episodes", 4)
+        whole = self.done(*job, "--out", self.job).stdout
+        for file in glob.glob(self.job + "/*"):
+            os.remove(file)
+        other = self.path("other")
+        os.symlink(self.job, other)
+        self.shard(1, 2, *job)
+        self.shard(2, 2, *job, out=other)
+        self.assertEqual(self.done("merge", other).stdout, whole)
+
+    # By the system, where memory is short: that says nothing of the trial, which is run again.
+    def test_a_policy_that_is_killed_is_no_failed_trial(self):
+        policy, killed = self.path("policy.py"), self.path("killed")
+        with open(policy, "w") as file:
+            file.write(POLICY)
+        job = ("evaluate", "--scene", "paper", *QUICK, "--set", "limits.speed_um_s=200", "--trials", 6, "--threads", 1,
+               "--policy", f"{sys.executable} {policy}")
+        for how, ending in (("9", "9"), ("15", "15"), ("9", "shell")):
+            command = [*job[:-1], ("" if ending == "shell" else "exec ") + job[-1]]
+            self.job = self.path("job" + ending)
+            environment = {"env": dict(os.environ, SIGNAL=how, TIMES="1", KILLED=killed)}
+            open(killed, "w").close()
+            for index in (1, 2):
+                self.shard(index, 2, *command, **environment)
+            self.assertEqual(open(killed).read(), "x")
+            merged = self.done("merge", self.job, "--json").stdout
+            self.assertNotIn("ended the policy", merged)
+            self.assertEqual(merged, self.done(*command, "--json", env=dict(os.environ, TIMES="0", KILLED=killed)).stdout)
+        open(killed, "w").close()
+        often = {"env": dict(os.environ, SIGNAL="9", TIMES="99", KILLED=killed)}
+        self.job = self.path("often")
+        for command in ((*job, "--json"), (*job, "--shard", "2/2", "--out", self.job)):
+            run = ferrule(*command, **often)
+            self.assertEqual((run.returncode, run.stdout), (2, ""))
+            self.assertIn("trial 3: the system ended the policy: signal 9, each of 3 times", run.stderr)
+        self.shard(2, 2, *job, env=dict(os.environ, TIMES="0", KILLED=killed))  # the job goes on
+        # One that ends by itself has failed.
+        own = {"env": dict(os.environ, SIGNAL="11", TIMES="99", KILLED=killed)}
+        self.assertIn("the policy ended (exit code 139)", self.done(*job, **own).stderr)
+
+    # A controller that ships, a folder of a policy's, and what it has in folders.
+    def test_what_a_name_stands_for_must_not_change(self):
+        program, data = self.path("bin/ferrule"), self.path("share/ferrule")
+        os.mkdir(os.path.dirname(program))
+        shutil.copy(PROGRAM, program)
+        shutil.copytree(SOURCE + "/data", data)
+        patch = mock.patch("case.PROGRAM", program)
+        patch.start()
+        self.addCleanup(patch.stop)
+        policy = self.path("policy")
+        os.makedirs(policy + "/weights")
+        for name in ("__main__.py", "weights/first"):
+            with open(f"{policy}/{name}", "w") as file:
+                file.write(POLICY)
+        trials = ("--scene", "bench", *QUICK, "--trials", 4)
+        for name, changed, job in (("search", data + "/controllers/search.json", ("evaluate", "search", *trials)),
+                                   ("bench", data + "/scenes/bench.json", ("evaluate", "search", *trials)),
+                                   (policy, policy + "/weights/first",
+                                    ("evaluate", *trials, "--policy", f"{sys.executable} {policy}"))):
+            self.job = self.path("job_of_" + os.path.basename(changed))
+            self.shard(1, 2, *job)
+            text = open(changed).read()
+            with open(changed, "a") as file:
+                file.write("\n")
+            for command in ((*job, "--shard", "2/2", "--out", self.job), ("merge", self.job)):
+                self.refused(2, *command, says=[name + " has changed since the job was begun"])
+            with open(changed, "w") as file:
+                file.write(text)
+            self.shard(2, 2, *job)
+
+    # A folder of a stranger's.
+    def test_what_is_no_file_of_a_shard(self):
+        job = (*JOB, "--trials", 10)
+        self.shard(1, 2, *job)
+        precious, second = self.path("precious"), self.job + "/shard_0002_of_0002.trials"
+        with open(precious, "w") as file:
+            file.write("precious")
+        for make in (lambda: os.symlink(precious, second), lambda: shutil.copy(precious, second),
+                     lambda: os.mkfifo(second), lambda: os.symlink("/dev/zero", second)):
+            make()
+            self.refused(3, *job, "--shard", "2/2", "--out", self.job, says=[second])
+            self.assertEqual(open(precious).read(), "precious")
+            os.remove(second)
+        for make in (os.mkfifo, lambda name: os.symlink("/dev/zero", name)):
+            make(second)
+            self.refused(3, "merge", self.job, says=[second, "not a regular file"], timeout=30)
+            os.remove(second)
+        with open(second, "wb") as file:  # 200000 heads of blocks that have the rest of the file
+            for i in range(200000):
+                file.write(b"FRB1" + (12 * (199999 - i)).to_bytes(4, "little") + bytes(4))
+        begin = time.time()
+        self.refused(3, "merge", self.job, says=[second, "damaged"], timeout=120)
+        self.assertLess(time.time() - begin, 60)
+        os.remove(second)
+        self.shard(2, 2, *job)
+        self.done("merge", self.job)
+
+    def test_as_many_shards_as_there_are_numbers(self):
+        job = (*JOB, "--trials", 2)
+        self.shard(3000000000, 3000000000, *job)
+        self.refused(3, "merge", self.job, says=["shards 1/3000000000, 2/3000000000", "and 2999999991 more are not whole"], timeout=30)
 
     def test_trials_that_are_there_twice_are_told_and_count_once(self):
         job = (*JOB, "--trials", 12)
