@@ -8,6 +8,7 @@
 #include <optional>
 #include <system_error>
 
+#include "app/replaced_files.hpp"
 #include "app/shards.hpp"
 #include "app/standard_streams.hpp"
 #include "app/verb.hpp"
@@ -156,6 +157,7 @@ int run_command(const std::vector<std::string>& words) {
   Run run;
   add_verbs(app, run);
   if (const std::optional<int> code = parse(app, words)) return *code;
+  refuse_to_replace(words, shared_trials() ? shared_trials()->folder() : "");
   watch_for_interrupt();
   return run_shard(app, run);
 }

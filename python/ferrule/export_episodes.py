@@ -70,6 +70,12 @@ def _whole(place: str, write: Callable[[str], Any]) -> Any:
         _remove(beside)
 
 
+def _expect_no_episode(place: str, folder: str) -> None:
+    for episode in Path(folder).glob("*.h5"):
+        if Path(place).exists() and episode.exists() and episode.samefile(place):
+            raise BadInput(f"{place}: would replace {episode}, which is read; choose another name")
+
+
 def _expect_places(a: argparse.Namespace) -> None:
     if not (a.robomimic or a.lerobot or a.csv or a.mcap):
         raise BadInput(
@@ -79,7 +85,10 @@ def _expect_places(a: argparse.Namespace) -> None:
         parent = Path(place).absolute().parent
         if not parent.is_dir():
             raise FileTrouble(f"{place}: there is no folder {parent}")
-        if place == a.robomimic or not Path(place).exists():
+        if place == a.robomimic:
+            _expect_no_episode(place, a.folder)
+            continue
+        if not Path(place).exists():
             continue
         if not Path(place).is_dir():
             raise FileTrouble(f"{place}: is there, and no folder")

@@ -26,7 +26,7 @@ class Improve(Case):
             self.assertEqual(alone["time_s"]["median"], row["time_s"])
             self.assertEqual(alone["success_rate"], row["success_rate"])
         text = self.done("improve", out, "--set", "limits.time_s=50", "--trials", 1000, "--trials-each", 4,
-                         "--unseen", 5, "--objective", "success", "--out", out).stdout
+                         "--unseen", 5, "--objective", "success", "--out", self.path("again.json")).stdout
         self.assertIn("cruise_speed", text)
         self.assertIn("before", text)
 
