@@ -64,7 +64,7 @@ Provenance provenance_of_steps(const BenchArguments& a, const std::vector<std::s
 // Progress of a benchmark, which Ctrl-C ends between two cases.
 GoOn watched(const std::string& what) {
   return [progress = std::make_shared<Progress>(what, 1),
-          ends = std::make_shared<EndsBetweenCases>()](std::size_t done, std::size_t all) {
+          ends = std::make_shared<EndsAfter>("case")](std::size_t done, std::size_t all) {
     (*progress)(done, "", all);
     return !interrupted();
   };

@@ -61,6 +61,7 @@ void add_options(CLI::App& verb, const Learner& learner,
 
 Learned fitted(const Learner& learner, const DemonstrationSet& set, const FitArguments& a,
                std::uint64_t seed) {
+  const EndsAfter heard_late("step");
   Progress progress("fitting", 1);
   try {
     return learner.learn(set, {seed, a.options},
@@ -208,7 +209,7 @@ int fit_verb(const FitArguments& a) {
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
   const std::vector<OverSeeds> spread = over_seeds(learner, set, a);
   if (partial) provenance.partial("the best of the fit so far, in " + printable(out));
-  if (!partial && interrupted()) provenance.partial("the first of --seeds");
+  if (!partial && interrupted() && !a.seeds.empty()) provenance.partial("the first of --seeds");
   if (a.output.text()) {
     fmt::print("{}{}{}{}{}wrote {}\n{}", scenes_told(set), provenance.head(), result.report,
                to_text(spread), notes, printable(out), provenance.foot());

@@ -119,6 +119,7 @@ int identify_verb(const IdentifyArguments& a) {
   Provenance provenance;
   const Chosen chosen = choose(a, provenance);
   Identification found;
+  std::optional<EndsAfter> heard_late(std::in_place, "step");
   std::optional<Progress> progress_shown(std::in_place, "identifying", 1);
   Progress& progress = *progress_shown;
   try {
@@ -132,6 +133,7 @@ int identify_verb(const IdentifyArguments& a) {
     throw BadInput(a.folder + ": " + error.what());
   }
   progress_shown.reset();
+  heard_late.reset();
   if (found.partial) provenance.partial("the best of the identification so far");
   if (a.output.text()) {
     fmt::print("{}", provenance.head());

@@ -18,8 +18,9 @@ namespace {
 constexpr int kEndings[] = {SIGINT, SIGTERM, SIGHUP, SIGQUIT};
 
 std::atomic<int> g_interrupted = 0;                    // the signal
-std::atomic<int> g_between_cases = 0;                  // how many EndsBetweenCases there are
+std::atomic<const char*> g_after = nullptr;            // of the EndsAfter that lives
 static_assert(std::atomic<int>::is_always_lock_free);  // for the signal handler
+static_assert(std::atomic<const char*>::is_always_lock_free);
 
 [[noreturn]] void end_at_once() {
   restore_terminal();
@@ -37,10 +38,13 @@ constexpr itimerval kPatience = {{}, {0, 800000}}, kNoAlarm = {};
 
 void on_interrupt(int which) {
   if (g_interrupted) end_at_once();
-  if (g_between_cases)
-    say_at_once("ferrule: stops after this case; another signal ends it at once\n");
-  else
+  if (const char* const what = g_after) {
+    for (const char* part :
+         {"ferrule: stops after this ", what, "; another signal ends it at once\n"})
+      say_at_once(part);
+  } else {
     ::setitimer(ITIMER_REAL, &kPatience, nullptr);
+  }
   g_interrupted = which;
 }
 
@@ -76,12 +80,10 @@ bool interrupted() noexcept {
   return true;
 }
 
-EndsBetweenCases::EndsBetweenCases() {
-  ++g_between_cases;
-}
+EndsAfter::EndsAfter(const char* what) noexcept : before_(g_after.exchange(what)) {}
 
-EndsBetweenCases::~EndsBetweenCases() {
-  --g_between_cases;
+EndsAfter::~EndsAfter() {
+  g_after = before_;
 }
 
 const char* stopped_by() noexcept {

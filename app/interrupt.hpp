@@ -10,14 +10,17 @@ namespace ferrule {
 // the second ends the program at once.
 void watch_for_interrupt();
 bool interrupted() noexcept;  // from any thread
-// While one of these lives, the first signal is heard at the end of a case, however long that
-// takes, and says so: for verbs that keep the results of the cases before.
-class EndsBetweenCases {
+// While one of these lives, the first signal is heard at the end of a case (or a step, as `what`
+// says), however long that takes, and says so: for verbs that keep what was done before.
+class EndsAfter {
  public:
-  EndsBetweenCases();
-  ~EndsBetweenCases();
-  EndsBetweenCases(const EndsBetweenCases&) = delete;
-  EndsBetweenCases& operator=(const EndsBetweenCases&) = delete;
+  explicit EndsAfter(const char* what) noexcept;
+  ~EndsAfter();
+  EndsAfter(const EndsAfter&) = delete;
+  EndsAfter& operator=(const EndsAfter&) = delete;
+
+ private:
+  const char* before_;
 };
 // What ended it: "Ctrl-C", "SIGTERM" ...
 const char* stopped_by() noexcept;

@@ -94,7 +94,7 @@ void print(const Plan& plan, const std::vector<double>& costs) {
 }
 
 Plan planned_here(const Scene& scene, const PlanArguments& a) {
-  const EndsBetweenCases of_runs;  // one along an inertial fibre takes a second
+  const EndsAfter of_runs("case");  // one along an inertial fibre takes a second
   Progress progress("planning", 1);
   return make_plan(
       scene, a.tolerance,

@@ -48,12 +48,24 @@ void add_member(Policy& policy, const Weights& weights) {
   if (weights.memory.units() > 0) policy.memories.push_back(weights.memory);
 }
 
-// Trains all members anew on the rows, which the policy's scales are of. `chosen_without`: for each
-// of `test` the policy of the epochs that the others chose, without members if there are none.
-void train_members(PolicyFit& fit, std::vector<Policy>& chosen_without,
-                   const std::vector<PolicyRows>& train, const std::vector<PolicyRows>& test,
-                   const PolicySettings& settings, std::size_t round,
-                   const PolicyProgress& progress) {
+// Of DAgger; of a training without it the only one.
+struct Round {
+  PolicyFit fit;
+  std::vector<PolicyRows> train;
+  // For each demonstration held out the policy of the epochs that the others chose, without members
+  // if there are none.
+  std::vector<Policy> chosen_without;
+};
+
+// In the rounds before.
+std::size_t epochs_before(const PolicySettings& settings, std::size_t round) {
+  return round * settings.members * static_cast<std::size_t>(settings.training.epochs);
+}
+
+// Trains all members anew on the round's rows, which the policy's scales are of.
+void train_members(Round& now, const std::vector<PolicyRows>& test, const PolicySettings& settings,
+                   std::size_t round, const PolicyProgress& progress) {
+  auto& [fit, train, chosen_without] = now;
   PolicyFile& f = fit.file;
   const auto epochs = static_cast<std::size_t>(settings.training.epochs);
   const std::vector<TrainingRows> train_scaled = scaled(f.policy, train),
@@ -64,7 +76,7 @@ void train_members(PolicyFit& fit, std::vector<Policy>& chosen_without,
   f.members.clear();
   fit.curves.clear();
   for (std::size_t m = 0; m < settings.members; ++m) {
-    const std::size_t before = (round * settings.members + m) * epochs;
+    const std::size_t before = epochs_before(settings, round) + m * epochs;
     bool stopped = false;
     const auto told = [&](std::size_t epoch, const Epoch& e) {
       stopped = progress && !progress(before + epoch, e);
@@ -73,6 +85,8 @@ void train_members(PolicyFit& fit, std::vector<Policy>& chosen_without,
     const std::uint64_t seed = settings.network_seed.value_or(settings.seed) + m;
     const TrainedNetwork trained =
         train_network(train_scaled, test_scaled, settings.training, seed, told);
+    f.trained_on.partial |= stopped;
+    if (stopped && m > 0) return;
     if (trained.weights.network.empty())
       throw BadInput("the training diverged: its loss was never a finite number");
     add_member(f.policy, trained.weights);
@@ -82,7 +96,6 @@ void train_members(PolicyFit& fit, std::vector<Policy>& chosen_without,
                          trained.curve[trained.best].training_loss,
                          trained.curve[trained.best].held_out_loss});
     fit.curves.push_back(trained.curve);
-    f.trained_on.partial |= stopped;
     if (stopped) return;
   }
 }
@@ -114,12 +127,13 @@ std::vector<std::string> teachers(const Demonstrations& training) {
 }
 
 // A round of DAgger: appends to `met` the states that the policy met, with the answers of the
-// operators who demonstrated, in turn.
+// operators who demonstrated, in turn; fewer of them where it is not to go on.
 DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f,
                           const std::vector<std::string>& teachers, std::uint64_t seed,
-                          std::size_t round, std::vector<Demonstration>& met) {
+                          std::size_t round, std::vector<Demonstration>& met,
+                          const std::function<bool()>& go_on) {
   DaggerRound now;
-  for (std::size_t k = 0; k < kTrialsPerRound; ++k) {
+  for (std::size_t k = 0; k < kTrialsPerRound && go_on(); ++k) {
     const std::string what = "a scene of the episodes";
     const Scene scene = parse_scene(set.undrawn_documents[k % set.undrawn_documents.size()], what);
     const std::uint64_t trial = round * kTrialsPerRound + k;
@@ -171,12 +185,13 @@ Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
   settings.seed = chosen.seed;
   if (chosen.options.at(kNetworkSeed) != kAsSplit)
     settings.network_seed = std::stoull(chosen.options.at(kNetworkSeed));
-  const std::size_t all = (settings.dagger_rounds + 1) * settings.members *
-                          static_cast<std::size_t>(settings.training.epochs);
+  const std::size_t all = epochs_before(settings, settings.dagger_rounds + 1);
   const PolicyFit fit = fit_policy(set, settings, [&](std::size_t done, const Epoch& e) {
-    return !progress || progress(done, all,
-                                 fmt::format("  loss {:.3f}, held out {:.3f}", e.training_loss,
-                                             e.held_out_loss));
+    const std::string note =
+        std::isnan(e.training_loss)
+            ? std::string()
+            : fmt::format("  loss {:.3f}, held out {:.3f}", e.training_loss, e.held_out_loss);
+    return !progress || progress(done, all, note);
   });
   return {fit.file, text_of(fit.file, set.unsuccessful), fit.curves};
 }
@@ -201,36 +216,44 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
   auto [training, held_out] = split(set.demonstrations, settings.seed);
   std::vector<std::string> asked;
   if (settings.dagger_rounds > 0) asked = teachers(training);
-  PolicyFit fit = begun(set, settings, training, held_out);
-  PolicyFile& f = fit.file;
+  Round now{begun(set, settings, training, held_out), {}, {}}, before;
+  PolicyFile& f = now.fit.file;
   const std::vector<PolicyRows> test = policy_rows(held_out, f.reaction_time, f.policy);
   std::vector<Demonstration> met;  // by the policy, relabelled
   met.reserve(settings.dagger_rounds * kTrialsPerRound);
-  std::vector<PolicyRows> train;
-  std::vector<Policy> chosen_without;
   for (std::size_t round = 0;; ++round) {
-    train = policy_rows(training, f.reaction_time, f.policy);
-    if (count(train) < Eigen::Index{kFewestRows} || count(test) == 0)
+    now.train = policy_rows(training, f.reaction_time, f.policy);
+    if (count(now.train) < Eigen::Index{kFewestRows} || count(test) == 0)
       throw BadInput(fmt::format("too little data: {} rows in steps of 10 ms; {} are needed",
-                                 count(train), kFewestRows));
-    const auto rows = static_cast<std::size_t>(count(train));
+                                 count(now.train), kFewestRows));
+    const auto rows = static_cast<std::size_t>(count(now.train));
     if (round > 0) f.dagger.back().rows = rows - f.trained_on.rows;
     f.trained_on.rows = rows;
-    set_scales(f.policy, train);
-    train_members(fit, chosen_without, train, test, settings, round, progress);
-    if (round > 0)
-      for (const MemberTraining& m : f.members)
+    set_scales(f.policy, now.train);
+    train_members(now, test, settings, round, progress);
+    if (f.trained_on.partial && round > 0) break;
+    for (const MemberTraining& m : f.members)
+      if (round > 0)
         f.dagger.back().held_out_loss += m.held_out_loss / static_cast<double>(f.members.size());
     if (round == settings.dagger_rounds || f.trained_on.partial) break;
-    const std::size_t before = met.size();
-    f.dagger.push_back(let_it_insert(set, f, asked, settings.seed, round, met));
+    before = now;
+    const std::size_t first = met.size(), epochs = epochs_before(settings, round + 1);
+    f.dagger.push_back(let_it_insert(set, f, asked, settings.seed, round, met, [&] {
+      f.trained_on.partial |= progress && !progress(epochs, {NAN, NAN});
+      return !f.trained_on.partial;
+    }));
+    if (f.trained_on.partial) break;
     f.trained_on.rollouts = met.size();
-    for (std::size_t k = before; k < met.size(); ++k) training.push_back(&met[k]);
+    for (std::size_t k = first; k < met.size(); ++k) training.push_back(&met[k]);
   }
-  f.residual = root_mean_square(train, [&](std::size_t) -> const Policy& { return f.policy; });
+  if (f.trained_on.partial && !before.train.empty()) {
+    now = before;
+    f.trained_on.partial = true;
+  }
+  f.residual = root_mean_square(now.train, [&](std::size_t) -> const Policy& { return f.policy; });
   f.held_out_residual =
-      root_mean_square(test, [&](std::size_t e) -> const Policy& { return chosen_without[e]; });
-  return fit;
+      root_mean_square(test, [&](std::size_t e) -> const Policy& { return now.chosen_without[e]; });
+  return now.fit;
 }
 
 Learner policy_learner() {

@@ -36,7 +36,9 @@ struct PolicyFit {
 };
 
 // `progress` gets the epochs done, of (dagger_rounds + 1) members epochs at most, and the last
-// one's losses. False ends it with what there is.
+// one's losses (NaN before the first), after each step of a training and each rollout. False ends it
+// with what there is: the rounds that are whole, or of the first the members that are whole, or of
+// the first member the best epoch so far.
 using PolicyProgress = std::function<bool(std::size_t done, const Epoch&)>;
 
 // Throws BadInput where the demonstrations are too few (fewer than 3 successful ones, or fewer than

@@ -54,7 +54,9 @@ struct TrainedNetwork {
   std::vector<Weights> chosen_without{};
 };
 
-// `progress` is called after each epoch with its number, from 1; false ends the training there.
+// `progress` is called after each step and each epoch with how many epochs are whole, and the losses
+// of the last of them (NaN before the first). False ends the training there: the epoch counts as far
+// as it went.
 using TrainingProgress = std::function<bool(std::size_t epoch, const Epoch&)>;
 
 // Trains one network: Gaussian likelihood, AdamW, early stopping. One thread; the same arguments

@@ -94,23 +94,33 @@ struct Best {
   }
 };
 
+// Asked after each step, whether there is to be another.
+using GoOn = std::function<bool()>;
+
 // One epoch after the other, until the held-out loss has not fallen for long, or `progress` says so.
 // `epoch` trains on all rows once.
 TrainedNetwork trained(const std::vector<Tensor>& parameters, const TrainingSettings& settings,
-                       const TrainingProgress& progress, const std::function<Losses(AdamW&)>& epoch,
+                       const TrainingProgress& progress,
+                       const std::function<Losses(AdamW&, const GoOn&)>& epoch,
                        const std::function<Weights()>& weights) {
   torch::optim::AdamWOptions options(settings.learning_rate);
   AdamW optimiser(parameters, options.weight_decay(settings.weight_decay));
   TrainedNetwork result;
   Best best;
   std::vector<Best> without;
+  Epoch last{NAN, NAN};
+  bool stopped = false;
+  const GoOn go_on = [&] {
+    stopped |= progress && !progress(result.curve.size(), last);
+    return !stopped;
+  };
   for (int n = 0; n < settings.epochs; ++n) {
     const double along = static_cast<double>(n) / settings.epochs;
     static_cast<torch::optim::AdamWOptions&>(optimiser.param_groups()[0].options())
         .lr(settings.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * along)));
-    const Losses now = epoch(optimiser);
-    result.curve.push_back(now.mean);
-    const bool go_on = !progress || progress(result.curve.size(), now.mean);
+    const Losses now = epoch(optimiser, go_on);
+    result.curve.push_back(last = now.mean);
+    go_on();
     if (best.better(now.mean.held_out_loss, weights)) result.best = result.curve.size() - 1;
     if (now.held_out.size() > 1) without.resize(now.held_out.size());
     for (std::size_t e = 0; e < without.size(); ++e) {
@@ -119,7 +129,7 @@ TrainedNetwork trained(const std::vector<Tensor>& parameters, const TrainingSett
         if (k != e) others += now.held_out[k];
       without[e].better(others, weights);
     }
-    if (!go_on || result.curve.size() - result.best > static_cast<std::size_t>(settings.patience))
+    if (stopped || result.curve.size() - result.best > static_cast<std::size_t>(settings.patience))
       break;
   }
   result.weights = best.weights.value_or(Weights{});
@@ -200,10 +210,13 @@ struct Memory {
     return negative_log_likelihood(perceptron.forward(h), v) * varies * told.unsqueeze(2);
   }
 
-  // Once through `some` of the episodes, window after window. Returns the sum of the losses.
-  double train_on(const Tensor& some, AdamW& optimiser) {
+  // The losses of a training, and of how many rows.
+  struct Sum {
+    double loss = 0, rows = 0;
+  };
+  // Once through `some` of the episodes, window after window. False where it is not to go on.
+  bool train_on(const Tensor& some, AdamW& optimiser, const GoOn& go_on, Sum& sum) {
     Tensor h = torch::zeros({1, some.size(0), settings.memory});
-    double sum = 0;
     const std::int64_t rows = train.x.size(0);
     for (std::int64_t row = 0; row < rows; row += settings.window) {
       const auto window = [&](const Tensor& all) {
@@ -221,9 +234,11 @@ struct Memory {
       (its / n).backward();
       torch::nn::utils::clip_grad_norm_(parameters, 1.0);
       optimiser.step();
-      sum += its.item<double>();
+      sum.loss += its.item<double>();
+      sum.rows += n;
+      if (!go_on()) return false;
     }
-    return sum;
+    return true;
   }
 
   Losses with_held_out(double training_loss) {
@@ -252,9 +267,9 @@ TrainedNetwork train_perceptron(const std::vector<TrainingRows>& training,
   std::vector<std::int64_t> rows_held;
   for (const TrainingRows& one : held_out) rows_held.push_back(one.input.cols());
   const Perceptron perceptron(x.size(1), settings.hidden, v.size(1));
-  const auto epoch = [&](AdamW& optimiser) {
+  const auto epoch = [&](AdamW& optimiser, const GoOn& go_on) {
     const Tensor order = torch::randperm(x.size(0));
-    double loss_sum = 0;
+    double loss_sum = 0, rows_seen = 0;
     for (std::int64_t first = 0; first < x.size(0); first += settings.batch) {
       const Tensor rows =
           order.narrow(0, first, std::min<std::int64_t>(settings.batch, x.size(0) - first));
@@ -266,13 +281,14 @@ TrainedNetwork train_perceptron(const std::vector<TrainingRows>& training,
       loss.backward();
       optimiser.step();
       loss_sum += loss.item<double>() * static_cast<double>(rows.size(0));
+      rows_seen += static_cast<double>(rows.size(0));
+      if (!go_on()) break;
     }
     const torch::NoGradGuard guard;
     const Tensor its = negative_log_likelihood(perceptron.forward(x_held), v_held).sum(1);
     std::vector<Tensor> of_each;
     for (const Tensor& one : its.split_with_sizes(rows_held)) of_each.push_back(one.sum());
-    return losses(loss_sum / static_cast<double>(x.size(0)), its.mean().item<double>(),
-                  torch::stack(of_each));
+    return losses(loss_sum / rows_seen, its.mean().item<double>(), torch::stack(of_each));
   };
   return trained(perceptron.parameters(), settings, progress, epoch,
                  [&] { return Weights{perceptron.network()}; });
@@ -282,15 +298,15 @@ TrainedNetwork train_memory(const std::vector<TrainingRows>& training,
                             const std::vector<TrainingRows>& held_out,
                             const TrainingSettings& settings, const TrainingProgress& progress) {
   Memory memory(training, held_out, settings);
-  const auto epoch = [&](AdamW& optimiser) {
+  const auto epoch = [&](AdamW& optimiser, const GoOn& go_on) {
     const std::int64_t count = memory.train.x.size(1);
     const Tensor order = torch::randperm(count);
-    double sum = 0;
+    Memory::Sum sum;
     for (std::int64_t first = 0; first < count; first += settings.together) {
       const std::int64_t n = std::min<std::int64_t>(settings.together, count - first);
-      sum += memory.train_on(order.narrow(0, first, n), optimiser);
+      if (!memory.train_on(order.narrow(0, first, n), optimiser, go_on, sum)) break;
     }
-    return memory.with_held_out(sum / memory.train.told.sum().item<double>());
+    return memory.with_held_out(sum.loss / sum.rows);
   };
   return trained(memory.parameters, settings, progress, epoch, [&] { return memory.weights(); });
 }

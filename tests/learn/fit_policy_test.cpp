@@ -5,6 +5,7 @@
 
 #include "controller/campaign.hpp"
 #include "controller/searching_operator.hpp"
+#include "learn/record_again.hpp"
 #include "learn/relabel.hpp"
 #include "tests/compare.hpp"
 #include "tests/demonstrations.hpp"
@@ -143,6 +144,65 @@ TEST(TrainNetworkInSeconds, ADemonstrationDoesNotChooseTheWeightsThatItGrades) {
     EXPECT_GT(epochs.size(), 1u) << "all choose alike: this shows nothing";
     EXPECT_TRUE(train_network(training, noise(1, 30, 2), settings, 1, {}).chosen_without.empty());
   }
+}
+
+// An epoch may take long: it is stopped after any step, and counts as far as it went.
+TEST(TrainNetwork, IsStoppedWithinAnEpoch) {
+  NEEDS_LIBTORCH;
+  for (const int memory : {0, 8}) {
+    TrainingSettings settings;
+    settings.epochs = 3;
+    settings.hidden = {8};
+    settings.memory = memory;
+    settings.window = 50;
+    settings.batch = 20;
+    settings.together = 1;
+    for (const std::size_t last : {2u, 5u, 20u}) {  // an epoch has 16 steps, or 40
+      std::size_t asked = 0;
+      const TrainedNetwork part = train_network(
+          noise(4, 200, 1), noise(2, 30, 2), settings, 1, [&](std::size_t epochs, const Epoch& e) {
+            EXPECT_EQ(std::isnan(e.training_loss), epochs == 0);
+            return ++asked < last;
+          });
+      EXPECT_LE(asked, last + 1) << "after a step, and where the epoch ends";
+      ASSERT_FALSE(part.weights.network.empty());
+      EXPECT_EQ(part.curve.size(), memory > 0 && last == 20 ? 2U : 1U);
+      EXPECT_TRUE(std::isfinite(part.curve.back().training_loss));
+      EXPECT_TRUE(part.weights.network.front().weight.allFinite());
+    }
+  }
+}
+
+// What is whole is kept: members of an ensemble, rounds of DAgger.
+TEST(FitPolicy, KeepsWhatIsWholeWhereItIsStopped) {
+  NEEDS_LIBTORCH;
+  PolicySettings settings = quick();
+  settings.training.epochs = 2;
+  settings.members = 3;
+  const DemonstrationSet set = demonstrations(10, 0);
+  const auto until = [](std::size_t epochs) {
+    return [epochs, asked = 0](std::size_t done, const Epoch&) mutable {
+      return done < epochs || ++asked < 3;  // some steps later
+    };
+  };
+  PolicyFile part = fit_policy(set, settings, until(2)).file;
+  EXPECT_TRUE(part.trained_on.partial);
+  EXPECT_EQ(part.policy.members.size(), 1U);
+  EXPECT_EQ(part.members.size(), 1U);
+  EXPECT_GT(part.held_out_residual, 0);
+
+  settings.members = 1;
+  settings.dagger_rounds = 2;
+  const DemonstrationSet by_operator = simulated_demonstrations(testing::quick(), 0.8, 1, 4);
+  part = fit_policy(by_operator, settings, until(4)).file;
+  EXPECT_TRUE(part.trained_on.partial);
+  EXPECT_EQ(part.dagger.size(), 1U);
+  EXPECT_EQ(part.trained_on.rollouts, 10U);
+  settings.dagger_rounds = 1;
+  const PolicyFile whole = fit_policy(by_operator, settings, {}).file;
+  EXPECT_FALSE(whole.trained_on.partial);
+  EXPECT_EQ(part.policy.members[0][0].weight, whole.policy.members[0][0].weight);
+  EXPECT_EQ(part.residual, whole.residual);
 }
 
 TEST(FitPolicy, OneDemonstrationThatChoseTheEpochDoesNotGradeIt) {
