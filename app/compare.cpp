@@ -274,6 +274,7 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
 int compare_verb(const CompareArguments& a) {
   expect_place_for(a.trials_out);
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
+  for (const EpisodeCopy& copy : set.copies) fmt::print(stderr, "note: {}\n", printable(copy.text()));
   expect_comparable(a, set);
   const ChosenScene chosen = a.scene.choose(brought_by(set, a.folder));
   const Scene& scene = chosen.scene;

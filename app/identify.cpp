@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "app/verb.hpp"
+#include "capture/episode_copies.hpp"
 #include "learn/shuffle.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -31,12 +32,17 @@ Chosen choose(const IdentifyArguments& a, Provenance& provenance) {
   Chosen chosen;
   BroughtScene brought{{}, a.folder + " was recorded in", ""};
   const std::vector<std::string> files = episode_files(a.folder);
+  EpisodeCopies copies;
   for (const std::size_t drawn : shuffled(files.size(), a.seed)) {
     if (chosen.recordings.size() == kEpisodes) break;
     const std::string& file = files[drawn];
     const Episode episode = read_episode(file);
     if (episode.rows.rows() < 2) continue;
     end_if_interrupted();
+    if (const auto copy = copies.seen(episode, file)) {
+      fmt::print(stderr, "note: {}\n", printable(copy->text()));
+      continue;
+    }
     provenance.read(file);
     const Json document = undrawn(parse_json(episode.info.scene, file));
     if (!chosen.recordings.empty() && document != brought.document)

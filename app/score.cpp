@@ -8,6 +8,7 @@
 
 #include "app/plot.hpp"
 #include "app/verb.hpp"
+#include "capture/episode_copies.hpp"
 #include "controller/statistics.hpp"
 #include "sim/base/content_hash.hpp"
 #include "sim/scene/draw.hpp"
@@ -99,9 +100,14 @@ Scores scored(const ScoreArguments& a, Provenance& provenance) {
   Scores session;
   const std::vector<std::string> files = episode_files(a.places);
   Progress progress("reading", files.size());
+  EpisodeCopies copies;
   for (const std::string& file : files) {
     if (interrupted()) break;
     const EpisodeRows episode = open_episode(file);
+    if (const auto copy = copies.seen(episode, file)) {
+      fmt::print(stderr, "note: {}\n", printable(copy->text()));
+      continue;
+    }
     provenance.read(file);
     const EpisodeInfo& info = episode.info();
     const Scene scene = recorded_scene(info, file);

@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "capture/child.hpp"
+#include "insertion/scene_scaling.hpp"
+#include "insertion/watch.hpp"
 
 namespace ferrule {
 namespace {
@@ -86,6 +89,43 @@ StoredEpisode::StoredEpisode(const MappedFile& file)
   };
   for (const Block& block : kBlocks) open(rows_path(block), block_of(block, info_.format).width);
   if (!info_.mapping.empty()) open(kCountsPath, kRawAxes);
+  if (info_.outcome == Outcome::inserted) expect_inserted();
+}
+
+void StoredEpisode::expect_inserted() const {
+  const Scene scene = recorded_scene(info_, file_);
+  const double motion = scene_scaling(scene).motion;
+  std::optional<InsertionWatch> watch;
+  double next = 0;  // depth, at the end of the period that a row begins [m]
+  for (Eigen::Index first = 0; first < count_; first += hdf5::kChunk) {
+    const Eigen::Index count = std::min(hdf5::kChunk, count_ - first);
+    Rows rows = Rows::Zero(count, kRowSize);
+    for (const Block& block : {kStates, kHolder, kStatus, kCommand}) {
+      const Matrix values = numbers(rows_path(block), first, count);
+      rows.middleCols(block.begin, values.cols()) = values;
+    }
+    for (Eigen::Index n = 0; n < count; ++n) {
+      const StepResult result = step_of(rows.row(n)).result;
+      if (!watch) watch.emplace(scene, result.state);
+      const std::optional<Outcome> seen = watch->after(result, nullptr);
+      const double depth = watch->summary().depth;
+      if (seen == Outcome::inserted) return;
+      if (info_.format < kEpisodeFormat) {
+        if (depth >= scene.success.depth) return;
+      } else if (seen) {
+        throw FileTrouble(
+            fmt::format("{}: damaged: the outcome is inserted, but the rows end as {} at "
+                        "{:g} s",
+                        file_, name(*seen), result.state.time));
+      }
+      next = depth + info_.period * std::max(0.0, -rows(n, kCommand.begin)) / motion;
+    }
+  }
+  // The row that ended it is missing where the hand's pose after it was not a number.
+  if (!(next >= scene.success.depth))
+    throw FileTrouble(fmt::format(
+        "{}: damaged: the outcome is inserted, but the last row is {:.4g} um deep, not {:g} um",
+        file_, 1e6 * watch->summary().depth, 1e6 * scene.success.depth));
 }
 
 Matrix StoredEpisode::numbers(const std::string& path, Eigen::Index first,

@@ -9,7 +9,9 @@
 namespace ferrule {
 
 // What is read is checked before: what the file says of itself, that the rows' times are those of
-// their numbers, and that every number is finite. Allows the child what so large a file may take.
+// their numbers, that every number is finite, and that the rows show an insertion where the outcome
+// says so: by the rules of its scene (insertion/watch.hpp), and in files of older formats, whose
+// rules may have been others, by the depth alone. Allows the child what so large a file may take.
 // `file` must outlive this. Throws FileTrouble, naming what is damaged.
 class StoredEpisode {
  public:
@@ -28,6 +30,8 @@ class StoredEpisode {
   }
 
  private:
+  void expect_inserted() const;
+
   std::string file_;
   hdf5::Reader in_;
   EpisodeInfo info_;

@@ -112,12 +112,16 @@ DemonstrationSet load_demonstrations(
     const std::vector<std::string>& files,
     const std::function<void(std::size_t, std::size_t)>& progress) {
   DemonstrationSet set;
+  EpisodeCopies copies;
   std::size_t read = 0;
   for (const std::string& file : files) {
     if (progress) progress(read++, files.size());
     std::string hash;
     const EpisodeRows episode = open_episode(file, &hash);
-    set.add(episode, file, hash);
+    if (const auto copy = copies.seen(episode, file))
+      set.copies.push_back(*copy);
+    else
+      set.add(episode, file, hash);
   }
   return set;
 }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "capture/episode.hpp"
+#include "capture/episode_copies.hpp"
 #include "controller/observation.hpp"
 #include "controller/trained_on.hpp"
 
@@ -62,6 +62,7 @@ struct DemonstrationSet {
   double speed_limit = 0,
          force_limit = 0;                // of the scenes at the tip: largest, smallest [m/s], [N]
   std::vector<std::string> operators{};  // of all episodes, the unsuccessful ones too
+  std::vector<EpisodeCopy> copies{};     // files that were left out as such, of no account above
 
   // Throws BadInput where the episode was recorded with another scaling than those before.
   void add(const EpisodeRows& episode, const std::string& file, const std::string& hash);
@@ -72,7 +73,7 @@ struct DemonstrationSet {
 Demonstration demonstration(const EpisodeRows& episode, const Scene& scene,
                             const std::string& file);
 
-// All episodes of a folder. Throws FileTrouble, and BadInput if they were recorded with different
+// All episodes of a folder, copies of others left out. Throws FileTrouble, and BadInput if they were recorded with different
 // scalings. `progress` is called with the number of episodes read, and of all; what it throws ends
 // the loading.
 DemonstrationSet load_demonstrations(

@@ -133,6 +133,7 @@ std::vector<std::string> fit_warnings(const DemonstrationSet& set,
                                       const ControllerFile& controller) {
   std::vector<std::string> warnings;
   if (const auto* law = std::get_if<LawFile>(&controller)) warn_of_gains(set, *law, warnings);
+  for (const EpisodeCopy& copy : set.copies) warnings.push_back(copy.text());
   if (set.beyond > 0)
     warnings.push_back(fmt::format(
         "{} of {} successful episodes were left out, drawn at random: a fit takes {} rows of 10 ms",

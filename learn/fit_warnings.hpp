@@ -15,6 +15,7 @@ namespace ferrule {
 //     apart. What one number says of it is a mixture then, and its interval holds neither.
 //   - a law that does not tilt though the hands did, for other reasons than the moments
 //     (learn/tilt_yields.hpp).
+//   - files that were left out as copies of others.
 //   - a controller that meets no force at all, and yet does not reach the success depth within the
 //     longest trial of a scene that it learned from.
 std::vector<std::string> fit_warnings(const DemonstrationSet& set,

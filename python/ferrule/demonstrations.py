@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import math
 import os
+import sys
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Callable, Mapping
@@ -49,6 +51,30 @@ def episode_files(folder: str | os.PathLike) -> list[Path]:
     return files
 
 
+class Copies:
+    """Which of several episodes have the same rows: who counts episodes counts each once."""
+
+    def __init__(self) -> None:
+        self._files: dict[bytes, str] = {}
+
+    def seen(self, episode: Episode, file: str | os.PathLike) -> bool:
+        """Whether it is one of an episode before; says so on stderr."""
+        rows = hashlib.sha1()
+        for part in (episode.hand_pose, episode.command, episode.holder_wrench):
+            rows.update(np.ascontiguousarray(part).tobytes())
+        original = self._files.setdefault(rows.digest(), str(file))
+        if original == str(file):
+            return False
+        note = f"note: {file} is left out: it has the rows of {original}, a copy"
+        print(printable(note), file=sys.stderr)
+        return True
+
+
+def printable(text: object) -> str:
+    """In one line, with what a terminal would act on escaped."""
+    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
+
+
 def _up_to_success(episode: Episode, depth: float) -> int:
     """Rows until the success depth is reached: the environment ends there, a recording goes on."""
     deep = np.flatnonzero(episode.states[:, 0] <= -depth)
@@ -85,10 +111,12 @@ def load_demonstrations(
     """Those of the inserted episodes, up to success. Raises BadInput, FileTrouble."""
     files = episode_files(folder)
     scene: dict[str, Any] | None = None
-    kept, left_out = [], 0
+    kept, left_out, copies = [], 0, Copies()
     for number, file in enumerate(files):
         progress(number, len(files))
         episode = Episode(file)
+        if copies.seen(episode, file):
+            continue
         if episode.outcome != "inserted":
             left_out += 1
             continue

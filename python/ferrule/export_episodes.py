@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any, Callable
 
 from . import BadInput, FileTrouble, __version__, export_lerobot, export_robomimic, export_rows
-from .demonstrations import Demonstrations, load_demonstrations
+from .demonstrations import Demonstrations, load_demonstrations, printable
 
 
 def _arguments() -> argparse.Namespace:
@@ -138,11 +138,6 @@ def _tell(done: int, of: int) -> None:
         print(f"\rreading {done} of {of}", end="\n" if done == of else "", file=sys.stderr)
 
 
-def _printable(text: object) -> str:
-    """In one line, with what a terminal would act on escaped."""
-    return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in str(text))
-
-
 def _stop(number: int, frame: object) -> None:
     raise KeyboardInterrupt("Ctrl-C" if number == signal.SIGINT else signal.Signals(number).name)
 
@@ -155,10 +150,10 @@ def main() -> int:
     try:
         result = _export(a)
     except BadInput as error:
-        print(f"ferrule: {_printable(error)}", file=sys.stderr)
+        print(f"ferrule: {printable(error)}", file=sys.stderr)
         return 2
     except (FileTrouble, ImportError) as error:
-        print(f"ferrule: {_printable(error)}", file=sys.stderr)
+        print(f"ferrule: {printable(error)}", file=sys.stderr)
         return 3
     except KeyboardInterrupt as stopped:
         print(f"ferrule: stopped by {stopped}; nothing of it is kept", file=sys.stderr)
@@ -173,7 +168,7 @@ def main() -> int:
             f"out\nactions of 1: {result['action_scale']} (m/s, rad/s at the tip)"
         )
     for place in result["written"]:
-        print(f"wrote {_printable(place)}")
+        print(f"wrote {printable(place)}")
     return 0
 
 

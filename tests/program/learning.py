@@ -2,6 +2,7 @@ import collections
 import glob
 import json
 import os
+import shutil
 import unittest
 
 import h5py
@@ -259,6 +260,45 @@ class Learning(Case):
         quick = self.path("quick")
         self.record(quick, episodes=6)
         self.assertNotIn("warning", self.done("fit", quick, "--out", out).stdout)
+
+    # By bytes, and by rows under other words.
+    def test_a_copied_episode_counts_once(self):
+        out = self.path("out")
+        files = self.record(out, episodes=4)
+        alone, both = self.path("alone.json"), self.path("both.json")
+        self.done("fit", out, "--out", alone)
+        scores = json.loads(self.done("score", out, "--json").stdout)["episodes"]
+        shutil.copy(files[0], out + "/z.h5")
+        shutil.copy(files[1], out + "/zz.h5")
+        with h5py.File(out + "/zz.h5", "r+") as f:
+            f.attrs["operator"], f.attrs["trial"] = "somebody", 77
+        told = self.done("fit", out, "--out", both).stdout
+        for copy, original in (("z.h5", files[0]), ("zz.h5", files[1])):
+            said = f"{out}/{copy} is left out: it has the rows of {original}, a copy\n"
+            self.assertIn("warning: " + said, told)
+            run = self.done("score", out, "--json")
+            self.assertIn("note: " + said, run.stderr)
+            self.assertEqual(json.loads(run.stdout)["episodes"], scores)
+            self.assertIn("note: " + said, self.done("compare", out, "--learners", "linear", "--trials", 2).stderr)
+        self.assertEqual(open(alone).read(), open(both).read())
+        for file in files[1:]:
+            os.remove(file)
+        run = self.done("identify", out, "--parameters", "laws.friction.burgers_nm", "--json")
+        self.assertIn("is left out", run.stderr)
+        self.assertEqual(len(json.loads(run.stdout)["episodes"]), 2)
+
+    # Whoever reads it.
+    def test_an_outcome_that_the_rows_do_not_show_is_refused(self):
+        out = self.path("out")
+        self.record(out, "--set", "limits.time_s=1", episodes=3)
+        for file in glob.glob(out + "/*.h5"):
+            with h5py.File(file, "r+") as f:
+                self.assertEqual(f.attrs["outcome"], b"timeout")
+                f.attrs["outcome"] = "inserted"
+        for arguments in (("fit", out, "--out", self.path("c.json")), ("score", out),
+                          ("compare", out), ("identify", out, "--parameters", "laws.friction.burgers_nm"),
+                          ("replay", glob.glob(out + "/*.h5")[0], "--verify")):
+            self.refused(3, *arguments, says=["damaged", "inserted", "timeout"])
 
     def test_refusals(self):
         out = self.path("out")
