@@ -98,6 +98,23 @@ class Documents(Commands):
         for number in re.findall(r"\d+\.\d+", prose):
             self.assertIn(number, printed)
 
+    # Uncut, too: the first page claims what its main job and its demo print.
+    @unittest.skipUnless(os.environ.get("FERRULE_LONG"), "takes a minute: ./ferrule test --long")
+    def test_numbers_of_the_result(self):
+        os.symlink(PROGRAM, self.path("ferrule"))
+        text = open(os.path.join(SOURCE, "README.md")).read()
+        job = [command for _, command in blocks(text[text.index("## The main job"):])]
+        evaluation = next(k for k, command in enumerate(job) if command.startswith("./ferrule evaluate"))
+        printed = ""
+        for command in ["./ferrule demo"] + job[:evaluation + 1]:
+            printed += subprocess.run(["bash", "-c", command], cwd=self.folder, check=True, stdout=subprocess.PIPE,
+                                      stderr=subprocess.STDOUT, text=True).stdout
+        claimed = re.search(r"\*\*The result\.\*\*(.*?)Into a bore", text, re.S).group(1)
+        counts = re.findall(r"\d+ of \d+", " ".join(claimed.split()))
+        self.assertGreater(len(counts), 3)
+        for count in counts:
+            self.assertIn(f": {count} inserted", printed)
+
     def test_every_rule_leaves_something_out(self):
         commands = [command for document in DOCUMENTS
                     for language, command in blocks(open(document).read())]
