@@ -75,7 +75,7 @@ std::string success_table(const CampaignSummary& learned, const CampaignSummary&
                    {"trials still to show 99 % / 99.9 %"},
                    {"time [s], median / p95"},
                    {"peak force [uN], median / p95"},
-                   {"joint loss [dB], median / p95"}});
+                   {"loss with an ideal partner [dB], median / p95"}});
   for (const auto& [who, s] : {std::pair<const char*, const CampaignSummary&>{"learned", learned},
                                {"constant velocity", baseline}}) {
     const auto pair = [](const Spread& x, double unit, const char* format) {

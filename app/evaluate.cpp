@@ -96,7 +96,7 @@ std::vector<DrawnQuantity> find_worst(const EvaluateArguments& a, const Scene& s
 CampaignSummary summary_of(const EvaluateArguments& a, const Scene& scene, const Tried& tried) {
   CampaignSummary summary = tried.tally.summary();
   if (tried.target) summary.target = tried.target->verdict();
-  summary.mated = mated(scene.joint, tried.results, a.seed);
+  summary.mated = mated(scene, tried.results, a.seed);
   summary.worst = tried.worst;
   return summary;
 }

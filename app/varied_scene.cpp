@@ -68,7 +68,7 @@ void run(const VariedArguments& a, const VariedScene& varied, const StoppingArgu
     Point& point = *points[k];
     point.results = std::move(results[k]);
     point.summary = stopping.summary(point.results);
-    point.summary.mated = mated(point.scene->joint, point.results, a.seed);
+    point.summary.mated = mated(*point.scene, point.results, a.seed);
   }
 }
 
@@ -84,7 +84,7 @@ Json short_row(const Json& summary) {
     row[name] = summary[key]["median"];
     row[p95] = summary[key]["p95"];
   }
-  for (const char* key : {"outcomes", "target", "mated", "mated_tuned"})
+  for (const char* key : {"outcomes", "target", "mated", "mated_tuned", "mated_joint"})
     if (summary.contains(key)) row[key] = summary[key];
   return row;
 }

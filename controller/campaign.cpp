@@ -292,11 +292,22 @@ CampaignSummary summarise(const std::vector<TrialResult>& results) {
   return tally.summary();
 }
 
-Mated mated(const Joint& joint, const std::vector<TrialResult>& results, std::uint64_t seed) {
+Mated mated(const Scene& scene, const std::vector<TrialResult>& results, std::uint64_t seed) {
+  Mated all{
+      .untuned = {}, .tuned = {}, .untuned_at = {}, .tuned_at = {}, .joint = graded_joint(scene)};
   std::vector<LightAxis> inserted;
-  for (const TrialResult& r : results)
-    if (r.outcome == Outcome::inserted) inserted.push_back(r.light);
-  return {mate(joint, inserted, seed, false), mate(joint, inserted, seed, true)};
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    if (results[k].outcome != Outcome::inserted) continue;
+    inserted.push_back(results[k].light);
+    inserted.back().offset += all.joint.unstated_offset(seed, k);
+  }
+  for (const Joint& at : all.joint.at) {
+    all.untuned_at.push_back(mate(at, inserted, seed, false));
+    all.tuned_at.push_back(mate(at, inserted, seed, true));
+  }
+  all.untuned = worst_of(all.untuned_at);
+  all.tuned = worst_of(all.tuned_at);
+  return all;
 }
 
 Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialResult>& b) {

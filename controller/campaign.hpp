@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "controller/enough.hpp"
+#include "controller/graded_joint.hpp"
 #include "controller/mated_pairs.hpp"
 #include "controller/quantiles.hpp"
 #include "controller/shared_trials.hpp"
@@ -62,9 +63,11 @@ struct InterventionSummary {
   std::array<std::size_t, kInterventions> gave_up;  // trials, by why
 };
 
-// Connectors that were inserted so, mated at random.
+// Connectors that were inserted so, mated at random, and what they lose at all wavelengths.
 struct Mated {
   MatedPairs untuned, tuned;
+  std::vector<MatedPairs> untuned_at, tuned_at;  // each wavelength of the joint
+  GradedJoint joint;
 };
 
 struct CampaignSummary {
@@ -95,8 +98,9 @@ class Tally {
 };
 CampaignSummary summarise(const std::vector<TrialResult>& results);
 
-// Of the insertions that succeeded, mated among each other (mated_pairs.hpp).
-Mated mated(const Joint& joint, const std::vector<TrialResult>& results, std::uint64_t seed);
+// Of the insertions of trials 0, 1, ... of that scene and seed that succeeded, mated among each
+// other (mated_pairs.hpp), with the joint of graded_joint.hpp.
+Mated mated(const Scene& scene, const std::vector<TrialResult>& results, std::uint64_t seed);
 
 // Median of a - b over pairs, and its 95 % interval; NaN where there are no pairs, or too few.
 struct PairedMedian {

@@ -11,12 +11,27 @@ Json spread_json(const Spread& s, double unit) {
   return {{"median", number_or_null(unit * s.median)}, {"p95", number_or_null(unit * s.p95)}};
 }
 
-Json to_json(const MatedPairs& m) {
-  const char* grade = connector_grade(m);
-  return {{"pairs", m.pairs},
-          {"mean_dB", number_or_null(m.mean_dB)},
+Json losses_json(const MatedPairs& m) {
+  return {{"mean_dB", number_or_null(m.mean_dB)},
+          {"mean_low_dB", number_or_null(m.mean_95.low)},
+          {"mean_high_dB", number_or_null(m.mean_95.high)},
           {"p97_dB", number_or_null(m.p97_dB)},
-          {"grade", grade ? Json(grade) : Json()}};
+          {"p97_low_dB", number_or_null(m.p97_95.low)},
+          {"p97_high_dB", number_or_null(m.p97_95.high)}};
+}
+
+// What holds at all wavelengths, and what each has.
+Json to_json(const MatedPairs& m, const std::vector<MatedPairs>& at, const GradedJoint& joint) {
+  const auto grade = [](const char* name) { return name ? Json(name) : Json(); };
+  Json json = losses_json(m);
+  json["pairs"] = m.pairs;
+  json["grade"] = grade(connector_grade(m));
+  const std::vector<const char*> allowed = allowed_grades(m);
+  json["grade_best"] = allowed.empty() ? Json() : grade(allowed.front());
+  json["grade_worst"] = allowed.empty() ? Json() : grade(allowed.back());
+  for (std::size_t i = 0; i < at.size(); ++i)
+    json["at"][fmt::format("{:.5g}_nm", 1e9 * joint.at[i].wavelength)] = losses_json(at[i]);
+  return json;
 }
 
 Json to_json(const InterventionSummary& s) {
@@ -57,8 +72,10 @@ Json to_json(const CampaignSummary& s) {
     json["target"] = {
         {"rate", s.target->rate}, {"verdict", name(s.target->kind)}, {"trials", s.target->trials}};
   if (s.mated) {
-    json["mated"] = to_json(s.mated->untuned);
-    json["mated_tuned"] = to_json(s.mated->tuned);
+    const Mated& m = *s.mated;
+    json["mated"] = to_json(m.untuned, m.untuned_at, m.joint);
+    json["mated_tuned"] = to_json(m.tuned, m.tuned_at, m.joint);
+    json["mated_joint"] = to_json(m.joint);
   }
   if (s.worst) add_json(*s.worst, json);
   if (s.interventions) json.update(to_json(*s.interventions));
@@ -133,12 +150,29 @@ std::string time_limit_note(const CampaignSummary& s) {
                          s.feasible - s.successes);
 }
 
-std::string to_text(const char* how, const MatedPairs& m) {
-  if (m.pairs == 0) return "";
-  const char* grade = connector_grade(m);
-  return fmt::format("  {:<14} mean {:.4g} dB, 97 % within {:.4g} dB, {}\n", how, m.mean_dB,
-                     m.p97_dB, grade ? fmt::format("grade {}", grade) : "no grade");
+std::string allowed_grades_text(const MatedPairs& pairs) {
+  const auto word = [](const char* grade) { return grade ? grade : "none"; };
+  const std::vector<const char*> allowed = allowed_grades(pairs);
+  if (allowed.size() < 2) return "";
+  return fmt::format(" ({} to {})", word(allowed.front()), word(allowed.back()));
 }
+
+namespace {
+
+// Of connectors as they come, or tuned.
+std::string to_text(const char* how, const MatedPairs& m) {
+  const auto interval = [](const Interval& of) {
+    if (std::isnan(of.low)) return std::string();
+    return std::isfinite(of.high) ? fmt::format(" ({:.3g} to {:.3g})", of.low, of.high)
+                                  : fmt::format(" (from {:.3g})", of.low);
+  };
+  const char* grade = connector_grade(m);
+  return fmt::format("  {:<14} mean {:.4g} dB{}, 97 % within {:.4g} dB{}, {}{}\n", how, m.mean_dB,
+                     interval(m.mean_95), m.p97_dB, interval(m.p97_95),
+                     grade ? fmt::format("grade {}", grade) : "no grade", allowed_grades_text(m));
+}
+
+}  // namespace
 
 std::string to_text(const std::string& who, const CampaignSummary& s) {
   std::string text = fmt::format("{}: {} of {} inserted", who, s.successes, s.feasible);
@@ -160,8 +194,12 @@ std::string to_text(const std::string& who, const CampaignSummary& s) {
   };
   line("time", s.time, 1, "s");
   line("peak force", s.peak_force, 1e6, "uN");
-  line("joint loss", s.loss_dB, 1, "dB");
-  if (s.mated) text += to_text("mated", s.mated->untuned) + to_text("mated, tuned", s.mated->tuned);
+  if (std::isfinite(s.loss_dB.median))
+    text += fmt::format("  {:<14} median {:.4g} dB, p95 {:.4g} dB, with an ideal partner\n",
+                        "joint loss", s.loss_dB.median, s.loss_dB.p95);
+  if (s.mated && s.mated->untuned.pairs > 0)
+    text += to_text("mated", s.mated->untuned) + to_text("mated, tuned", s.mated->tuned) +
+            fmt::format("  {:<14} {}\n", "graded for", to_text(s.mated->joint));
   if (s.unfinished > 0)
     text += fmt::format("  {:<14} {} of {} without a minimum: they lag behind until later ones\n",
                         "steps", s.unfinished, s.steps);

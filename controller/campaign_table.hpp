@@ -16,6 +16,9 @@ std::string to_text(const Comparison& comparison);
 // "99.9 % shown after 4512 trials".
 std::string to_text(const Verdict& verdict);
 
+// " (B to C)": the grades that the intervals allow (mated_pairs.hpp), where there are several.
+std::string allowed_grades_text(const MatedPairs& pairs);
+
 // Further trials that would show `rate` at the success rate so far (trials_to_show), or `otherwise`
 // where none would.
 std::string trials_to_show_or(const char* otherwise, double rate, const CampaignSummary& summary);

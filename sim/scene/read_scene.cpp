@@ -289,14 +289,37 @@ void read_success(JsonFields f, Success& success) {
   f.finish();
 }
 
+// A number, or a list of `count` numbers, one for each wavelength: into `value` the first one.
+void read_at_wavelengths(JsonFields& f, const char* key, std::size_t count, double unit,
+                         const Rule& rule, double& value) {
+  if (!f.raw(key).is_array()) return f.number(key, rule, value, unit);
+  const Json& list = f.raw(key);
+  const bool numbers = std::all_of(list.begin(), list.end(), [&](const Json& each) {
+    return each.is_number() && rule.allows(each.get<double>());
+  });
+  if (!numbers || list.empty())
+    f.refuse(key, "must be a number, or a list of numbers; each " + rule.text);
+  if (list.size() != count)
+    f.refuse(key, "must be one number, or as many as wavelength_nm has: " + std::to_string(count));
+  value = unit * list.front().get<double>();
+}
+
 void read_joint(JsonFields f, Joint& joint) {
   const auto number = optional_number(f);
-  number("wavelength_nm", nano, positive(100, 1e5), joint.wavelength);
+  std::size_t wavelengths = 1;
+  if (f.present("wavelength_nm")) {
+    const Json& stated = f.raw("wavelength_nm");
+    wavelengths = stated.is_array() ? stated.size() : 1;
+    read_at_wavelengths(f, "wavelength_nm", wavelengths, nano, positive(100, 1e5),
+                        joint.wavelength);
+  }
   number("index", 1, rule::between(1, 5, "must be from 1 to 5"), joint.index);
-  number("mode_field_diameter_um", 0.5 * micro, positive(0.1, 1e4), joint.mode_radius);
+  const auto mode_field = [&](const char* key, double& radius) {
+    read_at_wavelengths(f, key, wavelengths, 0.5 * micro, positive(0.1, 1e4), radius);
+  };
+  if (f.present("mode_field_diameter_um")) mode_field("mode_field_diameter_um", joint.mode_radius);
   if (f.present("partner_mode_field_diameter_um"))
-    f.number("partner_mode_field_diameter_um", positive(0.1, 1e4),
-             joint.partner_mode_radius.emplace(), 0.5 * micro);
+    mode_field("partner_mode_field_diameter_um", joint.partner_mode_radius.emplace());
   number("gap_um", micro, not_negative(1e6), joint.gap);
   number("core_concentricity_sd_um", micro, not_negative(1e3), joint.core_sd);
   number("bore_concentricity_sd_um", micro, not_negative(1e3), joint.bore_sd);

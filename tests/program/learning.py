@@ -51,10 +51,16 @@ class Learning(Case):
                    if mated["mean_dB"] <= mean and mated["p97_dB"] <= p97]
             self.assertEqual(mated["grade"], met[0] if met else None)
             self.assertEqual(plain["rows"][0][kind], mated)
+            self.assertLess(mated["mean_low_dB"], mated["mean_dB"])
+            self.assertGreater(mated["mean_high_dB"], mated["mean_dB"])
+            self.assertLess(mated["p97_low_dB"], mated["p97_dB"])
+            self.assertEqual(mated["mean_dB"], max(at["mean_dB"] for at in mated["at"].values()))
         self.assertLess(plain["mated_tuned"]["mean_dB"], plain["mated"]["mean_dB"])
         text = self.done(*arguments).stdout
-        self.assertIn(f"mated          mean {plain['mated']['mean_dB']:.4g} dB, 97 % within "
-                      f"{plain['mated']['p97_dB']:.4g} dB, grade {plain['mated']['grade']}\n", text)
+        self.assertIn(f"mated          mean {plain['mated']['mean_dB']:.4g} dB (", text)
+        self.assertIn(f"97 % within {plain['mated']['p97_dB']:.4g} dB (", text)
+        self.assertRegex(text, r"graded for +1310 and 1550 nm, mode field 9.2 and 10.4 um, core off by 0.2 um and "
+                               r"bore by 0.3 um .*all assumed")
         # Cores off by a micrometre are no grade, and too much for some.
         off = ["--set", "joint.core_concentricity_sd_um=1"]
         poor = json.loads(self.done(*arguments, *off, "--json").stdout)
@@ -65,6 +71,34 @@ class Learning(Case):
         self.assertGreater(limited["outcomes"]["high_loss"], 0)
         self.assertEqual(limited["outcomes"]["high_loss"] + limited["successes"], plain["successes"])
         self.assertLess(limited["loss_dB"]["p95"], 0.3)
+
+    # A grade of perfect cores and bores, or of one wavelength, is one that the scene states.
+    def test_a_grade_says_which_joint_it_is_for(self):
+        arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "paper", *QUICK, "--trials", 30,
+                     "--json"]
+
+        def mated(*settings):
+            words = [word for setting in settings for word in ("--set", "joint." + setting)]
+            return json.loads(self.done(*arguments, *words).stdout)
+
+        usual = mated()
+        self.assertEqual(usual["mated_joint"]["core_concentricity_sd_um"], 0.2)
+        self.assertEqual(usual["mated_joint"]["bore_concentricity_sd_um"], 0.3)
+        self.assertEqual(usual["mated_joint"]["wavelength_nm"], [1310, 1550])
+        self.assertEqual(set(usual["mated"]["at"]), {"1310_nm", "1550_nm"})
+        self.assertEqual(len(usual["mated_joint"]["assumed"]), 6)
+        stated = mated("core_concentricity_sd_um=0.2", "bore_concentricity_sd_um=0.3")
+        self.assertEqual(stated["mated"], usual["mated"])
+        self.assertEqual(stated["mated_tuned"], usual["mated_tuned"])
+        self.assertEqual(len(stated["mated_joint"]["assumed"]), 4)
+        perfect = mated("core_concentricity_sd_um=0", "bore_concentricity_sd_um=0", "wavelength_nm=1550")
+        self.assertEqual(set(perfect["mated"]["at"]), {"1550_nm"})
+        self.assertLess(perfect["mated"]["mean_high_dB"], usual["mated"]["mean_low_dB"])
+        self.assertIn("perfect cores", perfect["mated_joint"]["text"])
+        # The insertions, and their losses with an ideal partner, are what they were.
+        for key in ("outcomes", "time_s", "loss_dB"):
+            self.assertEqual(usual[key], perfect[key])
+        self.refused(2, *arguments, "--set", "joint.mode_field_diameter_um=[9.2,10.4]", says=("wavelength_nm",))
 
     def test_trials_end_when_enough_is_known(self):
         arguments = ["evaluate", "--baseline", "constant-velocity", "--scene", "paper", *QUICK]
