@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 
+#include "app/best_rows.hpp"
 #include "app/varied_plots.hpp"
 #include "app/verb.hpp"
 
@@ -31,12 +32,34 @@ std::string success(const Json& row) {
                      as_percent(row.at("high")));
 }
 
+// " (95 %: 0.18 to 0.19)"; nothing where the result has no interval.
+std::string interval_in_words(const Json& mated, const char* low, const char* high) {
+  if (!std::isfinite(number_at(mated, low))) return "";
+  const double most = number_at(mated, high);
+  return std::isfinite(most) ? fmt::format(" (95 %: {:.3g} to {:.3g})", number_at(mated, low), most)
+                             : fmt::format(" (95 %: from {:.3g}, too few trials to say up to what)",
+                                           number_at(mated, low));
+}
+
+std::string grade_in_words(const Json& grade) {
+  return grade.is_string() ? "grade " + grade.get<std::string>() : "no grade";
+}
+
+// "grade C of IEC 61755-1, though the trials allow anything from grade C to grade D".
+std::string grades_in_words(const Json& mated) {
+  const std::string text = grade_in_words(mated.at("grade")) + " of IEC 61755-1";
+  const Json best = mated.value("grade_best", Json()), worst = mated.value("grade_worst", Json());
+  if (best == worst) return text;
+  return text + ", though the trials allow anything from " + grade_in_words(best) + " to " +
+         grade_in_words(worst);
+}
+
 // "0.184 dB on average, 97 % of them up to 0.491 dB: grade C of IEC 61755-1".
 std::string mated_in_words(const Json& mated) {
-  const Json& grade = mated.at("grade");
-  return fmt::format("{:.3g} dB on average, 97 % of them up to {:.3g} dB: {} of IEC 61755-1",
-                     number_at(mated, "mean_dB"), number_at(mated, "p97_dB"),
-                     grade.is_string() ? "grade " + grade.get<std::string>() : "no grade");
+  return fmt::format(
+      "{:.3g} dB on average{}, 97 % of them up to {:.3g} dB{}: {}", number_at(mated, "mean_dB"),
+      interval_in_words(mated, "mean_low_dB", "mean_high_dB"), number_at(mated, "p97_dB"),
+      interval_in_words(mated, "p97_low_dB", "p97_high_dB"), grades_in_words(mated));
 }
 
 // How long, how strong, which grade.
@@ -46,11 +69,14 @@ std::vector<std::string> besides(const Json& row) {
                   number_or("-", "{:.3g}", number_at(row, "time_s")),
                   number_or("-", "{:.3g}", number_at(row, "peak_force_uN")))};
   const Json mated = row.value("mated", Json());
-  if (mated.is_object() && mated.at("pairs") > 0)
-    lines.push_back("Connectors that are mated at random lose " + mated_in_words(mated) +
-                    "; tuned, " + mated_in_words(row.at("mated_tuned")) + ".");
-  else if (const double loss = number_at(row, "loss_dB"); std::isfinite(loss))
-    lines.push_back(fmt::format("The joint loses {:.3g} dB (median).", loss));
+  const Json joint = row.value("mated_joint", Json());
+  if (mated.is_object() && mated.at("pairs") > 0) {
+    lines.push_back("Connectors that are mated at random lose " + mated_in_words(mated) + ".");
+    lines.push_back("Tuned, they lose " + mated_in_words(row.at("mated_tuned")) + ".");
+    if (joint.is_object()) lines.push_back("These grades are for " + joint.value("text", "") + ".");
+  } else if (const double loss = number_at(row, "loss_dB"); std::isfinite(loss)) {
+    lines.push_back(fmt::format("The joint with an ideal partner loses {:.3g} dB (median).", loss));
+  }
   return lines;
 }
 
@@ -88,27 +114,6 @@ Answer of_evaluation(const Json& result) {
   return a;
 }
 
-// Two intervals that do not meet tell rows apart.
-std::string not_told_apart(const Json& rows, const Json& best) {
-  const auto count = std::count_if(rows.begin(), rows.end(), [&](const Json& row) {
-    return &row != &best && row.at("feasible") > 0 && row.at("high") >= best.at("low");
-  });
-  if (count == 0) return "No other interval reaches up to this.";
-  return count == 1 ? "The interval of one other reaches up to this."
-                    : fmt::format("The intervals of {} others reach up to this.", count);
-}
-
-Answer of_comparison(const Json& result) {
-  const Json& rows = result.at("rows");
-  const Json& best = best_row(rows);
-  Answer a;
-  a.question = fmt::format("Which of {} controllers inserts the fibre most often, in scene {}?",
-                           rows.size(), result.at("scene").get<std::string>());
-  a.lines = lines_of(best.at("controller").get<std::string>() + ": in " + success(best) + ".", best,
-                     not_told_apart(rows, best));
-  return a;
-}
-
 std::string values_in_words(const Json& values, const Json& keys) {
   std::string text;
   for (const Json& key : keys)
@@ -127,18 +132,85 @@ std::string names_in_words(const Json& keys) {
   return text;
 }
 
-Answer of_sweep(const Json& result) {
+// "126 um: in 199 of 200 ...; 0.19 dB mated (grade C), 24 s, 28.6 uN".
+std::string in_short(const Json& row) {
+  const auto number = [](const Json& of, const char* key, const char* format) {
+    return number_or("-", format, number_at(of, key));
+  };
+  const Json mated = row.value("mated", Json());
+  const bool pairs = mated.is_object() && mated.at("pairs") > 0;
+  std::string text = pairs ? fmt::format("{:.3g} dB mated ({})", number_at(mated, "mean_dB"),
+                                         grade_in_words(mated.at("grade")))
+                           : number(row, "loss_dB", "{:.3g} dB with an ideal partner");
+  text +=
+      ", " + number(row, "time_s", "{:.3g} s") + ", " + number(row, "peak_force_uN", "{:.3g} uN");
+  return row.contains("price") ? text + ", price " + row["price"].dump() : text;
+}
+
+std::string rate_in_short(const Json& row) {
+  if (row.at("feasible") == 0) return "no trial";
+  return fmt::format("{} of {} ({})", row.at("successes").dump(), row.at("feasible").dump(),
+                     as_percent(row.at("success_rate")));
+}
+
+// Which of `rows` is best, by best_rows.hpp; `named` says which a row is.
+template <class Named>
+std::vector<std::string> best_in_words(const Json& rows, const std::string& prefer,
+                                       const Named& named) {
+  const auto [alike, best] = best_rows(rows, prefer);
+  const auto told = [&](const Json& row) { return named(row) + ": in " + success(row) + "."; };
+  const std::string criteria = criteria_in_words(rows);
+  if (alike.size() == 1) {
+    const char* rest =
+        rows.size() > 1 ? "The trials tell its success from that of all others." : "";
+    return lines_of(told(*best[0]), *best[0], rest);
+  }
+  const auto [least, most] = std::minmax_element(
+      alike.begin(), alike.end(),
+      [](const Json* a, const Json* b) { return a->at("success_rate") < b->at("success_rate"); });
+  const std::string equal =
+      fmt::format("{} of {} insert equally often, as far as the trials can tell: {} to {}.",
+                  alike.size(), rows.size(), rate_in_short(**least), rate_in_short(**most));
+  if (best.size() == 1) {
+    std::vector<std::string> lines = lines_of(told(*best[0]), *best[0], "");
+    lines.insert(
+        lines.begin() + 1,
+        equal + (prefer.empty()
+                     ? " Of these it has the least " + criteria + ", as far as the trials can tell."
+                     : " Of these it is the one with the least " + prefer + "."));
+    return lines;
+  }
+  std::vector<std::string> lines = {
+      equal, fmt::format("{} of these are not beaten, in {} at once, by another; --prefer chooses:",
+                         best.size(), criteria)};
+  for (const Json* row : best)
+    lines.push_back(named(*row) + ": " + rate_in_short(*row) + "; " + in_short(*row) + ".");
+  if (const Json joint = best[0]->value("mated_joint", Json()); joint.is_object())
+    lines.push_back("Grades are for " + joint.value("text", "") + ".");
+  return lines;
+}
+
+Answer of_comparison(const Json& result) {
   const Json& rows = result.at("rows");
   Answer a;
-  a.question = fmt::format("Which {} {} best, with {}?", names_in_words(result.at("keys")),
-                           result.at("keys").size() == 1 ? "is" : "are",
-                           result.at("controller").get<std::string>());
+  a.question = fmt::format("Which of {} controllers inserts the fibre most often, in scene {}?",
+                           rows.size(), result.at("scene").get<std::string>());
   if (rows.empty()) return a;
-  const Json& best = best_row(rows);
-  a.lines = lines_of("Of " + std::to_string(rows.size()) + " that were tried, " +
-                         values_in_words(best.at("values"), result.at("keys")) + ": in " +
-                         success(best) + ".",
-                     best, not_told_apart(rows, best));
+  a.lines = best_in_words(rows, result.value("prefer", ""),
+                          [](const Json& row) { return row.at("controller").get<std::string>(); });
+  return a;
+}
+
+Answer of_sweep(const Json& result) {
+  const Json& rows = result.at("rows");
+  const Json& keys = result.at("keys");
+  Answer a;
+  a.question =
+      fmt::format("Which {} {} best, with {}?", names_in_words(keys),
+                  keys.size() == 1 ? "is" : "are", result.at("controller").get<std::string>());
+  if (rows.empty()) return a;
+  a.lines = best_in_words(rows, result.value("prefer", ""),
+                          [&](const Json& row) { return values_in_words(row.at("values"), keys); });
   return a;
 }
 
@@ -241,12 +313,9 @@ Answer of_sensitivity(const Json& result) {
 
 }  // namespace
 
-const Json& best_row(const Json& rows) {
-  const auto worse = [](const Json& a, const Json& b) {
-    if (a.at("low") != b.at("low")) return a.at("low") < b.at("low");
-    return number_at(a, "loss_dB") > number_at(b, "loss_dB");
-  };
-  return *std::max_element(rows.begin(), rows.end(), worse);
+std::string row_in_words(const Json& result, const Json& row) {
+  return row.contains("values") ? values_in_words(row.at("values"), result.at("keys"))
+                                : row.at("controller").get<std::string>();
 }
 
 KeyInWords in_words(const std::string& key) {

@@ -18,9 +18,8 @@ struct Answer {
 // them. They throw what reading JSON throws where it has no such keys.
 const std::map<std::string, Answer (*)(const Json&)>& answers();
 
-// The row that is best: the success rate is highest at its lower end,
-// and among the same the joint loses least. `rows` is not empty.
-const Json& best_row(const Json& rows);
+// Which row of a sweep or a comparison it is: "bore diameter 126 um, force limit 80 uN".
+std::string row_in_words(const Json& result, const Json& row);
 
 // "bore diameter", "um" of "ferrule.bore_diameter_um"; the unit may be empty.
 struct KeyInWords {

@@ -4,9 +4,11 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 
 #include "app/answers.hpp"
+#include "app/best_rows.hpp"
 #include "app/html.hpp"
 #include "app/scene_keys.hpp"
 #include "app/varied_plots.hpp"
@@ -20,6 +22,7 @@ namespace {
 struct ReportArguments {
   std::vector<std::string> results;
   std::string out = "report.html", pdf;
+  PreferArguments prefer;
 };
 
 struct Result {
@@ -39,6 +42,11 @@ std::string verb_of(const Json& json) {
   return words.size() > 1 ? words[1] : "";
 }
 
+// Is something to be chosen among its rows?
+bool is_choice(const Result& r) {
+  return r.verb == "sweep" || r.verb == "compare";
+}
+
 // The rows of controllers as those of points.
 void shorten_rows(Json& rows) {
   for (Json& row : rows) {
@@ -48,7 +56,7 @@ void shorten_rows(Json& rows) {
   }
 }
 
-Result read_result(const std::string& file) {
+Result read_result(const std::string& file, const PreferArguments& prefer) {
   Result result{file, "", parse_json(read_text(file), file)};
   result.verb = verb_of(result.json);
   const auto found = answers().find(result.verb);
@@ -57,6 +65,7 @@ Result read_result(const std::string& file) {
                    ": must be what evaluate, compare, sweep, map or sensitivity wrote with --json");
   try {
     if (result.verb == "evaluate" || result.verb == "compare") shorten_rows(result.json.at("rows"));
+    if (is_choice(result)) prefer.put_into(result.json);
     result.answer = found->second(result.json);
   } catch (const Json::exception& error) {
     throw BadInput(
@@ -97,9 +106,49 @@ std::string bar(const Json& rate, const Json& low, const Json& high) {
       100 * rate.get<double>());
 }
 
+// "C", or with what the intervals allow "C (B to C)".
+std::string grades(const Json& mated) {
+  const auto word = [](const Json& grade) {
+    return grade.is_string() ? escaped(grade.get<std::string>()) : std::string("&ndash;");
+  };
+  if (!mated.is_object() || mated.at("pairs") == 0) return "&ndash;";
+  const Json best = mated.value("grade_best", Json()), worst = mated.value("grade_worst", Json());
+  return best == worst
+             ? word(mated.at("grade"))
+             : fmt::format("{} ({} to {})", word(mated.at("grade")), word(best), word(worst));
+}
+
+// "0.18 (0.17 to 0.19)".
+std::string with_interval(const Json& of, const char* value, const char* low, const char* high) {
+  if (!of.is_object()) return "&ndash;";
+  const std::string text = shown("{:.3g}", of.value(value, Json()));
+  if (!of.value(low, Json()).is_number()) return text;
+  return text + " (" + shown("{:.3g}", of[low]) + " to " + shown("{:.3g}", of.value(high, Json())) +
+         ")";
+}
+
+// What connectors lose: those of a row mated with each other, or if none were each with an ideal
+// partner.
+constexpr std::array kMatedColumns = {"mated, mean [dB], 95 %", "97 % [dB], 95 %", "grade"};
+constexpr const char* kIdealColumn = "loss with an ideal partner [dB]";
+
+void add_losses(const Json& row, bool mated, std::vector<std::string>& cells) {
+  if (!mated) return cells.push_back(shown("{:.3g}", row.at("loss_dB")));
+  const Json m = row.value("mated", Json());
+  cells.push_back(with_interval(m, "mean_dB", "mean_low_dB", "mean_high_dB"));
+  cells.push_back(with_interval(m, "p97_dB", "p97_low_dB", "p97_high_dB"));
+  cells.push_back(grades(m));
+}
+
 // Of controllers (evaluate, compare) or of points (sweep).
 std::string rows_table(const Result& r) {
   const bool points = r.verb == "sweep";
+  const Json& rows = r.json.at("rows");
+  const auto has = [&](const char* key) {
+    return std::any_of(rows.begin(), rows.end(),
+                       [&](const Json& row) { return row.contains(key); });
+  };
+  const bool mated = has("mated"), priced = has("price");
   std::vector<HtmlTable::Column> columns;
   if (points)
     for (const Json& key : r.json.at("keys")) {
@@ -109,11 +158,15 @@ std::string rows_table(const Result& r) {
     }
   else
     columns.push_back({"controller", false});
-  for (const char* heading : {"inserted", "success [%]", "95 %", "0 to 100 %", "time [s]",
-                              "peak force [uN]", "joint loss [dB]", "grade"})
+  for (const char* heading :
+       {"inserted", "success [%]", "95 %", "0 to 100 %", "time [s]", "peak force [uN]"})
     columns.push_back({heading});
+  if (mated)
+    for (const char* heading : kMatedColumns) columns.push_back({heading});
+  if (!mated) columns.push_back({kIdealColumn});
+  if (priced) columns.push_back({"price"});
   HtmlTable table(columns);
-  for (const Json& row : r.json.at("rows")) {
+  for (const Json& row : rows) {
     std::vector<std::string> cells;
     if (points)
       for (const Json& key : r.json.at("keys"))
@@ -121,19 +174,47 @@ std::string rows_table(const Result& r) {
     else
       cells.push_back(escaped(row.at("controller").get<std::string>()));
     const Json &low = row.at("low"), &high = row.at("high");
-    const Json mated = row.value("mated", Json());
-    const Json grade = mated.is_object() ? mated.at("grade") : Json();
     cells.insert(
         cells.end(),
         {fmt::format("{} of {}", row.at("successes").dump(), row.at("feasible").dump()),
          number_or("&ndash;", "{:.4g}", 100 * number_or_nan(row.at("success_rate"))),
          fmt::format("{:.4g} to {:.4g}", 100 * number_or_nan(low), 100 * number_or_nan(high)),
          bar(row.at("success_rate"), low, high), shown("{:.3g}", row.at("time_s")),
-         shown("{:.3g}", row.at("peak_force_uN")), shown("{:.3g}", row.at("loss_dB")),
-         grade.is_string() ? grade.get<std::string>() : "&ndash;"});
+         shown("{:.3g}", row.at("peak_force_uN"))});
+    add_losses(row, mated, cells);
+    if (priced) cells.push_back(shown("{:.6g}", row.value("price", Json())));
     table.row(cells);
   }
   return table.html();
+}
+
+// What the grades of a result are for; the same for all of its rows but where the joint is swept.
+std::string joint_section(const std::vector<Result>& results) {
+  HtmlTable table({{"joint", false}, {"value"}, {"from", false}});
+  std::vector<std::string> told;
+  for (const Result& r : results)
+    for (const Json& row : r.json.at("rows")) {
+      const Json joint = row.value("mated_joint", Json());
+      if (!joint.is_object() || row.at("mated").at("pairs") == 0) continue;
+      if (std::find(told.begin(), told.end(), joint.dump()) != told.end()) continue;
+      told.push_back(joint.dump());
+      const Json assumed = joint.at("assumed");
+      for (const auto& [key, value] : joint.items()) {
+        if (key == "assumed" || key == "text" || value.is_null()) continue;
+        const bool is_assumed =
+            std::find(assumed.begin(), assumed.end(), Json(key)) != assumed.end();
+        std::string text;
+        for (const Json& each : value.is_array() ? value : Json::array({value}))
+          text += (text.empty() ? "" : ", ") + each.dump();
+        table.row({"<code>joint." + escaped(key) + "</code>",
+                   escaped(text + " " + in_words(key).unit),
+                   is_assumed ? "assumed: the scene does not state it" : "the scene"});
+      }
+    }
+  const std::string html = table.html();
+  return html.empty() ? ""
+                      : "<h2>The joint that the grades are for</h2>\n" + html +
+                            paragraph("A grade holds at all of these wavelengths.");
 }
 
 std::string sensitivity_table(const Result& r) {
@@ -170,7 +251,7 @@ std::string picture(const Result& r) {
              : table;
 }
 
-// What ended the trials that failed; of a map all of its points, of a sweep the best.
+// What ended the trials that failed; of a map all of its points, of a sweep the best ones.
 std::string limits_section(const Result& r) {
   std::string html;
   const auto add = [&](const std::string& who, const Json& outcomes) {
@@ -180,7 +261,9 @@ std::string limits_section(const Result& r) {
   const Json& rows = r.json.at("rows");
   if (r.verb == "evaluate" || r.verb == "compare")
     for (const Json& row : rows) add(row.at("controller").get<std::string>(), row.at("outcomes"));
-  if (r.verb == "sweep" && !rows.empty()) add("The best of them", best_row(rows).at("outcomes"));
+  if (r.verb == "sweep" && !rows.empty())
+    for (const Json* best : best_rows(rows, r.json.value("prefer", "")).best)
+      add(row_in_words(r.json, *best), best->at("outcomes"));
   if (r.verb == "map") {
     Json sum = Json::object();
     for (const Json& row : rows)
@@ -256,6 +339,7 @@ std::string page(const std::vector<Result>& results) {
     if (const std::string limits = limits_section(r); !limits.empty())
       html += (alone ? "<h2>What limits it</h2>\n" : "") + limits;
   }
+  html += joint_section(results);
   std::vector<std::string> scenes;
   for (const Result& r : results) {
     const Json& scene = r.json["provenance"]["scene"];
@@ -296,7 +380,10 @@ int report_verb(const ReportArguments& a) {
   expect_place_for(a.out);
   expect_place_for(a.pdf);
   std::vector<Result> results;
-  for (const std::string& file : a.results) results.push_back(read_result(file));
+  for (const std::string& file : a.results) results.push_back(read_result(file, a.prefer));
+  if (const bool any = std::any_of(results.begin(), results.end(), is_choice);
+      !any && (!a.prefer.prefer.empty() || !a.prefer.prices.empty()))
+    throw BadInput("--prefer, --price: need a result of sweep or compare");
   std::string html;
   try {
     html = page(results);
@@ -327,7 +414,8 @@ void add_report(CLI::App& app, Run& run) {
       ->required();
   verb->add_option("--out", a->out, "The page")->type_name("FILE.html")->capture_default_str();
   verb->add_option("--pdf", a->pdf, "The page printed, too; needs chromium")->type_name("FILE.pdf");
-  add_examples(*verb, {"report map.json --out map.html",
+  a->prefer.add_to(*verb);
+  add_examples(*verb, {"report map.json --out map.html", "report sweep.json --prefer loss",
                        "report sweep.json sensitivity.json --pdf report.pdf"});
   verb->callback([a, &run] { run = [a] { return report_verb(*a); }; });
 }

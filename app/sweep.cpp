@@ -3,11 +3,14 @@
 
 #include <algorithm>
 
+#include "app/answers.hpp"
+#include "app/best_rows.hpp"
 #include "app/columns.hpp"
 #include "app/damage.hpp"
 #include "app/stopping.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
+#include "controller/campaign_table.hpp"
 
 namespace ferrule {
 namespace {
@@ -16,6 +19,7 @@ struct SweepArguments : VariedArguments {
   std::vector<std::string> keys;
   std::string plot;
   StoppingArguments stopping;
+  PreferArguments prefer;
 };
 
 // KEY=a,b,c.
@@ -26,6 +30,7 @@ struct Swept {
 
 struct SweptPoint : Point {
   std::vector<std::string> written;  // the values of the keys
+  Json price{};                      // null: none is stated
 };
 
 Swept swept(const std::string& text) {
@@ -72,6 +77,13 @@ std::vector<SweptPoint> points_of(const std::vector<Swept>& all, const VariedSce
   return points;
 }
 
+// "C (B to C)".
+std::string grade_cell(const MatedPairs& pairs) {
+  if (pairs.pairs == 0) return "-";
+  const char* grade = connector_grade(pairs);
+  return (grade ? grade : "none") + allowed_grades_text(pairs);
+}
+
 Columns<SweptPoint> columns(const std::vector<Swept>& all) {
   Columns<SweptPoint> table;
   for (std::size_t i = 0; i < all.size(); ++i)
@@ -85,9 +97,9 @@ Columns<SweptPoint> columns(const std::vector<Swept>& all) {
   add("infeasible", ">10", [](S s) { return Json(s.trials - s.feasible); });
   add("time [s]", ">9.2f", [](S s) { return Json(s.time.median); });
   add("peak [uN]", ">9.2f", [](S s) { return Json(1e6 * s.peak_force.median); });
-  add("loss [dB]", ">9.4f", [](S s) { return Json(s.loss_dB.median); });
   add("mated", ">7.3f", [](S s) { return Json(s.mated ? s.mated->untuned.mean_dB : NAN); });
   add("97 %", ">6.3f", [](S s) { return Json(s.mated ? s.mated->untuned.p97_dB : NAN); });
+  add("grade", ">16", [](S s) { return Json(s.mated ? grade_cell(s.mated->untuned) : "-"); });
   return table;
 }
 
@@ -97,7 +109,29 @@ Json to_json(const SweepArguments& a, const std::string& who, const std::vector<
           {"seed", a.seed},
           {"keys", json_list(all, [](const Swept& s) { return s.key; })},
           {"damage", damage_json(chosen.scene)},
-          {"rows", json_list(points, [](const Point& point) { return to_json(point); })}};
+          {"rows", json_list(points, [](const SweptPoint& point) {
+             Json row = to_json(point);
+             if (!point.price.is_null()) row["price"] = point.price;
+             return row;
+           })}};
+}
+
+// Of all points, before the first trial. Throws BadInput.
+void put_prices(Json result, const PreferArguments& prefer, std::vector<SweptPoint>& points) {
+  prefer.put_into(result);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    points[k].price = result.at("rows")[k].value("price", Json());
+}
+
+// What the table is of, and what it answers.
+void tell(const SweepArguments& a, const Json& json) {
+  fmt::print(
+      "the same {}{} trials at each point; time: median of the inserted; peak force: median of "
+      "all;\nmated: mean and 97 % of the losses [dB] of 10,000 pairs of the inserted, with their "
+      "grade and those that 95 % intervals allow\n",
+      when(a.stopping.enough) ? "at most " : "", a.trials);
+  for (const std::string& line : answers().at("sweep")(json).lines)
+    fmt::print("{}\n", printable(line, 1000));
 }
 
 int sweep_verb(const SweepArguments& a) {
@@ -107,6 +141,7 @@ int sweep_verb(const SweepArguments& a) {
   expect_place_for(a.plot);
   std::vector<SweptPoint> points = points_of(all, varied);
   const ChosenScene chosen = varied.with({});
+  put_prices(to_json(a, "", all, points, chosen), a.prefer, points);
   Provenance provenance = varied.provenance(chosen);
   if (a.output.text()) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long
@@ -119,14 +154,12 @@ int sweep_verb(const SweepArguments& a) {
     provenance.partial(fmt::format("{} of {} points", count, points.size()));
     std::erase_if(points, [&](const Point& p) { return !whole(p); });
   }
-  const Json json = to_json(a, varied.controller_name(), all, points, chosen);
+  Json json = to_json(a, varied.controller_name(), all, points, chosen);
+  if (!a.prefer.prefer.empty()) json["prefer"] = a.prefer.prefer;
   if (a.output.text()) {
     print_table(columns(all), points);
-    fmt::print(
-        "the same {}{} trials at each point; time and loss: medians of the inserted; peak "
-        "force: median of all;\nmated: mean and 97 % of the losses [dB] of 10,000 pairs of "
-        "the inserted\n{}",
-        when(a.stopping.enough) ? "at most " : "", a.trials, provenance.foot());
+    tell(a, json);
+    fmt::print("{}", provenance.foot());
   } else {
     print_result(a.output, json, "rows", provenance);
   }
@@ -151,6 +184,7 @@ void add_sweep(CLI::App& app, Run& run) {
       ->required();
   a->add_options(*verb, "At each point");
   a->stopping.add_to(*verb);
+  a->prefer.add_to(*verb);
   add_plot(*verb, a->plot, "Draw it over the first key, a line for each combination of the others");
   add_output(*verb, a->output);
   add_examples(*verb, {"sweep controller.json ferrule.bore_diameter_um=125.5,126,127",

@@ -59,7 +59,7 @@ Plot sweep_plot(const Json& result) {
   Axes success, force, loss;
   success.y_label = "inserted [%]";
   force.y_label = "peak force [uN]";
-  loss.y_label = "joint loss [dB]";
+  loss.y_label = "mated, mean [dB]";
   success.y_low = 0;
   success.y_high = 100;
   for (double place = 0; const Json& row : result.at("rows")) {
@@ -72,7 +72,7 @@ Plot sweep_plot(const Json& result) {
     const double x = drawn ? drawn->centre() : value.is_number() ? value.get<double>() : place;
     add(success, name, x, 100 * number_or_nan(row.at("success_rate")));
     add(force, name, x, number_or_nan(row.at("peak_force_uN")));
-    add(loss, name, x, number_or_nan(row.at("loss_dB")));
+    add(loss, name, x, number_or_nan(row.value(Json::json_pointer("/mated/mean_dB"), Json())));
     ++place;
   }
   for (Axes* axes : {&success, &force, &loss}) {

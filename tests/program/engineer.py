@@ -180,6 +180,9 @@ class Engineer(Case):
             self.assertLess(html.index("<p class=big>"), html.index("<h2>"))
             for part in ("What was assumed", "How it was made", "seed of trials 3", "limits.force_uN", "simulated"):
                 self.assertIn(part, html)
+            if verb in ("evaluate", "sweep"):  # a grade says what it is for
+                for part in ("joint.bore_concentricity_sd_um", "assumed: the scene does not state it", "1310, 1550"):
+                    self.assertIn(part, html)
             self.assertNotRegex(html, r"src=\"http|0\.2333333")
         result = json.load(open(files["evaluate"]))
         html = open(self.path("evaluate.html")).read()
@@ -194,6 +197,82 @@ class Engineer(Case):
             self.done(*words)
         self.assertEqual(open(both).read().count("<h1>"), 2)
         self.assertEqual(glob.glob(self.path("*.part")), [])
+
+    # A sweep of bores whose rows have these successes, trials, mated means, times, forces.
+    def sweep_of(self, rows):
+        file = self.path("rows.json")
+        if not hasattr(self, "swept"):
+            self.swept = self.json_of("sweep", STRAIGHT, "ferrule.bore_diameter_um=126,127", *SHORT, "--trials", 2)
+        result = json.loads(json.dumps(self.swept))
+        like, result["rows"] = result["rows"][0], []
+        for k, (successes, feasible, mean, time_s, force) in enumerate(rows):
+            row = json.loads(json.dumps(like))
+            z, p = 1.959963984540054, successes / feasible
+            centre, n = (p + z * z / 2 / feasible) / (1 + z * z / feasible), feasible
+            half = z / (1 + z * z / n) * (p * (1 - p) / n + z * z / 4 / n / n) ** 0.5
+            row.update(successes=successes, feasible=feasible, trials=feasible, success_rate=p, low=centre - half,
+                       high=centre + half, time_s=time_s, peak_force_uN=force)
+            row["values"]["ferrule.bore_diameter_um"] = 126 + k
+            row["mated"].update(pairs=10000, mean_dB=mean, mean_low_dB=0.95 * mean, mean_high_dB=1.05 * mean,
+                                p97_dB=2 * mean, grade="C" if mean <= 0.25 else "D", grade_best="C",
+                                grade_worst="D")
+            row["mated_tuned"] = row["mated"]
+            result["rows"].append(row)
+        with open(file, "w") as out:
+            json.dump(result, out)
+        return file
+
+    # Success alone does not choose where the trials cannot tell one from another.
+    def test_the_best_is_by_a_rule_that_is_said(self):
+        def told(rows, *more):
+            out = self.done("report", self.sweep_of(rows), "--out", self.path("page.html"), *more).stdout
+            return out.splitlines()
+
+        # One insertion more, at a worse grade: both are the same, and the smaller loss is taken.
+        two = [(199, 200, 0.40, 20, 30), (197, 198, 0.20, 20, 30)]
+        lines = told(two)
+        self.assertIn("bore diameter 127 um", lines[1])
+        self.assertIn("2 of 2 insert equally often, as far as the trials can tell", lines[2])
+        self.assertIn("197 of 198", lines[2])
+        self.assertIn("199 of 200", lines[2])
+        # None is best in all: both are named, and --prefer chooses.
+        three = [(199, 200, 0.40, 10, 30), (197, 198, 0.20, 20, 30), (150, 200, 0.10, 5, 10)]
+        lines = told(three)
+        self.assertIn("2 of 3 insert equally often", lines[1])
+        self.assertIn("bore diameter 126 um: 199 of 200", lines[3])
+        self.assertIn("bore diameter 127 um: 197 of 198", lines[4])
+        self.assertIn("bore diameter 126 um", told(three, "--prefer", "time")[1])
+        self.assertIn("bore diameter 127 um", told(three, "--prefer", "loss")[1])
+        # What does not differ by what is preferred is chosen by the rest.
+        self.assertIn("bore diameter 127 um", told(three, "--prefer", "force")[1])
+        prices = ["--price", "ferrule.bore_diameter_um=3,1.5,0"]
+        self.assertIn("bore diameter 127 um", told(three, "--prefer", "price", *prices)[1])
+        self.assertIn("price", open(self.path("page.html")).read())
+        # A success that is clearly higher is the best, whatever is preferred.
+        clear = [(200, 200, 0.40, 20, 30), (180, 200, 0.20, 10, 20)]
+        for more in ([], ["--prefer", "loss"], ["--prefer", "time"]):
+            self.assertIn("bore diameter 126 um", told(clear, *more)[1])
+        file = self.sweep_of(three)
+        for wrong, says in ((["--prefer", "price"], "--price"), (["--prefer", "beauty"], "beauty"),
+                            (["--price", "limits.force_uN=1,2,3"], "ferrule.bore_diameter_um"),
+                            (["--price", "ferrule.bore_diameter_um=1,2"], "3 values"),
+                            (["--price", "ferrule.bore_diameter_um=1,2,x"], "x"), (["--price", "1,2"], "KEY=COST")):
+            self.refused(2, "report", file, "--out", self.path("none.html"), *wrong, says=[says])
+        self.assertFalse(os.path.exists(self.path("none.html")))
+
+    def test_a_sweep_says_what_it_cannot_tell_apart(self):
+        arguments = ["sweep", STRAIGHT, "limits.force_uN=80,81", *SHORT, "--trials", 24]
+        text = self.done(*arguments).stdout
+        self.assertIn("2 of 2 insert equally often, as far as the trials can tell", text)
+        self.assertIn("grades are for 1310 and 1550 nm", text.lower())
+        self.assertNotIn("loss [dB] ", text)
+        priced = self.json_of(*arguments, "--prefer", "price", "--price", "limits.force_uN=2,1")
+        self.assertEqual([row["price"] for row in priced["rows"]], [2, 1])
+        self.assertEqual(priced["prefer"], "price")
+        for row in priced["rows"]:
+            self.assertEqual(row["mated_joint"]["bore_concentricity_sd_um"], 0.3)
+        # Before the first trial.
+        self.refused(2, *arguments[:3], "--trials", 100000000, "--price", "limits.force_uN=2", says=["2 values"])
 
     def test_the_page_refuses_what_is_no_result(self):
         with open(self.path("other.json"), "w") as out:
