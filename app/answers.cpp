@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "app/best_rows.hpp"
 #include "app/varied_plots.hpp"
@@ -214,47 +215,106 @@ Answer of_sweep(const Json& result) {
   return a;
 }
 
-// Where the contour crosses x.
-std::vector<double> crossings(const Json& result, double x) {
+// Where the contour crosses the line on which coordinate `axis` is `at`: the other coordinate there.
+std::vector<double> crossings(const Json& result, std::size_t axis, double at) {
   std::vector<double> found;
   const Json &contour = result.at("contour"), &begins = result.at("contour_begins");
   for (std::size_t k = 1; k < contour.size(); ++k) {
     if (std::find(begins.begin(), begins.end(), k) != begins.end()) continue;
-    const double x0 = contour[k - 1][0], x1 = contour[k][0], y0 = contour[k - 1][1],
-                 y1 = contour[k][1];
-    if ((x0 <= x) != (x1 <= x)) found.push_back(y0 + (x - x0) / (x1 - x0) * (y1 - y0));
+    const double x0 = contour[k - 1].at(axis), x1 = contour[k].at(axis),
+                 y0 = contour[k - 1].at(1 - axis), y1 = contour[k].at(1 - axis);
+    if ((x0 <= at) != (x1 <= at)) found.push_back(y0 + (at - x0) / (x1 - x0) * (y1 - y0));
   }
   std::sort(found.begin(), found.end());
   return found;
 }
 
-// Is the target reached at the point that is nearest to (x, y), of those beyond y upwards?
-bool reached_beyond(const Json& result, double x, double y, bool upwards) {
-  const Json &x_axis = result.at("keys").at(0), &y_axis = result.at("keys").at(1);
-  const auto place = [](const Json& axis, double v) {
-    const double low = axis.at("low"), high = axis.at("high");
-    return axis.at("log") ? std::log(v / low) / std::log(high / low) : (v - low) / (high - low);
-  };
-  double nearest = INFINITY;
-  bool reached = false;
+// Is the target reached at a point of a map? Empty: that is not decided.
+std::optional<bool> reached_at(const Json& row) {
+  if (!row.value("can_be", true)) return false;
+  const Json target = row.value("target", Json());
+  const std::string verdict = target.is_object() ? target.value("verdict", "") : "";
+  if (verdict == "shown") return true;
+  if (verdict == "refuted") return false;
+  return std::nullopt;
+}
+
+// A part of a line x = const of a map, and what is known of all of it.
+struct Stretch {
+  enum Kind { not_reached, reached, open };
+  double low, high;
+  Kind kind;
+};
+
+// From one crossing of the contour to the next. A point of the map tells of the place beside it
+// where the contour is not between the two. What is known takes several that are decided, and
+// hardly one that says otherwise.
+std::vector<Stretch> stretches(const Json& result, double x) {
+  const Json& y_axis = result.at("keys").at(1);
+  const std::string x_key = result.at("keys").at(0).at("key"), y_key = y_axis.at("key");
+  const std::vector<double> changes = crossings(result, 0, x);
+  std::vector<std::array<int, 2>> votes(changes.size() + 1);  // not reached, reached
   for (const Json& row : result.at("rows")) {
-    const double row_x = row.at("values").at(x_axis.at("key").get<std::string>()),
-                 row_y = row.at("values").at(y_axis.at("key").get<std::string>());
-    if (upwards ? row_y < y : row_y > y) continue;
-    const double distance = std::abs(place(x_axis, row_x) - place(x_axis, x)) +
-                            std::abs(place(y_axis, row_y) - place(y_axis, y));
-    if (distance >= nearest) continue;
-    nearest = distance;
-    reached = number_at(row, "success_rate") >= result.at("target").get<double>();
+    const std::optional<bool> reached = reached_at(row);
+    if (!reached) continue;
+    const double row_x = row.at("values").at(x_key), row_y = row.at("values").at(y_key);
+    const auto [from, to] = std::minmax(x, row_x);
+    const std::vector<double> beside = crossings(result, 1, row_y);
+    if (std::any_of(beside.begin(), beside.end(), [from = from, to = to](double between) {
+          return from < between && between < to;
+        }))
+      continue;
+    const auto stretch = std::lower_bound(changes.begin(), changes.end(), row_y) - changes.begin();
+    ++votes[static_cast<std::size_t>(stretch)][*reached ? 1 : 0];
   }
-  return reached;
+  std::vector<Stretch> all;
+  for (std::size_t i = 0; i < votes.size(); ++i) {
+    const auto [no, yes] = votes[i];
+    const auto by_several = [](int some, int others) { return some >= 2 && some > 4 * others; };
+    const Stretch::Kind kind = by_several(yes, no)   ? Stretch::reached
+                               : by_several(no, yes) ? Stretch::not_reached
+                                                     : Stretch::open;
+    const double high = i < changes.size() ? changes[i] : y_axis.at("high").get<double>();
+    if (!all.empty() && all.back().kind == kind)
+      all.back().high = high;
+    else
+      all.push_back({i == 0 ? y_axis.at("low").get<double>() : changes[i - 1], high, kind});
+  }
+  return all;
+}
+
+// "for a force limit of at least 40 uN; from 30 to 40 uN it is not decided".
+std::string reached_in_words(const std::vector<Stretch>& all, const KeyInWords& y) {
+  const std::string unit = y.unit.empty() ? "" : " " + y.unit;
+  if (all.size() == 1)
+    return all[0].kind == Stretch::reached ? "for any " + y.name
+           : all[0].kind == Stretch::not_reached
+               ? "for no " + y.name
+               : "too few points are decided to say for which " + y.name;
+  std::string reached, open;
+  for (const Stretch& s : all) {
+    if (s.kind == Stretch::not_reached) continue;
+    std::string& text = s.kind == Stretch::reached ? reached : open;
+    if (!text.empty()) text += " and ";
+    if (&s == &all.front())
+      text += fmt::format("up to {:.4g}{}", s.high, unit);
+    else if (&s == &all.back())
+      text += fmt::format(
+          fmt::runtime(s.kind == Stretch::open ? "from {:.4g}{} on" : "of at least {:.4g}{}"),
+          s.low, unit);
+    else
+      text += fmt::format("from {:.4g} to {:.4g}{}", s.low, s.high, unit);
+  }
+  return (reached.empty() ? "for no " + y.name + " of which it is decided"
+                          : "for a " + y.name + " " + reached) +
+         (open.empty() ? "" : "; " + open + " it is not decided");
 }
 
 Answer of_map(const Json& result) {
   const Json &x_axis = result.at("keys").at(0), &y_axis = result.at("keys").at(1);
   const KeyInWords x = in_words(x_axis.at("key").get<std::string>()),
                    y = in_words(y_axis.at("key").get<std::string>());
-  const double low = x_axis.at("low"), high = x_axis.at("high"), y_low = y_axis.at("low");
+  const double low = x_axis.at("low"), high = x_axis.at("high");
   Answer a;
   a.question = fmt::format("For which {} and {} does {} insert the fibre in {:g} % of trials?",
                            x.name, y.name, result.at("controller").get<std::string>(),
@@ -262,19 +322,9 @@ Answer of_map(const Json& result) {
   for (const double share : {0.1, 0.5, 0.9}) {
     const double at =
         x_axis.at("log") ? low * std::pow(high / low, share) : low + share * (high - low);
-    const std::vector<double> y_at = crossings(result, at);
-    const auto range = [&]() -> std::string {
-      if (y_at.empty())
-        return reached_beyond(result, at, y_low, true) ? "for any " + y.name : "for no " + y.name;
-      const bool upwards = reached_beyond(result, at, y_at.back(), true);
-      if (y_at.size() == 1)
-        return fmt::format("for a {} {} {:.4g} {}", y.name, upwards ? "of at least" : "up to",
-                           y_at[0], y.unit);
-      std::string text = fmt::format("the {} at which this changes is", y.name);
-      for (const double each : y_at) text += fmt::format(" {:.4g}", each);
-      return text + " " + y.unit;
-    };
-    a.lines.push_back(fmt::format("With a {} of {:.4g} {}: {}.", x.name, at, x.unit, range()));
+    a.lines.push_back(fmt::format("With a {} of {:.4g}{}: {}.", x.name, at,
+                                  x.unit.empty() ? "" : " " + x.unit,
+                                  reached_in_words(stretches(result, at), y)));
   }
   const std::size_t open = result.at("undecided");
   a.lines.push_back(

@@ -1,8 +1,10 @@
 """Answers for an engineer: sweep, map, sensitivity, and the page of their results."""
 
+import copy
 import csv
 import glob
 import json
+import math
 import os
 import re
 import shutil
@@ -132,6 +134,91 @@ class Engineer(Case):
         self.assertIn("points", result["provenance"]["partial"])
         for row in result["rows"]:
             self.assertTrue(row["trials"] == 3000 or row["target"]["verdict"] != "undecided", row)
+
+    # The answer that report prints of a map of these rows, (x, y, verdict, success rate), and lines.
+    def answer_of_map(self, rows, lines):
+        if not hasattr(self, "map"):
+            self.map = self.json_of("map", STRAIGHT, "start.lateral_sd_um=2..20", "limits.force_uN=10..200:log", *SHORT,
+                                    "--trials", 1, "--width", 1, "--target", 0.5)
+        made = copy.deepcopy(self.map)
+        template = made["rows"][0]
+        made["rows"], made["contour"], made["contour_begins"] = [], [], []
+        for x, y, verdict, rate in rows:
+            row = copy.deepcopy(template)
+            row["values"] = {"start.lateral_sd_um": x, "limits.force_uN": y}
+            row["target"]["verdict"] = verdict
+            row["success_rate"] = rate
+            made["rows"].append(row)
+        for line in lines:
+            made["contour_begins"].append(len(made["contour"]))
+            made["contour"] += [list(point) for point in line]
+        made["undecided"] = sum(row[2] == "undecided" for row in rows)
+        made["width"] = made["asked_width"] = 1 / 16
+        with open(self.path("made.json"), "w") as out:
+            json.dump(made, out)
+        printed = self.done("report", self.path("made.json"), "--out", self.path("made.html")).stdout
+        return [line.split(": ", 1)[1] for line in printed.splitlines() if line.startswith("  With a ")]
+
+    # The points of a map, decided where it is far from the line: success(x, y) in 0..1 of 0.5.
+    def points(self, success, close=0.2):
+        rows = []
+        for i in range(9):
+            for j in range(17):
+                x, y = 2 + 18 * i / 8, 10 * 20 ** (j / 16)
+                rate = success(x, y)
+                verdict = "undecided" if abs(rate - 0.5) < close else "shown" if rate > 0.5 else "refuted"
+                rows.append((x, y, verdict, rate))
+        return rows
+
+    def test_what_a_map_says_follows_from_points_that_are_decided(self):
+        def steep(at):
+            return lambda x, y: 1 / (1 + math.exp(-8 * math.log(y / at)))
+        flat = [[2, 36], [20, 36]]
+        self.assertEqual(self.answer_of_map(self.points(steep(36)), [flat]), ["for a force limit of at least 36 uN."] * 3)
+        falling = self.points(lambda x, y: 1 - steep(36)(x, y))
+        self.assertEqual(self.answer_of_map(falling, [flat]), ["for a force limit up to 36 uN."] * 3)
+        band = self.points(lambda x, y: min(steep(25)(x, y), 1 - steep(90)(x, y)))
+        self.assertEqual(self.answer_of_map(band, [[[2, 25], [20, 25]], [[2, 90], [20, 90]]]),
+                         ["for a force limit from 25 to 90 uN."] * 3)
+        gap = [(x, y, {"shown": "refuted", "refuted": "shown"}.get(verdict, verdict), 1 - rate)
+               for x, y, verdict, rate in band]
+        self.assertEqual(self.answer_of_map(gap, [[[2, 25], [20, 25]], [[2, 90], [20, 90]]]),
+                         ["for a force limit up to 25 uN and of at least 90 uN."] * 3)
+        # The line rises: what is beside it further on lies on its other side.
+        slope = [[2, 20], [20, 110]]
+        answers = self.answer_of_map(self.points(lambda x, y: steep(10 + 5 * x)(x, y), close=0.45), [slope])
+        self.assertEqual(answers, [f"for a force limit of at least {10 + 5 * x:.4g} uN." for x in (3.8, 11, 18.2)])
+        # Points close to the line that say the opposite are not decided: they do not count.
+        for wrong in (self.points(steep(36)), falling):
+            for x, y, verdict, rate in list(wrong):
+                for near, other in ((35.9, rate), (36.1, rate)):
+                    wrong.append((x, near, "undecided", 0.5 + (0.02 if near < 36 else -0.02)))
+                    wrong.append((x, near, "undecided", 0.5 + (0.02 if near > 36 else -0.02)))
+            said = "of at least" if wrong[0][2] == "refuted" else "up to"
+            self.assertEqual(self.answer_of_map(wrong, [flat]), [f"for a force limit {said} 36 uN."] * 3)
+
+    def test_what_no_point_of_a_map_decides_is_not_said(self):
+        flat = [[2, 36], [20, 36]]
+        everywhere = [(x, y, rate) for x, y, _, rate in self.points(lambda x, y: 1 if y > 36 else 0)]
+        open_ = ["too few points are decided to say for which force limit."] * 3
+        undecided = [(x, y, "undecided", rate) for x, y, rate in everywhere]
+        for lines in ([flat], [], [flat, [[2, 50], [20, 50]]]):
+            self.assertEqual(self.answer_of_map(undecided, lines), open_)
+        # One that is decided, among them; one alone; none at all.
+        self.assertEqual(self.answer_of_map([*undecided, (11, 100, "shown", 1)], [flat]), open_)
+        self.assertEqual(self.answer_of_map([(11, 100, "shown", 1)], []), open_)
+        self.assertEqual(self.answer_of_map([], []), open_)
+        # Noise: what some show others refute.
+        noise = [(x, y, ("shown", "refuted")[(3 * round(x) + 7 * round(y)) % 2], rate) for x, y, rate in everywhere]
+        for lines in ([flat], []):
+            for answer in self.answer_of_map(noise, lines):
+                self.assertNotRegex(answer, "at least|up to|any|for no")
+        # Half of it: what is shown above the line says nothing of below.
+        half = [(x, y, "shown" if y > 36 else "undecided", rate) for x, y, rate in everywhere]
+        self.assertEqual(self.answer_of_map(half, [flat]),
+                         ["for a force limit of at least 36 uN; up to 36 uN it is not decided."] * 3)
+        self.assertEqual(self.answer_of_map([(x, y, "shown", 1) for x, y, _ in everywhere], []), ["for any force limit."] * 3)
+        self.assertEqual(self.answer_of_map([(x, y, "refuted", 0) for x, y, _ in everywhere], []), ["for no force limit."] * 3)
 
     def test_sensitivity_tells_what_matters(self):
         arguments = ["sensitivity", STRAIGHT, *SHORT, "--trials", 150, "--set",
