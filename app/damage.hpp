@@ -27,6 +27,7 @@ std::array<Damage, 4> damages(const Scene& scene, const DamageInput& input);
 struct FirstDamage {
   Damage sharpest, roundest;        // the same where the edge is stated
   double sharpest_um, roundest_um;  // radii of the edge
+  bool at_centre;  // chance decides what it depends on, which is taken at its centre
 };
 FirstDamage first_damage(const Scene& scene);
 // "ring, from 63.3 uN (edge of 0.02 um, as cleaved) to 3165 uN (1 um, polished)"
@@ -34,6 +35,7 @@ std::string to_text(const FirstDamage& damage);
 
 // What verbs that insert say of it: a note where the scene's limit on the force is above it,
 // otherwise nothing; and an object of their JSON, of which `force_uN` is that of the roundest edge.
+// Where chance decides the limit the highest one counts; `limit_uN` is as the scene states it.
 std::string damage_note(const Scene& scene);
 Json damage_json(const Scene& scene);
 

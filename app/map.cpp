@@ -6,7 +6,6 @@
 #include <map>
 #include <set>
 
-#include "app/damage.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/refined_grid.hpp"
@@ -148,8 +147,7 @@ class Map {
   Points points_;
 };
 
-Json to_json(const MapArguments& a, const std::string& who, const Map& map,
-             const ChosenScene& chosen) {
+Json to_json(const MapArguments& a, const std::string& who, const Map& map) {
   Json keys = Json::array(), rows = Json::array(), contour = Json::array(), begins = Json::array();
   for (const Axis& axis : map.axes())
     keys.push_back({{"key", axis.key}, {"low", axis.low}, {"high", axis.high}, {"log", axis.log}});
@@ -166,7 +164,6 @@ Json to_json(const MapArguments& a, const std::string& who, const Map& map,
           {"target", a.target},
           {"width", 1.0 / map.cells()},
           {"keys", keys},
-          {"damage", damage_json(chosen.scene)},
           {"rows", rows},
           {"contour", contour},
           {"contour_begins", begins},
@@ -214,7 +211,7 @@ int map_verb(const MapArguments& a) {
   std::fflush(stdout);  // the trials take long
   map.run();
   if (interrupted()) provenance.partial(fmt::format("{} points", map.points().size()));
-  const Json json = to_json(a, varied.controller_name(), map, chosen);
+  const Json json = to_json(a, varied.controller_name(), map);
   if (a.output.text()) {
     tell(a, map);
     fmt::print("{}", provenance.foot());

@@ -1,11 +1,14 @@
 // ferrule report: a page for those who decide, of results that evaluate, compare, sweep, map and
 // sensitivity wrote as JSON.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <filesystem>
+#include <map>
+#include <set>
 
 #include "app/answers.hpp"
 #include "app/best_rows.hpp"
@@ -251,6 +254,60 @@ std::string picture(const Result& r) {
              : table;
 }
 
+using Varied = std::map<std::string, std::string>;  // by key
+
+// What a sweep or a map varied, by key: "40, 60, 80", "10..200".
+Varied varied_by(const Result& r) {
+  std::map<std::string, std::string> varied;
+  if (r.verb == "sweep")
+    for (const Json& key : r.json.at("keys")) {
+      std::vector<std::string> values;
+      for (const Json& row : r.json.at("rows"))
+        if (const std::string value = setting_text(row.at("values").at(key.get<std::string>()));
+            std::find(values.begin(), values.end(), value) == values.end())
+          values.push_back(value);
+      varied[key.get<std::string>()] = fmt::format("{}", fmt::join(values, ", "));
+    }
+  if (r.verb == "map")
+    for (const Json& axis : r.json.at("keys"))
+      varied[axis.at("key").get<std::string>()] =
+          axis.at("low").dump() + ".." + axis.at("high").dump();
+  return varied;
+}
+
+// What damages the fibre, beside the limit on the force: of a sweep at the best of its points, of a
+// map at all of them.
+std::string damage_paragraph(const Result& r) {
+  const Json& rows = r.json.at("rows");
+  std::vector<Json> all;
+  if (r.verb == "map") {
+    for (const Json& row : rows)
+      if (row.contains("damage")) all.push_back(row.at("damage"));
+  } else if (r.verb == "sweep") {
+    if (!rows.empty())
+      for (const Json* best : best_rows(rows, r.json.value("prefer", "")).best)
+        if (best->contains("damage")) all.push_back(best->at("damage"));
+  } else if (r.json.contains("damage")) {
+    all.push_back(r.json.at("damage"));
+    if (!all[0].contains("limit_uN"))  // before 0.9.2
+      all[0]["limit_uN"] = r.json["provenance"]["scene"]["document"].at("limits").at("force_uN");
+  }
+  if (all.empty()) return "";
+  const auto ends = [&](const char* key, const char* text, const char* between) {
+    const auto less = [&](const Json& a, const Json& b) {
+      return number_or_nan(a.at(key)) < number_or_nan(b.at(key));
+    };
+    const auto [least, most] = std::minmax_element(all.begin(), all.end(), less);
+    const std::string low = setting_text(least->at(text)), high = setting_text(most->at(text));
+    return low == high ? low : low + between + high;
+  };
+  return paragraph(fmt::format("{} force damages the fibre first by {}; the force limit {} {} uN.",
+                               r.verb == "sweep" ? "At the best of the points a" : "A",
+                               ends("force_uN", "text", ", and at another point by "),
+                               r.verb == "sweep" ? "there is" : "is",
+                               ends("limit_uN", "limit_uN", " to ")));
+}
+
 // What ended the trials that failed; of a map all of its points, of a sweep the best ones.
 std::string limits_section(const Result& r) {
   std::string html;
@@ -271,38 +328,38 @@ std::string limits_section(const Result& r) {
         sum[outcome] = sum.value(outcome, std::size_t{0}) + count.get<std::size_t>();
     add("At all points", sum);
   }
-  const Json::json_pointer damage("/damage/text");
-  if (r.json.contains(damage)) {
-    const Json& scene = r.json["provenance"]["scene"]["document"];
-    html += paragraph("A force damages the fibre first by " + r.json[damage].get<std::string>() +
-                      "; the force limit of the scene is " +
-                      setting_text(scene.at("limits").at("force_uN")) + " uN.");
-  }
-  return html;
+  return html + damage_paragraph(r);
 }
 
-// The keys of a document, with the words of the schema.
-void add_assumptions(const Json& value, const std::string& key, const std::vector<SceneKey>& known,
-                     HtmlTable& table) {
-  if (value.is_object() && !Distribution::read(value)) {
-    for (const auto& [name, part] : value.items())
-      add_assumptions(part, key + "." + name, known, table);
-    return;
-  }
-  if (value.is_null()) return;
+// A key, with the words of the schema.
+void add_assumed(const std::string& key, const std::string& value, HtmlTable& table) {
+  static const std::vector<SceneKey> known = scene_keys();
   const auto about =
       std::find_if(known.begin(), known.end(), [&](const SceneKey& k) { return k.key == key; });
-  table.row({"<code>" + escaped(key) + "</code>",
-             escaped(setting_text(value) + " " + in_words(key).unit),
+  table.row({"<code>" + escaped(key) + "</code>", escaped(value + " " + in_words(key).unit),
              about == known.end() ? "" : escaped(about->about)});
 }
 
-std::string assumed_section(const Json& scene) {
+// The keys of a document, but for those that were varied.
+void add_assumptions(const Json& value, const std::string& key, const Varied& varied,
+                     HtmlTable& table) {
+  if (varied.contains(key)) return;
+  if (value.is_object() && !Distribution::read(value)) {
+    for (const auto& [name, part] : value.items())
+      add_assumptions(part, key + "." + name, varied, table);
+    return;
+  }
+  if (!value.is_null()) add_assumed(key, setting_text(value), table);
+}
+
+std::string assumed_section(const Json& scene, const Varied& varied) {
   HtmlTable table({{"key", false}, {"value"}, {"what it is", false}});
-  const std::vector<SceneKey> known = scene_keys();
+  if (!varied.empty()) table.title("Varied");
+  for (const auto& [key, values] : varied) add_assumed(key, values, table);
+  if (!varied.empty()) table.title("Assumed");
   for (const char* section : {"fibre", "ferrule", "start", "limits", "success", "sensor", "hand",
                               "joint", "holder", "laws", "roughness_nm", "scaling"})
-    if (scene.contains(section)) add_assumptions(scene[section], section, known, table);
+    if (scene.contains(section)) add_assumptions(scene[section], section, varied, table);
   std::string html = "<h2>What was assumed</h2>\n";
   html += paragraph("Scene " + scene.value("name", "") + ". " + scene.value("about", ""));
   html += paragraph(
@@ -340,13 +397,11 @@ std::string page(const std::vector<Result>& results) {
       html += (alone ? "<h2>What limits it</h2>\n" : "") + limits;
   }
   html += joint_section(results);
-  std::vector<std::string> scenes;
+  std::set<std::pair<std::string, Varied>> scenes;
   for (const Result& r : results) {
     const Json& scene = r.json["provenance"]["scene"];
-    const std::string hash = scene.value("sha1", "");
-    if (std::find(scenes.begin(), scenes.end(), hash) != scenes.end()) continue;
-    scenes.push_back(hash);
-    html += assumed_section(scene.at("document"));
+    if (scenes.emplace(scene.value("sha1", ""), varied_by(r)).second)
+      html += assumed_section(scene.at("document"), varied_by(r));
   }
   return html + made_section(results) + "</body></html>\n";
 }

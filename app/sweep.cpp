@@ -6,7 +6,6 @@
 #include "app/answers.hpp"
 #include "app/best_rows.hpp"
 #include "app/columns.hpp"
-#include "app/damage.hpp"
 #include "app/stopping.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
@@ -104,11 +103,10 @@ Columns<SweptPoint> columns(const std::vector<Swept>& all) {
 }
 
 Json to_json(const SweepArguments& a, const std::string& who, const std::vector<Swept>& all,
-             const std::vector<SweptPoint>& points, const ChosenScene& chosen) {
+             const std::vector<SweptPoint>& points) {
   return {{"controller", who},
           {"seed", a.seed},
           {"keys", json_list(all, [](const Swept& s) { return s.key; })},
-          {"damage", damage_json(chosen.scene)},
           {"rows", json_list(points, [](const SweptPoint& point) {
              Json row = to_json(point);
              if (!point.price.is_null()) row["price"] = point.price;
@@ -141,7 +139,7 @@ int sweep_verb(const SweepArguments& a) {
   expect_place_for(a.plot);
   std::vector<SweptPoint> points = points_of(all, varied);
   const ChosenScene chosen = varied.with({});
-  put_prices(to_json(a, "", all, points, chosen), a.prefer, points);
+  put_prices(to_json(a, "", all, points), a.prefer, points);
   Provenance provenance = varied.provenance(chosen);
   if (a.output.text()) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long
@@ -154,7 +152,7 @@ int sweep_verb(const SweepArguments& a) {
     provenance.partial(fmt::format("{} of {} points", count, points.size()));
     std::erase_if(points, [&](const Point& p) { return !whole(p); });
   }
-  Json json = to_json(a, varied.controller_name(), all, points, chosen);
+  Json json = to_json(a, varied.controller_name(), all, points);
   if (!a.prefer.prefer.empty()) json["prefer"] = a.prefer.prefer;
   if (a.output.text()) {
     print_table(columns(all), points);

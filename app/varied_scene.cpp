@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "app/damage.hpp"
 #include "app/shards.hpp"
 #include "controller/campaign_table.hpp"
 
@@ -92,6 +93,7 @@ Json short_row(const Json& summary) {
 Json to_json(const Point& point) {
   Json row = short_row(to_json(point.summary));
   row["values"] = point.values;
+  if (point.scene) row["damage"] = damage_json(*point.scene);
   return row;
 }
 

@@ -220,6 +220,45 @@ class Engineer(Case):
         self.assertEqual(self.answer_of_map([(x, y, "shown", 1) for x, y, _ in everywhere], []), ["for any force limit."] * 3)
         self.assertEqual(self.answer_of_map([(x, y, "refuted", 0) for x, y, _ in everywhere], []), ["for no force limit."] * 3)
 
+    # What varies has no one value: no line says that of the scene that the points were made of.
+    def test_a_page_assumes_nothing_of_what_varies(self):
+        def page_of(*arguments):
+            with open(self.path("r.json"), "w") as out:
+                out.write(self.done(*arguments, "--json").stdout)
+            self.done("report", self.path("r.json"), "--out", self.path("r.html"))
+            return json.load(open(self.path("r.json"))), open(self.path("r.html")).read()
+
+        def assumed(html):
+            cells = re.findall(r"<tr><t[dh][^>]*><code>([^<]*)</code></t[dh]><t[dh][^>]*>([^<]*)<", html)
+            self.assertEqual(len(cells), len(dict(cells)))
+            return {key: value.strip() for key, value in cells}
+
+        sweep, html = page_of("sweep", STRAIGHT, "limits.force_uN=45,80", "fibre.edge_um=0.5,5", *SHORT, "--trials", 20)
+        self.assertEqual(assumed(html)["limits.force_uN"], "45, 80 uN")
+        self.assertEqual(assumed(html)["fibre.edge_um"], "0.5, 5 um")
+        self.assertNotIn("of the scene is 60", html)
+        best = max(sweep["rows"], key=lambda row: (row["low"], -row["loss_dB"]))
+        limit, edge = best["values"]["limits.force_uN"], best["values"]["fibre.edge_um"]
+        self.assertIn(f"the force limit there is {limit} uN", html)
+        damage = self.evaluated(f"fibre.edge_um={edge}", f"limits.force_uN={limit}", trials=1)["damage"]
+        self.assertIn(damage["text"], html)
+        self.assertEqual(best["damage"], damage)
+        self.assertNotIn("damage", sweep)
+        result, html = page_of("map", STRAIGHT, "limits.force_uN=20..90", "fibre.edge_um=0.5..5", *SHORT, "--trials", 5,
+                               "--width", 1, "--target", 0.5)
+        self.assertEqual(assumed(html)["limits.force_uN"].replace(".0", ""), "20..90 uN")
+        self.assertIn("the force limit is 20 to 90 uN", html)
+        for edge in (0.5, 5):
+            self.assertIn(self.evaluated(f"fibre.edge_um={edge}", trials=1)["damage"]["text"], html)
+        # Drawn: the whole of it is named.
+        result, html = page_of("evaluate", "--baseline", STRAIGHT, *SHORT, "--trials", 10, "--set", "limits.force_uN=40..90",
+                               "--set", "fibre.diameter_um=125+-0.3")
+        self.assertIn("the force limit is 40..90 uN", html)
+        self.assertIn("with what is drawn at its centre", html)
+        self.assertEqual(result["damage"]["over_limit"], result["damage"]["force_uN"] / 90)
+        run = self.done("evaluate", "--baseline", STRAIGHT, *SHORT, "--trials", 1, "--set", "limits.force_uN=40..90")
+        self.assertIn("note: limits.force_uN = 40..90: the fibre may be damaged before", run.stdout)
+
     def test_sensitivity_tells_what_matters(self):
         arguments = ["sensitivity", STRAIGHT, *SHORT, "--trials", 150, "--set",
                      "ferrule.bore_diameter_um=126+-0.3", "--set", "laws.friction.burgers_nm=0.19..0.21"]
