@@ -2,11 +2,13 @@
 #include "learn/identify.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "app/verb.hpp"
 #include "capture/episode_copies.hpp"
 #include "learn/shuffle.hpp"
 #include "sim/scene/draw.hpp"
+#include "sim/scene/terms.hpp"
 
 namespace ferrule {
 namespace {
@@ -66,6 +68,31 @@ void for_each_pair(const Identification& found, const Do& act) {
           found.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)));
 }
 
+// What a scene may state of fibre, ferrule and forces, and this one does not.
+std::vector<std::string> not_stated(const Scene& scene) {
+  std::vector<std::string> keys;
+  for (const char* key : {"fibre.edge_um", "fibre.cleave_deg", "fibre.curl_radius_m",
+                          "ferrule.ovality_um", "ferrule.lead_in"})
+    if (const auto at = pointer_to(key);
+        !scene.document.contains(at) || scene.document.at(at).is_null())
+      keys.emplace_back(key);
+  for (const Term term : kAllTerms)
+    if (info(term).read && !info(term).present(scene.parameters.laws))
+      keys.push_back("laws." + std::string(info(term).name));
+  return keys;
+}
+
+// Empty where the scene explains the forces.
+std::string warning(const Scene& scene, const Identification& found) {
+  if (found.fits()) return "";
+  return fmt::format(
+      "the scene does not explain the forces: what is left of them is {:.1f} times the noise of "
+      "the "
+      "sensor. The scene lacks something, or a number that is held fixed is wrong; values may be "
+      "far off, and the intervals are {:.1f} times wider for it. Not stated in it: {}",
+      found.misfit, found.misfit, fmt::join(not_stated(scene), ", "));
+}
+
 Json to_json(const IdentifyArguments& a, const Chosen& chosen, const Identification& found) {
   Json parameters = Json::object(), correlations = Json::array();
   for (const IdentifiedParameter& p : found.parameters)
@@ -86,7 +113,12 @@ Json to_json(const IdentifyArguments& a, const Chosen& chosen, const Identificat
           {"parameters", parameters},
           {"correlations", correlations},
           {"residual_start_uN", 1e6 * found.residual_start},
-          {"residual_uN", 1e6 * found.residual}};
+          {"residual_uN", 1e6 * found.residual},
+          {"noise_uN", 1e6 * found.noise},
+          {"misfit", number_or_null(found.misfit)},
+          {"fits", found.fits()},
+          {"warning", found.fits() ? Json() : Json(warning(chosen.scene.scene, found))},
+          {"not_stated", not_stated(chosen.scene.scene)}};
 }
 
 // What a reader must know about parameter `i`; empty where it was fitted.
@@ -99,7 +131,8 @@ std::string remark(const Identification& found, std::size_t i) {
   Eigen::RowVectorXd others = found.correlation.row(static_cast<Eigen::Index>(i)).cwiseAbs();
   others[static_cast<Eigen::Index>(i)] = 0;
   return others.maxCoeff() > kNoted ? "  another parameter can replace it"
-                                    : "  the recordings tell nothing about it";
+         : found.fits()             ? "  the recordings tell nothing about it"
+                                    : "  a scene that does not fit tells nothing about it";
 }
 
 void print(const Chosen& chosen, const Identification& found) {
@@ -116,9 +149,12 @@ void print(const Chosen& chosen, const Identification& found) {
       fmt::print("note: {} and {} can hardly be told apart (correlation {:.4f}); hold one fixed\n",
                  one, other, r);
   });
-  fmt::print("{} episodes, {} rows; force difference {:.4g} uN at the start, {:.4g} uN fitted\n",
-             chosen.recordings.size(), found.rows, 1e6 * found.residual_start,
-             1e6 * found.residual);
+  fmt::print(
+      "{} episodes, {} rows; force difference {:.4g} uN at the start, {:.4g} uN fitted; noise "
+      "alone "
+      "would make {:.4g} uN\n",
+      chosen.recordings.size(), found.rows, 1e6 * found.residual_start, 1e6 * found.residual,
+      1e6 * found.noise);
 }
 
 int identify_verb(const IdentifyArguments& a) {
@@ -141,8 +177,10 @@ int identify_verb(const IdentifyArguments& a) {
   progress_shown.reset();
   heard_late.reset();
   if (found.partial) provenance.partial("the best of the identification so far");
+  const std::string warned = warning(chosen.scene.scene, found);
+  if (!a.output.text() && !warned.empty()) fmt::print(stderr, "warning: {}\n", warned);
   if (a.output.text()) {
-    fmt::print("{}", provenance.head());
+    fmt::print("{}{}", provenance.head(), warned.empty() ? "" : "WARNING: " + warned + "\n");
     print(chosen, found);
     fmt::print("{}", provenance.foot());
   }

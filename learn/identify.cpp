@@ -22,6 +22,8 @@ constexpr double kForceHuber = 0.005;        // of the force limit
 constexpr double kDifference = 0.02;         // of numeric differences, in the coordinate
 constexpr double kJump = 0.5 * kForceHuber;  // of the second difference: no derivative there
 constexpr double kRange = SceneNumber::kRange;
+constexpr double kGood = 2e-3;            // of the force limit, to which the fit is good
+constexpr double kLeftOut = 0.01;         // of the rows, those that differ most
 constexpr double kNoChange = 1e-6;        // change of force, of the force limit
 constexpr double kReplaceable = 0.99;     // correlation of two that stand for each other
 constexpr std::size_t kRandomPoints = 6;  // per parameter
@@ -58,15 +60,18 @@ MatrixXd central_differences(const MatrixXd& residuals) {
   return jacobian;
 }
 
+// Does row n, of the points of difference_points, jump within a step of parameter k?
+bool jumps(const MatrixXd& residuals, Eigen::Index k, Eigen::Index n) {
+  const auto at = [&](Eigen::Index column) { return residuals.block<5, 1>(n, column); };
+  return (at(1 + 2 * k) + at(2 + 2 * k) - 2 * at(0)).norm() > kJump;
+}
+
 // Rows that jump within a step have no derivative: they get zero. Left in, the few of them would
 // outweigh all others in the intervals and feign knowledge of the parameters.
 void leave_out_jumps(const MatrixXd& residuals, MatrixXd& jacobian) {
   for (Eigen::Index k = 0; k < jacobian.cols(); ++k)
-    for (Eigen::Index n = 0; n < residuals.rows(); n += 5) {
-      const auto at = [&](Eigen::Index column) { return residuals.block<5, 1>(n, column); };
-      if ((at(1 + 2 * k) + at(2 + 2 * k) - 2 * at(0)).norm() > kJump)
-        jacobian.block<5, 1>(n, k).setZero();
-    }
+    for (Eigen::Index n = 0; n < residuals.rows(); n += 5)
+      if (jumps(residuals, k, n)) jacobian.block<5, 1>(n, k).setZero();
 }
 
 // All residuals as one block for Ceres, so that the sum does not depend on the number of threads.
@@ -202,17 +207,14 @@ std::vector<VectorXd> starts(const Replays& replays, const std::vector<Eigen::In
   return chosen;
 }
 
-// At a solution; of the free parameters.
-Precision precision_at(const Replays& replays, std::size_t recordings, const VectorXd& x,
-                       const std::vector<Eigen::Index>& free, const std::vector<bool>& fixed) {
-  MatrixXd all;
-  if (!replays.residuals(difference_points(x, free), Replays::recorded, all))
-    throw BadInput("the solution is at the edge of what the scene allows");
+// Of the free parameters at a solution, `all` being the residuals at its difference_points.
+Precision precision_at(const Replays& replays, std::size_t recordings, const MatrixXd& all,
+                       const std::vector<bool>& fixed) {
   MatrixXd jacobian = central_differences(all);
   leave_out_jumps(all, jacobian);
   std::vector<EpisodeSums> sums;
   for (std::size_t r = 0; r < recordings; ++r) {
-    sums.emplace_back(static_cast<Eigen::Index>(free.size()));
+    sums.emplace_back(jacobian.cols());
     const auto [first, count] = replays.rows_of(r);
     for (Eigen::Index n = 5 * first; n < 5 * (first + count); n += 5) {
       const auto j = jacobian.middleRows<5>(n);
@@ -223,6 +225,53 @@ Precision precision_at(const Replays& replays, std::size_t recordings, const Vec
     }
   }
   return precision(sums, fixed);
+}
+
+// White noise of the forces [of the limit]: of what changes from one row to the next, by its median.
+double white_noise(const Replays& replays, std::size_t recordings, const VectorXd& residuals) {
+  std::vector<double> changes;
+  for (std::size_t r = 0; r < recordings; ++r) {
+    const auto [first, count] = replays.rows_of(r);
+    for (Eigen::Index n = first + 1; n < first + count; ++n)
+      for (Eigen::Index i = 0; i < 3; ++i)
+        changes.push_back(std::abs(residuals[5 * n + i] - residuals[5 * (n - 1) + i]));
+  }
+  if (changes.empty()) return 0;
+  const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
+  std::nth_element(changes.begin(), middle, changes.end());
+  return *middle / (0.6745 * std::sqrt(2.0));  // median of |x|, x normal
+}
+
+// Sets misfit and noise; `all` as of precision_at.
+void hold_against_noise(const Replays& replays, std::size_t recordings, const Scene& scene,
+                        const MatrixXd& all, Identification& result) {
+  VectorXd sigma = replays.sensor_noise() / replays.unit();
+  if (sigma.isZero(0)) sigma.setConstant(white_noise(replays, recordings, all.col(0)));
+  sigma = sigma.array().square() + kGood * kGood;  // squared
+  result.noise = replays.unit() * std::sqrt(3 * sigma.mean());
+  std::vector<double> squares;
+  for (std::size_t r = 0; r < recordings; ++r) {
+    const auto [first, count] = replays.rows_of(r);
+    std::vector<Eigen::Index> smooth;
+    for (Eigen::Index n = first; n < first + count; ++n) {
+      bool jump = false;
+      for (Eigen::Index k = 0; k < all.cols() / 2; ++k) jump |= jumps(all, k, 5 * n);
+      if (!jump) smooth.push_back(n);
+    }
+    Eigen::Vector3d bias = Eigen::Vector3d::Zero();
+    if (scene.sensor.biased())
+      for (const Eigen::Index n : smooth)
+        bias += all.block<3, 1>(5 * n, 0) / static_cast<double>(smooth.size());
+    for (const Eigen::Index n : smooth)
+      squares.push_back((all.block<3, 1>(5 * n, 0) - bias).squaredNorm() / sigma[n]);
+  }
+  std::sort(squares.begin(), squares.end());
+  squares.resize(static_cast<std::size_t>((1 - kLeftOut) * static_cast<double>(squares.size())));
+  double sum = 0;
+  for (const double square : squares) sum += square;
+  const double freedom =
+      3 * static_cast<double>(squares.size()) - static_cast<double>(result.parameters.size());
+  result.misfit = freedom > 0 ? std::sqrt(sum / freedom) : NAN;
 }
 
 double force_difference(const Replays& replays, const VectorXd& x) {
@@ -294,15 +343,21 @@ Identification identify(const std::vector<Recording>& recordings, const Scene& s
   result.residual = force_difference(replays, best.x);
   result.correlation = MatrixXd::Zero(parameters, parameters);
   for (const SceneNumber& c : numbers) result.parameters.push_back(open_parameter(c));
+  MatrixXd around;
+  if (!replays.residuals(difference_points(best.x, free), Replays::recorded, around))
+    throw BadInput("the solution is at the edge of what the scene allows");
+  hold_against_noise(replays, recordings.size(), scene, around, result);
   if (free.empty()) return result;
 
   std::vector<bool> at_bound;
   for (const Eigen::Index i : free) at_bound.push_back(std::abs(best.x[i]) > kRange - kDifference);
-  const Precision p = precision_at(replays, recordings.size(), best.x, free, at_bound);
+  const Precision p = precision_at(replays, recordings.size(), around, at_bound);
+  const double wider = result.fits() ? 1 : result.misfit;
   for (std::size_t k = 0; k < free.size(); ++k) {
     const auto i = static_cast<std::size_t>(free[k]);
-    result.parameters[i] = identified(numbers[i], best.x[free[k]],
-                                      p.half_width[static_cast<Eigen::Index>(k)], at_bound[k]);
+    result.parameters[i] =
+        identified(numbers[i], best.x[free[k]], wider * p.half_width[static_cast<Eigen::Index>(k)],
+                   at_bound[k]);
   }
   result.correlation(free, free) = p.correlation;
   for (Eigen::Index i = 0; i < parameters; ++i)

@@ -20,6 +20,16 @@
 // value, where the data tell nothing about it: no force changes by more than 1e-6 F_lim between its
 // bounds, or the interval reaches beyond both bounds, or another parameter can stand for it
 // (correlation of the errors above 0.99: hold one of the two fixed).
+//
+// Does the model fit? The force differences r that are left are held against the noise sigma that
+// the scene states of its sensor (and 0.002 F_lim, to which the fit is good):
+//   misfit^2 = sum (r - b)^2/sigma^2 / (3 rows - parameters)
+// over the rows that do not jump, without the hundredth of them that differ most (a jump that comes
+// a moment earlier or later); b is the mean over an episode where the sensor has a bias, otherwise
+// 0. Where the sensor is ideal, sigma is the white noise of the recordings themselves, from
+// differences of one row to the next. It is 1 where only noise is left. Beyond kMisfit the scene
+// lacks something, or a number that was held fixed is wrong: the intervals, which know nothing of
+// that, are wider by this factor (as the Particle Data Group scales errors by sqrt(chi^2/(N - 1))).
 #pragma once
 
 #include <functional>
@@ -42,14 +52,20 @@ struct IdentifiedParameter {
   double low, high;               // 95 % interval; NaN where it is not bounded
 };
 
+inline constexpr double kMisfit = 1.5;
+
 struct Identification {
   std::vector<IdentifiedParameter> parameters;
   // Of the errors of the estimates: near 1 or -1 where one parameter can replace the other. 0 where
   // one is not fitted.
   Eigen::MatrixXd correlation;
   double residual_start, residual;  // root mean square of the force difference [N]
+  double noise;                     // of it, what sigma alone would make [N]
+  double misfit;                    // [-]; NaN of too few rows
   std::size_t rows;                 // compared
-  bool partial = false;             // stopped before the fit was whole
+
+  bool fits() const { return !(misfit > kMisfit); }
+  bool partial = false;  // stopped before the fit was whole
 };
 
 // Steps done, of `all` at most. False ends the identification with the best so far.

@@ -44,6 +44,24 @@ std::pair<Eigen::Index, Eigen::Index> Replays::rows_of(std::size_t recording) co
   return {first_[recording], end - first_[recording]};
 }
 
+Eigen::VectorXd Replays::sensor_noise() const {
+  ForceSensorModel sensor = scene_.sensor;
+  sensor.bias = 0;
+  Eigen::VectorXd noise(rows_);
+  for (std::size_t r = 0; r < recordings_.size(); ++r) {
+    const Recording& one = recordings_[r];
+    const auto [first, count] = rows_of(r);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Eigen::Index row = k * stride(one);
+      const double rounding = sensor.resolution / std::sqrt(12.0),
+                   force = one.wrench.row(row).head<3>().norm();
+      noise[first + k] =
+          std::hypot(sensor.deviation(force, static_cast<double>(row) * one.period), rounding);
+    }
+  }
+  return noise;
+}
+
 bool Replays::residuals(const Eigen::MatrixXd& points, Steps steps, Eigen::MatrixXd& result) const {
   std::vector<World> worlds;
   VariableScene varied(scene_);

@@ -32,6 +32,10 @@ class Replays {
   // Of a recording: first row, and how many.
   std::pair<Eigen::Index, Eigen::Index> rows_of(std::size_t recording) const;
 
+  // Standard deviation of what the scene's sensor adds to a force of each row, but for a bias that
+  // lasts [N]; 0: it is ideal.
+  Eigen::VectorXd sensor_noise() const;
+
   // In the steps of the recording, or (fast, forces some nN off) of 10 ms.
   enum Steps { recorded, coarse };
   // (F_sim - F_rec) / F_lim, (M_sim - M_rec) / (F_lim l): 5 per row [-], one column per point,

@@ -148,6 +148,48 @@ TEST(Identify, AParameterBeyondItsBoundIsSaidToBeThere) {
   EXPECT_TRUE(std::isnan(p.high));
 }
 
+// Forces of a scene, with the noise that its sensor is said to have.
+Scene with_sensor(std::vector<std::string> settings) {
+  settings.emplace_back("sensor.noise_uN=0.02");
+  return without_wells(std::move(settings));
+}
+
+TEST(Identify, AModelThatHasItAllFits) {
+  for (const std::uint64_t seed : {1, 2}) {
+    const auto data = recordings(with_sensor({}), 2e-8, seed);
+    const Identification i =
+        identify(data, with_sensor({"ferrule.bore_diameter_um=126.2"}), {kBore}, seed);
+    EXPECT_TRUE(i.fits()) << i.misfit;
+    EXPECT_CLOSE(i.misfit, 0.71, 0.15);  // 20 nN of noise, and 20 nN to which the fit is good
+    EXPECT_CLOSE(i.noise, std::sqrt(6.0) * 2e-8, 0.01);
+  }
+}
+
+// Neither noise nor a sensor that is said to have some; and a sensor with a bias.
+TEST(Identify, AModelThatHasItAllFitsWhateverTheSensor) {
+  for (const auto& [noise, sensor] :
+       {std::pair{0.0, "sensor={}"}, {5e-8, "sensor={}"}, {0.0, "sensor.bias_uN=0.1"}}) {
+    const Scene start = without_wells({"ferrule.bore_diameter_um=126.2", sensor});
+    auto data = recordings(without_wells({}), noise, 3);
+    if (start.sensor.biased())
+      for (std::size_t k = 0; k < data.size(); ++k)
+        data[k].wrench.col(1).array() += k % 2 == 0 ? 1e-7 : -1e-7;
+    const Identification i = identify(data, start, {kBore}, 1);
+    EXPECT_TRUE(i.fits()) << sensor << " " << noise << ": " << i.misfit;
+  }
+}
+
+// What is recorded has more than the model knows.
+TEST(Identify, AModelThatLacksSomethingIsSaidNotToFit) {
+  for (const char* more : {"fibre.edge_um=4", "fibre.cleave_deg=3"}) {
+    const auto data = recordings(with_sensor({more}), 2e-8, 1);
+    const Identification i =
+        identify(data, with_sensor({"ferrule.bore_diameter_um=126.2"}), {kBore}, 1);
+    EXPECT_FALSE(i.fits()) << more << ": " << i.misfit << ", " << i.residual;
+    EXPECT_GT(i.residual, 1.5 * std::sqrt(3.0) * 2e-8) << more;
+  }
+}
+
 TEST(Identify, RefusesWhatItCannotVary) {
   const Scene scene = scene_with({"quadrature=3"});
   const auto data = recordings(scene, 0, 1);
