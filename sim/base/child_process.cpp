@@ -1,19 +1,29 @@
 #include "sim/base/child_process.hpp"
 
 #include <fcntl.h>
+#include <linux/audit.h>
+#include <linux/filter.h>
 #include <linux/landlock.h>
+#include <linux/seccomp.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/signalfd.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstddef>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <iterator>
+#include <utility>
 
 #include "sim/base/error.hpp"
 
@@ -54,12 +64,46 @@ int open_process(pid_t process) noexcept {
   ::_exit(0);
 }
 
-// The guard: waits for the end of the child, and ends alike; or for that of the program, and kills
-// the group that it leads.
-[[noreturn]] void guard(int program, const std::vector<int>& keep,
+// Every process whose parent this one is. Whether the kernel lists them.
+bool kill_children() noexcept {
+  char name[48], list[4096];
+  std::snprintf(name, sizeof name, "/proc/self/task/%d/children", static_cast<int>(::getpid()));
+  const int file = ::open(name, O_RDONLY | O_CLOEXEC);
+  if (file < 0) return false;
+  list[std::max<ssize_t>(::read(file, list, sizeof list - 1), 0)] = '\0';
+  ::close(file);
+  char* at = list;
+  for (long process; (process = std::strtol(at, &at, 10)) > 0;)
+    if (*at == ' ') ::kill(static_cast<pid_t>(process), SIGKILL);  // a number that is whole
+  return true;
+}
+
+// Takes leave of those that have ended, and notes how `child` did. Whether there are others.
+bool reap(pid_t child, std::optional<int>& status) noexcept {
+  int how = 0;
+  pid_t ended;
+  while ((ended = ::waitpid(-1, &how, WNOHANG)) > 0)
+    if (ended == child) status = how;
+  return ended == 0;
+}
+
+// All that is below this process, of which `child` is the first. What hangs in the kernel is not
+// waited for any longer than some seconds.
+void end_all(pid_t child, std::optional<int>& status) noexcept {
+  for (int i = 0; i < 5000 && reap(child, status); ++i) {
+    if (!kill_children()) ::kill(0, SIGKILL);
+    ::usleep(1000);
+  }
+}
+
+// The guard: waits for the end of the child, and ends alike; or for that of the program, or until
+// `stop` is closed. It leads the group, and whatever the child has started is below it, in other
+// groups and sessions too: what loses its parent becomes the guard's.
+[[noreturn]] void guard(int program, int stop, const std::vector<int>& keep,
                         const std::function<void()>& work) {
   ::setpgid(0, 0);
   forget_signals();
+  ::prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0);
   const pid_t child = ::fork();
   if (child == 0) {
     ::prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -67,22 +111,32 @@ int open_process(pid_t process) noexcept {
     run(work);
   }
   if (child < 0) ::_exit(1);
-  close_files(0, {program});
-  pollfd ends[] = {{program, POLLIN, 0}, {open_process(child), POLLIN, 0}};
-  if (ends[0].fd >= 0 && ends[1].fd >= 0) {  // a kernel that has them
-    while (::poll(ends, 2, -1) < 0 && errno == EINTR) {
+  sigset_t ends;
+  sigemptyset(&ends);
+  sigaddset(&ends, SIGCHLD);
+  ::sigprocmask(SIG_BLOCK, &ends, nullptr);
+  std::vector<int> own = {stop};
+  if (program >= 0) own.insert(program < stop ? own.begin() : own.end(), program);
+  close_files(0, own);
+  const int ended = ::signalfd(-1, &ends, SFD_NONBLOCK);
+  pollfd all[] = {{stop, POLLIN, 0}, {program, POLLIN, 0}, {ended, POLLIN, 0}};  // -1: passed over
+  std::optional<int> status;
+  for (;;) {
+    reap(child, status);
+    if (status || all[0].revents || all[1].revents) break;
+    ::poll(all, 3, ended < 0 ? 10 : -1);
+    signalfd_siginfo which;
+    while (ended >= 0 && ::read(ended, &which, sizeof which) > 0) {
     }
-    if (!ends[1].revents) ::kill(0, SIGKILL);
   }
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  if (WIFSIGNALED(status)) {
+  end_all(child, status);
+  const int how = status.value_or(SIGKILL);
+  if (WIFSIGNALED(how)) {
     const rlimit none{};
     ::setrlimit(RLIMIT_CORE, &none);
-    ::raise(WTERMSIG(status));
+    ::raise(WTERMSIG(how));
   }
-  ::_exit(WEXITSTATUS(status));
+  ::_exit(WEXITSTATUS(how));
 }
 
 // Of the address space [bytes].
@@ -103,19 +157,30 @@ void limit(__rlimit_resource what, rlim_t most) noexcept {
 
 ChildProcess::ChildProcess(std::vector<int> keep, const std::function<void()>& work) {
   std::sort(keep.begin(), keep.end());
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    throw FileTrouble(std::string("no process can be started: ") + std::strerror(errno));
   const int program = open_process(::getpid());
   guard_ = ::fork();
-  if (guard_ == 0) guard(program, keep, work);
+  if (guard_ == 0) {
+    ::close(ends[1]);
+    guard(program, ends[0], keep, work);
+  }
   const int error = errno;
   if (program >= 0) ::close(program);
-  if (guard_ < 0)
-    throw FileTrouble(std::string("no process can be started: ") + std::strerror(error));
-  ::setpgid(guard_, guard_);  // whoever of the two comes first
+  ::close(ends[0]);
+  stop_ = ends[1];
+  if (guard_ > 0) {
+    ::setpgid(guard_, guard_);  // whoever of the two comes first
+    return;
+  }
+  ::close(stop_);
+  throw FileTrouble(std::string("no process can be started: ") + std::strerror(error));
 }
 
 ChildProcess::~ChildProcess() {
   if (status_) return;
-  ::kill(-guard_, SIGKILL);
+  ::close(std::exchange(stop_, -1));
   wait();
 }
 
@@ -134,10 +199,11 @@ int ChildProcess::wait() noexcept {
   while (::waitid(P_PID, static_cast<id_t>(guard_), &info, WEXITED | WNOWAIT) < 0 &&
          errno == EINTR) {
   }
-  ::kill(-guard_, SIGKILL);  // what it started, while the guard's number is still its own
+  ::kill(-guard_, SIGKILL);  // had it left any, while the guard's number is still its own
   int status = 0;
   while (::waitpid(guard_, &status, 0) < 0 && errno == EINTR) {
   }
+  if (stop_ >= 0) ::close(std::exchange(stop_, -1));
   status_ = status;
   return status;
 }
@@ -168,18 +234,115 @@ void limit_time(std::size_t seconds) noexcept {
   limit(RLIMIT_CPU, seconds);
 }
 
+namespace {
+
+// What changes rights, owners, times and attributes of files, for which Landlock has no rule; what
+// truncates them, for which it has one since Linux 6.2; and what would go around this list.
+constexpr int kChanging[] = {
+#ifdef SYS_chmod  // x86-64; other machines never had these
+    SYS_chmod,
+    SYS_chown,
+    SYS_lchown,
+    SYS_utime,
+    SYS_utimes,
+    SYS_futimesat,
+#endif
+    SYS_fchmod,
+    SYS_fchmodat,
+    SYS_fchown,
+    SYS_fchownat,
+    SYS_utimensat,
+    SYS_setxattr,
+    SYS_lsetxattr,
+    SYS_fsetxattr,
+    SYS_removexattr,
+    SYS_lremovexattr,
+    SYS_fremovexattr,
+    SYS_truncate,
+    437,  // openat2, whose flags a filter does not see
+    SYS_io_uring_setup,
+    452,  // fchmodat2
+    463,  // setxattrat
+    466,  // removexattrat
+    469,  // file_setattr
+};
+
+// Where the flags of a call that opens are.
+struct Opening {
+  int call;
+  std::size_t flags;
+};
+constexpr Opening kOpening[] = {
+#ifdef SYS_open
+    {SYS_open, offsetof(seccomp_data, args) + sizeof(__u64)},
+#endif
+    {SYS_openat, offsetof(seccomp_data, args) + 2 * sizeof(__u64)},
+};
+
+#if defined(__x86_64__)
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_X86_64;
+#elif defined(__aarch64__)
+constexpr std::uint32_t kArchitecture = AUDIT_ARCH_AARCH64;
+#else
+constexpr std::uint32_t kArchitecture = 0;  // no filter
+#endif
+
+// From here on kChanging, O_TRUNC, and calls by the numbers of another architecture fail.
+void refuse_changes() noexcept {
+  if (kArchitecture == 0) return;
+  constexpr std::uint32_t kForeign = 0x40000000;  // x32
+  constexpr std::size_t kSize = 4 + std::size(kChanging) + 4 * std::size(kOpening) + 2;
+  std::array<sock_filter, kSize> filter{};
+  std::size_t n = 0;
+  // To the last line where it is so.
+  const auto refuse_if = [&](std::uint16_t how, std::uint32_t what) {
+    const auto far = static_cast<std::uint8_t>(kSize - 2 - n);
+    filter[n++] = BPF_JUMP(BPF_JMP | how | BPF_K, what, far, 0);
+  };
+  const auto load = [&](std::size_t from) {
+    filter[n++] = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, static_cast<std::uint32_t>(from));
+  };
+  const auto answer = [&](std::uint32_t what) { filter[n++] = BPF_STMT(BPF_RET | BPF_K, what); };
+  load(offsetof(seccomp_data, arch));
+  filter[n] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, kArchitecture, 0,
+                       static_cast<std::uint8_t>(kSize - 2 - n));
+  ++n;
+  load(offsetof(seccomp_data, nr));
+  refuse_if(BPF_JGE, kForeign);
+  for (const int call : kChanging) refuse_if(BPF_JEQ, static_cast<std::uint32_t>(call));
+  for (const auto& [call, flags] : kOpening) {
+    filter[n++] = BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, static_cast<std::uint32_t>(call), 0, 3);
+    load(flags);
+    refuse_if(BPF_JSET, O_TRUNC);
+    answer(SECCOMP_RET_ALLOW);
+  }
+  answer(SECCOMP_RET_ALLOW);
+  answer(SECCOMP_RET_ERRNO | EPERM);
+  const sock_fprog program{static_cast<std::uint16_t>(kSize), filter.data()};
+  ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program);
+}
+
+}  // namespace
+
 void only_read_files() noexcept {
+  constexpr __u64 kRefer = 1ULL << 13, kTruncate = 1ULL << 14;  // newer than some headers
   landlock_ruleset_attr none{};
   none.handled_access_fs =
       LANDLOCK_ACCESS_FS_EXECUTE | LANDLOCK_ACCESS_FS_WRITE_FILE | LANDLOCK_ACCESS_FS_REMOVE_DIR |
       LANDLOCK_ACCESS_FS_REMOVE_FILE | LANDLOCK_ACCESS_FS_MAKE_CHAR | LANDLOCK_ACCESS_FS_MAKE_DIR |
       LANDLOCK_ACCESS_FS_MAKE_REG | LANDLOCK_ACCESS_FS_MAKE_SOCK | LANDLOCK_ACCESS_FS_MAKE_FIFO |
       LANDLOCK_ACCESS_FS_MAKE_BLOCK | LANDLOCK_ACCESS_FS_MAKE_SYM;
+  const long version =
+      ::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION);
+  if (version >= 2) none.handled_access_fs |= kRefer;
+  if (version >= 3) none.handled_access_fs |= kTruncate;
   const long rules = ::syscall(SYS_landlock_create_ruleset, &none, sizeof none, 0);
-  if (rules < 0) return;
   ::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0);
-  ::syscall(SYS_landlock_restrict_self, rules, 0);
-  ::close(static_cast<int>(rules));
+  if (rules >= 0) {
+    ::syscall(SYS_landlock_restrict_self, rules, 0);
+    ::close(static_cast<int>(rules));
+  }
+  refuse_changes();
 }
 
 }  // namespace ferrule

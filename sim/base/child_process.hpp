@@ -2,8 +2,11 @@
 // it works on.
 //
 // The child is in a process group of its own: Ctrl-C at a terminal reaches this program alone. A
-// guard stands between the two and kills the group, and so what the child started in turn, as soon
-// as this program ends, by kill -9 too. What left the group (setsid) is out of its reach.
+// guard stands between the two. When the child ends, or is no longer wanted, or this program ends,
+// by kill -9 too, the guard kills the child and all that it started in turn, also what has left
+// the group or the session (setsid). Only what kills the guard first is out of its reach; on a
+// kernel that does not list the children of a process (CONFIG_PROC_CHILDREN), also what has left
+// the group.
 #pragma once
 
 #include <sys/types.h>
@@ -24,16 +27,17 @@ class ChildProcess {
   ChildProcess(std::vector<int> keep, const std::function<void()>& work);
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;
-  // Kills the group.
+  // Kills it with all that it started.
   ~ChildProcess();
 
   // Its status, as that of waitpid(); empty while it runs.
   std::optional<int> ended() noexcept;
-  // The same once it has ended.
+  // The same once it has ended, and all that it started was killed.
   int wait() noexcept;
 
  private:
   pid_t guard_ = -1;  // leads the group; ends as the child did
+  int stop_ = -1;     // closed: the guard kills the child
   std::optional<int> status_;
 };
 
@@ -47,7 +51,9 @@ void be_quiet() noexcept;
 // Address space [bytes] beyond what it has now, and time of a processor [s] in all.
 void limit_memory(std::size_t more) noexcept;
 void limit_time(std::size_t seconds) noexcept;
-// It opens no file to write, removes none and executes none, where the kernel has Landlock.
+// It opens no file to write, truncates, removes and executes none, where the kernel has Landlock,
+// and changes neither rights nor owners, times and attributes of one, where this is x86-64 or
+// AArch64.
 void only_read_files() noexcept;
 
 }  // namespace ferrule

@@ -3,8 +3,10 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
+#include <sys/stat.h>
 #include <sys/syscall.h>
 #include <sys/wait.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <csignal>
@@ -69,6 +71,62 @@ TEST(ChildProcess, IsKilledWithAllThatItStarted) {
   EXPECT_FALSE(child->ended());
   child.reset();
   EXPECT_TRUE(comes([&] { return !runs(sleeper()); }));
+}
+
+// By setsid, and with parents that are gone.
+TEST(ChildProcess, WhatLeftItsGroupAndSessionIsKilledToo) {
+  for (const std::string end : {"exit 3", "sleep 600", "kill -9 $$"}) {
+    const testing::TemporaryFolder folder;
+    const std::string command =
+        "cd " + folder.path() +
+        "; setsid sh -c 'echo $$ > a; sleep 600' &\n"
+        "(setsid sh -c 'sleep 600 & echo $! > b; (sleep 600 & echo $! > c)' &)\n"
+        "while ! [ -s a -a -s b -a -s c ]; do sleep 0.01; done; touch all; " +
+        end;
+    auto child = std::make_unique<ChildProcess>(std::vector<int>(), [&] {
+      execute({"sh", "-c", command}, -1, -1, -1);
+    });
+    ASSERT_TRUE(comes([&] { return std::filesystem::exists(folder / "all"); }));
+    if (end == "exit 3") EXPECT_EQ(WEXITSTATUS(child->wait()), 3);
+    if (end == "kill -9 $$") EXPECT_EQ(WTERMSIG(child->wait()), SIGKILL);
+    child.reset();
+    for (const char* name : {"a", "b", "c"})
+      EXPECT_FALSE(runs(testing::told_in(folder / name))) << end << " " << name;
+  }
+}
+
+// The child itself may begin a session.
+TEST(ChildProcess, BeginsASessionAndIsKilled) {
+  const testing::TemporaryFolder folder;
+  auto child = std::make_unique<ChildProcess>(std::vector<int>(), [&] {
+    if (::setsid() < 0) ::_exit(9);
+    execute({"sh", "-c", "echo $$ > " + (folder / "own") + "; sleep 600"}, -1, -1, -1);
+  });
+  const auto own = [&] { return testing::told_in(folder / "own"); };
+  ASSERT_TRUE(comes([&] { return runs(own()); }));
+  child.reset();
+  EXPECT_FALSE(runs(own()));
+}
+
+TEST(ChildProcess, WhatLeftTheSessionDoesNotOutliveAProgramThatIsKilled) {
+  const testing::TemporaryFolder folder;
+  const pid_t program = ::fork();
+  if (program == 0) {
+    const ChildProcess child({}, [&] {
+      execute({"sh", "-c",
+               "(setsid sh -c 'echo $$ > " + (folder / "left") +
+                   "; sleep 600' &)"
+                   "; sleep 600"},
+              -1, -1, -1);
+    });
+    ::pause();
+    ::_exit(0);
+  }
+  const auto left = [&] { return testing::told_in(folder / "left"); };
+  ASSERT_TRUE(comes([&] { return runs(left()); }));
+  ::kill(program, SIGKILL);
+  ::waitpid(program, nullptr, 0);
+  EXPECT_TRUE(comes([&] { return !runs(left()); }));
 }
 
 TEST(ChildProcess, DoesNotOutliveAProgramThatIsKilled) {
@@ -136,12 +194,47 @@ TEST(ChildProcess, OnlyReadsFiles) {
   EXPECT_FALSE(opens("there", O_RDWR));
   EXPECT_FALSE(opens("there", O_WRONLY | O_TRUNC));
   EXPECT_FALSE(opens("new", O_WRONLY | O_CREAT));
+  EXPECT_FALSE(opens("there", O_RDONLY | O_TRUNC));
   EXPECT_EQ(read_text(folder / "there"), "text");
   EXPECT_EQ(exit_code_of([] {
               only_read_files();
               execute({"true"}, -1, -1, -1);
             }),
             127);
+}
+
+TEST(ChildProcess, ChangesNoFile) {
+  if (::syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) < 1) GTEST_SKIP() << "no Landlock";
+  const testing::TemporaryFolder folder;
+  const std::string file = folder / "there", other = folder / "other";
+  write_text(file, "text");
+  const auto fails = [](const auto& change) {
+    return exit_code_of([&] {
+             only_read_files();
+             ::_exit(change() < 0 ? 0 : 1);
+           }) == 0;
+  };
+  struct stat before {
+  }, after{};
+  ::stat(file.c_str(), &before);
+  EXPECT_TRUE(fails([&] { return ::truncate(file.c_str(), 0); }));
+  EXPECT_TRUE(fails([&] { return ::chmod(file.c_str(), 0777); }));
+  EXPECT_TRUE(fails([&] { return ::fchmodat(AT_FDCWD, file.c_str(), 0777, 0); }));
+  EXPECT_TRUE(fails([&] { return ::syscall(452, AT_FDCWD, file.c_str(), 0777, 0); }));
+  EXPECT_TRUE(fails([&] { return ::fchmod(::open(file.c_str(), O_RDONLY), 0777); }));
+  EXPECT_TRUE(fails([&] { return ::chown(file.c_str(), ::getuid(), ::getgid()); }));
+  EXPECT_TRUE(fails([&] { return ::utimensat(AT_FDCWD, file.c_str(), nullptr, 0); }));
+  EXPECT_TRUE(fails([&] { return ::setxattr(file.c_str(), "user.x", "y", 1, 0); }));
+  EXPECT_TRUE(fails([&] { return ::rename(file.c_str(), other.c_str()); }));
+  EXPECT_TRUE(fails([&] { return ::link(file.c_str(), other.c_str()); }));
+  EXPECT_TRUE(fails([&] { return ::symlink(file.c_str(), other.c_str()); }));
+  EXPECT_TRUE(fails([&] { return ::unlink(file.c_str()); }));
+  ::stat(file.c_str(), &after);
+  EXPECT_EQ(read_text(file), "text");
+  EXPECT_EQ(after.st_mode, before.st_mode);
+  EXPECT_EQ(after.st_ctim.tv_nsec, before.st_ctim.tv_nsec);
+  EXPECT_FALSE(std::filesystem::exists(other));
+  EXPECT_TRUE(std::filesystem::exists(file));
 }
 
 }  // namespace
