@@ -12,7 +12,7 @@ namespace {
 
 struct MergeArguments {
   std::string folder;
-  bool watch = false;
+  bool watch = false, programs = false;
 };
 
 using Clock = std::chrono::steady_clock;
@@ -67,6 +67,10 @@ int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling)
       throw BadInput("merge: " + word +
                      ": takes --json, --csv and the files that the job's verb can write");
   const Job job = read_job(a.folder);
+  if (const std::string program = program_in(job.arguments); !program.empty() && !a.programs)
+    throw BadInput(fmt::format(
+        "{}: the job runs a program with your rights: {}; read it, and merge with --programs",
+        a.folder, printable(program, 300)));
   share_all(a.folder, job);
   if (a.watch) watch(*shared_trials());
   expect_whole(a.folder);
@@ -91,6 +95,8 @@ void add_merge(CLI::App& app, Run& run) {
       ->required()
       ->type_name("DIR");
   verb->add_flag("--watch", a->watch, "Show how far they are, and wait until all are whole");
+  verb->add_flag("--programs", a->programs,
+                 "Run the programs that the job names: --policy COMMAND, TorchScript");
   verb->allow_extras();
   add_examples(*verb, {"merge job", "merge job --watch --json", "merge job --report page.html"});
   verb->callback([a, verb, &run] {

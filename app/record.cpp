@@ -332,6 +332,9 @@ void expect_same_scaling(const std::string& folder, const Scaling& now) {
 }
 
 int record_verb(const RecordArguments& a) {
+  SharedTrials* const shared = shared_trials();
+  if (shared && (a.with_device || a.append))
+    throw BadInput("--shard: does not go with --device or --append");
   const bool by_controller =
       !a.with_device && a.operator_ != "simulated" && a.operator_ != "searching";
   std::optional<ControllerFile> controller;
@@ -348,9 +351,6 @@ int record_verb(const RecordArguments& a) {
   const std::string note =
       damage_note(toleranced) + (a.supervise ? supervisor_note(supervisor_limits(toleranced)) : "");
   const int first = next_episode_number(a.out);
-  SharedTrials* const shared = shared_trials();
-  if (shared && (a.with_device || a.append))
-    throw BadInput("--shard: does not go with --device or --append");
   if (first > 1 && !a.append && !shared)
     throw BadInput(a.out +
                    ": already holds episodes; choose another folder, or add to them with "

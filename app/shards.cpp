@@ -1,9 +1,11 @@
 #include "app/shards.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -98,6 +100,38 @@ std::vector<std::string> without_folder(const Json& words) {
 std::string hash_of_job(Json job) {
   job["command"] = without_folder(job["command"]);
   return sha1(job.dump());
+}
+
+// The verbs that have --shard.
+constexpr std::array kSharedVerbs = {"evaluate", "compare",     "sweep", "map",
+                                     "improve",  "sensitivity", "record"};
+
+// The value of an option, where it has one.
+std::string option_value(const std::string& option, const std::vector<std::string>& words) {
+  for (std::size_t i = 0; i < words.size(); ++i)
+    if (words[i].starts_with(option + "="))
+      return words[i].substr(option.size() + 1);
+    else if (words[i] == option && i + 1 < words.size())
+      return words[i + 1];
+  return "";
+}
+
+// `words` are those that `folder` has in its job.json. Episodes are recorded where their job is.
+void refuse_strange(const std::string& folder, const std::vector<std::string>& words) {
+  const std::string& verb = words.front();
+  if (std::find(kSharedVerbs.begin(), kSharedVerbs.end(), verb) == kSharedVerbs.end())
+    throw BadInput(fmt::format("{}: \"{}\" is no verb of a job: must be one of {}",
+                               job_file(folder), printable(verb, 40),
+                               fmt::join(kSharedVerbs, ", ")));
+  std::error_code error;
+  const std::string out = option_value("--out", words);
+  const bool records = verb == "record" && fs::equivalent(out, folder, error);
+  for (const std::string& word : words)
+    for (const std::string telling : kTellingOptions)
+      if (word.substr(0, word.find('=')) == telling && !(records && telling == "--out"))
+        throw BadInput(fmt::format(
+            "{}: {}: a job prints nothing, and writes to its own folder alone", job_file(folder),
+            printable(telling == "--out" ? "--out " + out : word, 300)));
 }
 
 // `there` is what `file` says, `here` what this process would do.
@@ -229,8 +263,18 @@ int run_shard(const CLI::App& app, const Run& run) {
 Job read_job(const std::string& folder) {
   const Json there = read_job_file(job_file(folder));
   const std::vector<std::string> words = there.at("command");
+  refuse_strange(folder, words);
   refuse_other(job_file(folder), there, job_json(words, folder));
   return {words, hash_of_job(there)};
+}
+
+std::string program_in(const std::vector<std::string>& words) {
+  for (const std::string& word : words)
+    if (word == "--policy" || word.starts_with("--policy="))
+      return "--policy " + option_value("--policy", words);
+    else if (word.ends_with(".pt"))
+      return word;
+  return "";
 }
 
 void share_all(const std::string& folder, const Job& job) {

@@ -46,8 +46,12 @@ struct Job {
   std::vector<std::string> arguments;  // of the command, those of kTellingOptions apart
   std::string hash;
 };
-// Throws BadInput where another program has begun it, or a file that it reads has changed.
+// A stranger may have made the folder: its job is one that shards can have begun, and writes
+// nothing but there. Throws BadInput where it is another one, where another program has begun it,
+// or a file that it reads has changed.
 Job read_job(const std::string& folder);
+// What of the command is a program that runs with it, --policy or TorchScript; empty: nothing is.
+std::string program_in(const std::vector<std::string>& words);
 // From now on this process has the trials of all shards of the job.
 void share_all(const std::string& folder, const Job& job);
 

@@ -144,7 +144,8 @@ void write_scripts(const SubmitArguments& a, const Words& job, const Words& tell
                 {"--job-name=ferrule-merge", "--open-mode=truncate",
                  fmt::format("--output=\"{}/result\"", scripts.folder),
                  fmt::format("--error=\"{}/merge.log\"", scripts.folder)},
-                "merge " + shell_word(a.out) + " " + shell_words(telling));
+                "merge " + shell_word(a.out) + (program_in(job).empty() ? " " : " --programs ") +
+                    shell_words(telling));
   Scripts::write_script(
       scripts.file("submit.sh"),
       fmt::format("#!/bin/sh\narray=$(sbatch --parsable \"$@\" {}) &&\n"

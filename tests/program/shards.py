@@ -390,6 +390,57 @@ class Shards(Case):
         self.refused(2, "merge", self.job, "--trials", 3, says=["--trials"])
         self.refused(2, "merge", self.job, "--plot", "a.svg", says=["--plot"])
 
+    def strange(self, *command):
+        """A folder as it may come from others: a whole job whose job.json holds another command."""
+        if not os.path.exists(self.job):
+            self.shard(1, 1, *JOB, "--trials", 2)
+        with open(self.job + "/job.json") as file:
+            job = json.load(file)
+        with open(self.job + "/job.json", "w") as file:
+            json.dump({**job, "command": [str(word) for word in command], "read": {}}, file)
+
+    def test_a_folder_of_others_runs_no_program_and_writes_nothing(self):
+        made = self.path("made")
+        touch = f"touch {made}"
+        weights = self.path("stranger.pt")
+        with open(weights, "w") as file:
+            file.write("code")
+        programs = [(*JOB[:1], *JOB[3:], "--trials", 2, "--policy", touch),
+                    (*JOB[:1], *JOB[3:], "--trials", 2, "--policy=" + touch),
+                    ("evaluate", weights, "--trials", 2), ("sweep", weights, "limits.force_uN=1,3"),
+                    ("compare", self.job, weights, "--trials", 2)]
+        for command in programs:
+            self.strange(*command)
+            for how in ((), ("--json",), ("--watch",)):
+                self.refused(2, "merge", self.job, *how, says=["runs a program", "--programs"])
+        others = [("submit", "--now", "--shards", 1, "--out", made, "--", *JOB), ("merge", self.job),
+                  ("view", "--out", made, "--no-open"), ("export-episodes", self.job, "--csv", made),
+                  ("report", "x.json", "--out", made), ("demo",), ("no such verb",), ("--version",)]
+        for command in others:
+            self.strange(*command)
+            self.refused(2, "merge", self.job, says=["job.json: ", "is no verb of a job"])
+        writing = [(*JOB, "--trials", 2, "--report", made), (*JOB, "--trials", 2, f"--trials-out={made}"),
+                   ("sweep", "constant-velocity", "limits.force_uN=1,3", "--plot", made + ".svg"),
+                   ("improve", "search", "--out", made), (*JOB, "--trials", 2, "--json"),
+                   ("record", "--episodes", 1, "--out", made), ("record", "--episodes", 1, f"--out={made}")]
+        for command in writing:
+            self.strange(*command)
+            self.refused(2, "merge", self.job, says=["writes to its own folder alone"])
+        self.assertFalse(os.path.exists(made))
+
+    # The word of whoever merges is enough; submit has it from whoever submits.
+    def test_programs_of_a_job_run_when_the_merge_says_so(self):
+        job = ("evaluate", "--scene", "paper", *QUICK, "--trials", 4, "--policy",
+               """while read q; do echo '{"velocity":[-0.01,0,0,0,0]}'; done""")
+        self.shard(1, 1, *job)
+        self.refused(2, "merge", self.job, "--json", says=["while read q"])
+        self.assertEqual(self.done("merge", "--programs", self.job, "--json").stdout, self.done(*job, "--json").stdout)
+        self.assertEqual(self.done("merge", self.job, "--json", "--programs").stdout, self.done(*job, "--json").stdout)
+        for words, runs in ((job, True), (JOB, False)):
+            self.done("submit", "--out", self.path("slurm"), "--shards", 1, "--", *words)
+            with open(self.path("slurm/merge.sh")) as script:
+                self.assertEqual(" --programs " in script.read(), runs)
+
     def test_two_with_the_same_number_do_not_write_to_one_file(self):
         job = (*JOB, "--trials", 100000)
         process = self.start(1, 2, *job)
