@@ -19,9 +19,13 @@ struct ExportEpisodesArguments {
   bool relative = false, json = false;
 };
 
-// What its `python3 -c` runs.
+// What its `python3 -c` runs. Nothing is imported from the working folder, where strangers' files
+// may be; sys is part of Python itself. (-P came with Python 3.11, and -I would leave out packages
+// of the user.)
 constexpr const char* kScript =
-    "import os, signal, sys\n"
+    "import sys\n"
+    "if sys.path[:1] == ['']: del sys.path[0]\n"
+    "import os, signal\n"
     "for ending in (signal.SIGINT, signal.SIGTERM):\n"  // until main() handles them
     "  signal.signal(ending, lambda *_: os._exit(130))\n"
     "try:\n"

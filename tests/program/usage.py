@@ -2,8 +2,37 @@ import os
 import re
 import shutil
 import subprocess
+import sys
 
 from case import PROGRAM, QUICK, SOURCE, Case, ferrule, main
+
+
+class StrangeFolder(Case):
+    """A folder in which others have put files that look like modules of Python."""
+
+    def test_python_imports_nothing_of_the_folder(self):
+        made, package = self.path("made"), self.path("package/ferrule")
+        self.done("record", "--scene", "paper", *QUICK, "--episodes", 1, "--out", self.path("here/episodes"))
+        os.makedirs(package)
+        # What the program runs stands in for the package, and imports as much as that does.
+        open(package + "/__init__.py", "w").close()
+        with open(package + "/export_episodes.py", "w") as module:
+            module.write("import json, os, signal, sys, tempfile, subprocess, multiprocessing\n"
+                         "def main():\n  print('exported', sys.argv[1:])\n  return 0\n")
+        evil = f"open({made!r}, 'a').write(__name__ + ' ')\n"
+        for name in ("signal", "json", "os", "sys", "tempfile", "subprocess", "multiprocessing", "sitecustomize"):
+            with open(self.path(f"here/{name}.py"), "w") as module:
+                module.write(evil)
+        os.mkdir(self.path("here/ferrule"))
+        for name in ("__init__", "export_episodes"):
+            with open(self.path(f"here/ferrule/{name}.py"), "w") as module:
+                module.write(evil)
+        pythons = [python for python in ("/usr/bin/python3", shutil.which("python3"), sys.executable) if python]
+        for python in sorted(set(pythons)):
+            environment = {**os.environ, "FERRULE_PYTHON": python, "PYTHONPATH": self.path("package")}
+            run = self.done("export-episodes", "episodes", "--csv", "tables", cwd=self.path("here"), env=environment)
+            self.assertIn("exported", run.stdout)
+        self.assertFalse(os.path.exists(made), "imported: " + (open(made).read() if os.path.exists(made) else ""))
 
 
 class BareNames(Case):
