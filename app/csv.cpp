@@ -8,17 +8,33 @@ namespace {
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
 std::string csv_field(const std::string& text) {
-  if (text.find_first_of(",\"\r\n") == text.npos) return text;
+  if (text.find_first_of(",;\"\r\n") == text.npos) return text;
   std::string all = "\"";
   for (const char c : text) all += c == '"' ? "\"\"" : std::string(1, c);
   return all + "\"";
 }
 
-// A text that spreadsheets would compute is marked as one, with the apostrophe that they take.
+// What spreadsheets compute, in full width too.
+bool is_formula(std::string_view cell) {
+  cell.remove_prefix(std::min(cell.find_first_not_of(" \""), cell.size()));
+  for (const char* sign : {"=", "+", "-", "@", "\uff1d", "\uff0b", "\uff0d", "\uff20"})
+    if (cell.starts_with(sign)) return true;
+  return false;
+}
+
+// A text on one line, of which terminals obey nothing. What spreadsheets would compute is marked as
+// text, with the apostrophe that they take; also after a semicolon, which parts cells in some
+// countries, within quotes too, as the line does not begin with them.
 std::string as_text(const std::string& text) {
-  const bool formula =
-      !text.empty() && std::string_view("=+-@\t\r").find(text[0]) != std::string_view::npos;
-  return (formula ? "'" : "") + text;
+  const std::string line = printable(text, text.size());
+  std::string marked;
+  for (std::size_t at = 0; at <= line.size();) {
+    const std::size_t end = std::min(line.find(';', at), line.size());
+    const std::string cell = line.substr(at, end - at);
+    marked += (at > 0 ? ";" : "") + std::string(is_formula(cell) ? "'" : "") + cell;
+    at = end + 1;
+  }
+  return marked;
 }
 
 void add_fields(const Json& value, const std::string& name, Fields& fields) {
@@ -57,7 +73,8 @@ std::string csv_text(const Json& rows, const Provenance& provenance) {
     if (find(names, column.first) == names.end())
       names.emplace_back(column.first, as_text(column.second));
   std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i) text += (i ? "," : "") + csv_field(names[i].first);
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i ? "," : "") + csv_field(as_text(names[i].first));
   text += "\r\n";
   for (const Fields& line : lines) {
     for (std::size_t i = 0; i < names.size(); ++i) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
@@ -22,12 +23,18 @@ namespace {
 constexpr std::array kColours = {"#0072B2", "#D55E00", "#009E73", "#CC79A7",
                                  "#56B4E9", "#E69F00", "#000000", "#999999"};
 
+// A string in double quotes in which every mark is an octal number: gnuplot 5.4 does not read two
+// apostrophes side by side, and runs what stands in backquotes.
 std::string quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text)
-    out += c == '\'' ? std::string("''")
-                     : std::string(1, static_cast<unsigned char>(c) < 32 ? ' ' : c);
-  return out + "'";
+  std::string line = text, out;
+  std::replace_if(
+      line.begin(), line.end(), [](char c) { return c >= 0 && c < ' '; }, ' ');
+  for (const char c : printable(line, line.size())) {  // an SVG is UTF-8
+    const auto byte = static_cast<unsigned char>(c);
+    const bool plain = byte >= 0x80 || std::isalnum(byte) || c == ' ';
+    out += plain ? std::string(1, c) : fmt::format("\\{}{:03o}", byte < 0100 ? "0" : "", byte);
+  }
+  return '"' + out + '"';
 }
 
 // Names that do not fit beside the curves go below them.
@@ -106,7 +113,7 @@ std::string draw_svg(const Plot& plot) {
     ::close(in);
     throw FileTrouble(std::string("gnuplot cannot be started: ") + std::strerror(errno));
   }
-  ChildProcess gnuplot({in, ends[1]}, [&] { execute({"gnuplot"}, in, ends[1], -1); });
+  ChildProcess gnuplot({in, ends[1]}, [&] { execute({"gnuplot", "-d"}, in, ends[1], -1); });
   ::close(in);
   ::close(ends[1]);
   std::string svg;

@@ -55,7 +55,9 @@ struct Group {
   std::optional<Yardstick> yardstick;
   std::vector<std::size_t> episodes;  // places in the list of all
 
-  std::string title() const { return printable(operator_, 100) + ", scene " + scene; }
+  std::string title() const {
+    return printable(operator_, 100) + ", scene " + printable(scene, 100);
+  }
 };
 
 struct Scores {

@@ -281,7 +281,15 @@ CLI::Validator number_between(double low, double high) {
 }
 
 void print_json(const Json& json) {
-  std::cout << json.dump(-1, ' ', false, Json::error_handler_t::replace) << std::endl;
+  std::string text;
+  // DEL and C1, on which terminals act, as JSON may spell them; it spells the others so anyway.
+  for (const char c : json.dump(-1, ' ', false, Json::error_handler_t::replace)) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool c1 = byte >= 0x80 && byte < 0xa0 && !text.empty() && text.back() == '\xc2';
+    if (c1) text.pop_back();
+    text += c1 || byte == 0x7f ? fmt::format("\\u{:04x}", byte) : std::string(1, c);
+  }
+  std::cout << text << std::endl;
 }
 
 void print_json(Json json, const Provenance& provenance) {

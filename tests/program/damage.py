@@ -9,6 +9,7 @@ import shutil
 import signal
 import subprocess
 import time
+import xml.etree.ElementTree
 
 import h5py
 import numpy
@@ -289,11 +290,33 @@ class Damage(Case):
             self.assertNotIn("\nline ", text, arguments)
             self.assertIn("red \\x1b[31m\\x0aline \\xc2\\x9b2J", text, arguments)
 
+    # Whatever a text says to gnuplot or to a reader of SVG, it is drawn as it is.
+    def test_any_text_can_be_drawn(self):
+        scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
+        folder, plot, made = self.path("folder"), self.path("plot.svg"), self.path("made")
+        file = self.record(folder, episodes=1)[0]
+        shutil.copy(file, self.path("folder/episode_0002.h5"))
+        for text in ("two'' and three''' and it's", "'", "''", '"quoted" \\ \\n \\047 7', "`touch made`", "EOD",
+                     "$x @y %d 50%% #z", "{/Symbol a}_b^c ~a{.8-}", "<script>alert(1)</script> & ]]> &lt;",
+                     "1'2''3 \u00b5m \u65e5"):
+            json.dump({**scene, "name": text}, open(self.path("s.json"), "w"))
+            self.done("forces", "--scene", self.path("s.json"), "--gap-nm", "1:9:3", "--plot", plot, cwd=self.folder)
+            drawn = "".join(xml.etree.ElementTree.parse(plot).getroot().itertext())
+            self.assertIn(text, drawn)
+
+            def named(f):
+                f.attrs["operator"] = numpy.bytes_(text.encode())
+            shutil.move(self.changed(file, named), file)
+            self.done("score", folder, "--plot", plot, cwd=self.folder)
+            drawn = "".join(xml.etree.ElementTree.parse(plot).getroot().itertext())
+            self.assertIn(text + ", scene", drawn)
+            self.assertFalse(os.path.exists(made))
+
     # A spreadsheet computes what begins with one of these.
     def test_texts_of_a_csv_are_no_formulas(self):
         folder = self.path("folder")
         file = self.record(folder, episodes=1)[0]
-        for sign in "=+-@":
+        for sign in ("=", "+", "-", "@", " =", "\uff1d", "\uff20"):
             name = sign + "cmd|' /C calc'!A0"
 
             def renamed(f):
@@ -302,6 +325,24 @@ class Damage(Case):
             table = self.done("score", folder, "--csv").stdout
             [row] = csv.DictReader(io.StringIO(table))
             self.assertEqual(row["operator"], "'" + name)
+        # Where semicolons or tabs part the fields none begins a formula either; and terminals obey nothing.
+        for name, shown in (('a;=1+1;"b', """a;'=1+1;"b"""), ('a"; "@x;', """a";' "@x;"""),
+                            ("a\t=1+1", "a\\x09=1+1"), ("\x1b]0;x\x07\x9b2J\r\n=1+1", None)):
+            def named(f):
+                f.attrs["operator"] = numpy.bytes_(name.encode())
+            shutil.move(self.changed(file, named), file)
+            for how in ("--csv", "--json"):
+                table = self.done("score", folder, how).stdout
+                self.assertNotRegex(table, "[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f]")
+            table = self.done("score", folder, "--csv").stdout
+            [row] = csv.DictReader(io.StringIO(table))
+            self.assertNotRegex(row["operator"], "[\x00-\x1f\x7f-\x9f]")
+            if shown:
+                self.assertEqual(row["operator"], shown)
+            for separator in ";\t":
+                for line in csv.reader(io.StringIO(table), delimiter=separator):
+                    for field in line:
+                        self.assertFalse(field.lstrip().startswith(("=", "+", "@")), (name, field))
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
         json.dump({**scene, "name": "=1+1"}, open(self.path("s.json"), "w"))
         table = self.done("forces", "--scene", self.path("s.json"), "--gap-nm", "1:9:3", "--csv").stdout
