@@ -113,7 +113,11 @@ Spectrum begin_of_spectrum(const Eigen::Ref<const Eigen::VectorXd>& speed, doubl
 std::string advice(const Measures& m, Part part, std::size_t phase) {
   const double all = m[part], there = m.by_phase[static_cast<std::size_t>(part)][phase];
   const char* const where = kWhere[phase];
-  const double off = m.off_axis[phase];
+  const double off = m.off_axis[phase], touched = m.touched_off_axis;
+  const std::string cause =
+      touched > m.clearance
+          ? fmt::format(" after you touched {:.2g} um off the axis", 1e6 * touched)
+          : "";
   if (part == Part::smoothness)
     return "your speed was uneven (trembling, stops, sudden starts): move steadily";
   if (phase == place(Phase::seated)) return "you pressed on after the goal: stop there";
@@ -124,10 +128,11 @@ std::string advice(const Measures& m, Part part, std::size_t phase) {
     return fmt::format("you stopped or turned back {} {}: line up first, then push on",
                        there == 1 ? "once" : fmt::format("{:.0f} times", there), where);
   if (part == Part::contact_time)
-    return fmt::format("the fibre touched for {:.1f} s, {:.1f} s of it {}: line up before that",
-                       all, there, where);
+    return fmt::format("the fibre touched for {:.1f} s, {:.1f} s of it {}{}: line up before that",
+                       all, there, where, cause);
   std::string text = std::string("you pushed ") + where;
   if (part == Part::peak_force) text += fmt::format(" with {:.3g} uN", 1e6 * all);
+  if (!cause.empty()) return text + cause + ": correct sideways first";
   if (off <= m.clearance) return text + ": push more gently";
   return text + fmt::format(" while off the axis by {:.2g} um: correct sideways first", 1e6 * off);
 }
@@ -217,6 +222,7 @@ void MeasuredInsertion::add_force(const StepResult& result, Phase phase) {
     m_.off_axis[place(phase)] = way_to_axis(scene_.world, result.state).norm();
   }
   if (!result.state.contact[kEnd].closed && !result.state.contact[kSide].closed) return;
+  if (contact_ == 0) m_.touched_off_axis = way_to_axis(scene_.world, result.state).norm();
   at(Part::contact_time, phase) += period_;
   at(Part::mean_force, phase) += period_ * now;
   contact_ += period_;

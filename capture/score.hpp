@@ -40,6 +40,7 @@ struct Measures {
   // (insertion/phase.hpp) [m]. And the clearance of fibre and bore [m].
   std::array<double, kPhases.size()> off_axis{};
   double clearance = 0;
+  double touched_off_axis = 0;  // the same where end or side touched first [m]; 0: they never did
 
   double operator[](Part part) const noexcept { return parts[static_cast<std::size_t>(part)]; }
 };
@@ -84,9 +85,10 @@ struct Score {
 
 Score score(const Measures& episode, const Yardstick& yardstick);
 
-// What cost it most, as what the hand did and should do instead: "you pushed on the cone with 35 uN
-// while off the axis by 12 um: correct sideways first". Empty where nothing cost anything worth
-// saying (a tenth of a part). Of a failure not the time, unless it never touched.
+// What cost it most, as what the hand did, why, and what it should do instead: "you pushed on the
+// cone with 35 uN after you touched 12 um off the axis: correct sideways first". Empty where
+// nothing cost anything worth saying (a tenth of a part). Of a failure not the time, unless it
+// never touched.
 std::string hint(const Measures& episode, const Score& score);
 
 }  // namespace ferrule

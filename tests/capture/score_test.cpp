@@ -241,6 +241,15 @@ TEST(Score, TheHintSaysWhatTheHandDidAndShouldDo) {
   m.off_axis[static_cast<std::size_t>(Phase::cone)] = 2e-6;
   EXPECT_EQ(hint(m, score(m, gentle)),
             "you pushed on the cone with 10 uN while off the axis by 2 um: correct sideways first");
+  // The cause came before: where it touched.
+  m.touched_off_axis = 7.3e-6;
+  EXPECT_EQ(hint(m, score(m, gentle)),
+            "you pushed on the cone with 10 uN after you touched 7.3 um off the axis: correct "
+            "sideways first");
+  m.off_axis = {};
+  EXPECT_NE(hint(m, score(m, gentle)).find("touched 7.3 um off"), std::string::npos);
+  m.touched_off_axis = 0.4e-6;  // within the clearance
+  EXPECT_EQ(hint(m, score(m, gentle)), "you pushed on the cone with 10 uN: push more gently");
   set(Part::peak_force, Phase::seated, 20e-6, 20e-6);
   EXPECT_EQ(hint(m, score(m, gentle)), "you pressed on after the goal: stop there");
 }
