@@ -36,17 +36,19 @@ RateMessage parse_rating(const Json& json) {
   return {stars->get<int>()};
 }
 
-FitMessage parse_fit(const Json& json) {
-  FitMessage fit;
-  const auto list = json.find("episodes");
-  if (list == json.end()) return fit;
-  if (!list->is_array() || list->size() > kMostEpisodes)
-    throw BadInput("message: episodes: must be a list of file names");
+std::vector<std::string> file_names(const Json& json, const char* key) {
+  std::vector<std::string> names;
+  const auto list = json.find(key);
+  if (list == json.end()) return names;
+  const auto refused = [key] {
+    return BadInput(std::string("message: ") + key + ": must be a list of file names");
+  };
+  if (!list->is_array() || list->size() > kMostEpisodes) throw refused();
   for (const Json& name : *list) {
-    if (!name.is_string()) throw BadInput("message: episodes: must be a list of file names");
-    fit.episodes.push_back(name);
+    if (!name.is_string()) throw refused();
+    names.push_back(name);
   }
-  return fit;
+  return names;
 }
 
 }  // namespace
@@ -63,7 +65,7 @@ Message parse_message(std::string_view text) {
   if (name == "stop") return StopMessage();
   if (name == "discard") return DiscardMessage();
   if (name == "rate") return parse_rating(json);
-  if (name == "fit") return parse_fit(json);
+  if (name == "fit") return FitMessage{file_names(json, "episodes"), file_names(json, "but")};
   if (name == "insert") return InsertMessage();
   if (name == "trainee") return TraineeMessage{JsonFields(json, "message").line("name", kMostName)};
   throw BadInput("message: \"" + printable(name, 40) + "\" is no type of message");

@@ -4,7 +4,8 @@
 //                                                     cut to [-1, 1], in the frame of
 //                                                     sim/geometry/pose.hpp
 //   {"type":"start"} {"type":"stop"} {"type":"discard"} {"type":"rate","stars":1..5}
-//   {"type":"fit","episodes":[file names]}            none named: all
+//   {"type":"fit","episodes":[file names]}            these alone
+//   {"type":"fit","but":[file names]}                 all but these; without names all
 //   {"type":"insert"}                                 with the controller that was fitted last
 //   {"type":"trainee","name":text}                    who makes the next tries; empty: nobody named
 // Keys beside these are left unread.
@@ -32,7 +33,8 @@ struct RateMessage {
   int stars;  // 1 to 5
 };
 struct FitMessage {
-  std::vector<std::string> episodes;
+  std::vector<std::string> episodes;  // empty: all of the scene
+  std::vector<std::string> but;       // and of these none
 };
 struct InsertMessage {};
 struct TraineeMessage {

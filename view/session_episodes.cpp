@@ -56,14 +56,17 @@ void Session::start_fit(const FitMessage& message) {
   std::vector<std::string> files;
   {
     const std::lock_guard lock(mutex_);
-    const std::vector<std::string>& wanted = message.episodes;
+    std::size_t named = 0;
     for (const Listed& listed : episodes_) {
-      const bool named =
-          std::find(wanted.begin(), wanted.end(), file_name(listed.file)) != wanted.end();
-      if (listed.json["same_scene"] == true && (wanted.empty() || named))
-        files.push_back(listed.file);
+      const auto is_among = [&](const std::vector<std::string>& names) {
+        return std::find(names.begin(), names.end(), file_name(listed.file)) != names.end();
+      };
+      if (listed.json["same_scene"] != true) continue;
+      const bool wanted = is_among(message.episodes), left_out = is_among(message.but);
+      named += wanted + left_out;
+      if ((message.episodes.empty() || wanted) && !left_out) files.push_back(listed.file);
     }
-    if (!wanted.empty() && files.size() != wanted.size())
+    if (named != message.episodes.size() + message.but.size())
       throw BadInput("fit: an episode that is not on the list, or of another scene");
   }
   if (files.empty()) throw BadInput("fit: there are no episodes of this scene");
@@ -102,7 +105,8 @@ void Session::read_one_more() {
   } catch (const std::exception& error) {  // is not ours to mend
     complain(error.what());
   }
-  say_episodes();
+  constexpr std::size_t kAtOnce = 16;  // the list is long where many are still to be read
+  if (unread_.size() % kAtOnce == 0) say_episodes();
 }
 
 void Session::list(const EpisodeInfo& info, const Measures& m, const std::string& file,

@@ -341,11 +341,132 @@ check('live: another trainee between tries, and all of them side by side', async
   assert.deepEqual(amiss, []);
 });
 
+check('live: each try has its own curves', async () => {
+  const server = await view('--scene', 'demo', ...kStraight, '--set', 'start.distance_um=15', '--set', 'success.depth_um=12', '--out', join(folder, 'tries'));
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  const drawn = () => page.locator('#strip-velocity').screenshot();
+  for (let number = 1; number <= 4; ++number) {
+    await page.keyboard.press('Enter');
+    await page.waitForFunction(() => globalThis.ferrule.session.running);
+    // A longer one first: none of its rows stay in the next ones.
+    await pause(number === 1 ? 1500 : 150 * (number % 3));
+    await page.keyboard.down('w');
+    await page.waitForFunction((n) => globalThis.ferrule.session.episodes.length === n, number);
+    await page.keyboard.up('w');
+    await page.waitForFunction(() => !globalThis.ferrule.session.running && !globalThis.ferrule.session.rests);
+    const file = await page.evaluate(() => globalThis.ferrule.session.saved);
+    const {rows} = JSON.parse(ferrule('replay', join(folder, 'tries', file), '--verify', '--json'));
+    const kept = await page.evaluate(() => {
+      const {history} = globalThis.ferrule.live, times = history.column('t_s', 0, 1);
+      return {rows: history.rows, first: times[0], rises: times.every((t, i) => i === 0 || t > times[i - 1])};
+    });
+    assert.deepEqual(kept, {rows, first: 0, rises: true}, `try ${number}`);
+    const still = await drawn();
+    await pause(300);
+    assert.ok(still.equals(await drawn()), 'they stay until the next one');
+  }
+  await page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
+});
+
 const kGamepad = `
   const pad = {connected: true, id: 'test', index: 0, mapping: 'standard', timestamp: 0, axes: [0, 0, 0, 0],
     buttons: Array.from({length: 17}, () => ({pressed: false, touched: false, value: 0}))};
   globalThis.testPad = pad;
   navigator.getGamepads = () => [pad];`;
+
+check('live: a fit from many tries is asked for in a small message, or the page says that it cannot be', async () => {
+  const server = await view('--scene', 'demo', '--out', join(folder, 'many'));
+  const {page, amiss} = await open(server.address);
+  await ready(page);
+  await page.evaluate(() => {
+    const {live} = globalThis.ferrule, post = live.link.postMessage.bind(live.link);
+    globalThis.sent = [];
+    live.link.postMessage = (/** @type {any} */ data) => {
+      if (data.text) globalThis.sent.push(data.text);
+      post(data);
+    };
+  });
+  /** What is sent where so many tries are listed, some of them left out. @param {number} count @param {(i: number) => boolean} leaves */
+  const asked = (count, leaves) => page.evaluate((list) => {
+    const {session} = globalThis.ferrule;
+    globalThis.sent.length = 0;
+    document.querySelector('#said').textContent = '';
+    session.left = new Set(list.filter((e) => e.out).map((e) => e.file));
+    session.show(list);
+    document.querySelector('#tab-session').click();
+    document.querySelector('#fit').click();
+    return globalThis.sent.map((text) => ({...JSON.parse(text), bytes: text.length}));
+  }, Array.from({length: count}, (_, i) => ({file: `episode_${String(i + 1).padStart(4, '0')}.h5`, outcome: 'inserted', same_scene: i !== 1, score: 50, out: leaves(i)})));
+  const online = () => page.evaluate(() => globalThis.ferrule.session.online);
+  assert.deepEqual(await asked(240, () => false), [{type: 'fit', bytes: 14}]);
+  // What the program answers: the page's list is not its own.
+  await page.waitForFunction(() => document.querySelector('#said').textContent.includes('no episodes of this scene'));
+  assert.deepEqual((await asked(240, (i) => i === 3 || i === 5))[0].but, ['episode_0004.h5', 'episode_0006.h5']);
+  assert.deepEqual((await asked(240, (i) => i > 2))[0].episodes, ['episode_0001.h5', 'episode_0003.h5']);
+  await page.waitForFunction(() => document.querySelector('#said').textContent.includes('not on the list'));
+  assert.equal((await asked(300, (i) => i % 2 === 1))[0].episodes.length, 150);
+  assert.deepEqual(await asked(1000, (i) => i % 2 === 1), []);
+  assert.match(await page.locator('#said').innerText(), /^too much at once for the program/);
+  await pause(500);
+  assert.equal(await online(), true);
+  await page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
+});
+
+// A keyboard that says that it is a gamepad, one with triggers that rest at -1, one that nobody touches, and the person's.
+const kGamepads = `
+  const made = (index, id, mapping, axes) => ({connected: true, id, index, mapping, timestamp: 0, axes,
+    buttons: Array.from({length: 17}, () => ({pressed: false, touched: false, value: 0}))});
+  const pads = [made(0, 'keyboard', '', [-1, -1, 0, -1]), made(1, 'old pad', '', [0, 0, -1, 0, 0, -1, 0, 0]),
+    made(2, 'on the table', 'standard', [0.9, -1, 0, 1]), null, made(4, 'in the hand', 'standard', [0, 0, 0, 0])];
+  pads[2].buttons[7] = {pressed: true, touched: true, value: 1};
+  pads[2].buttons[9] = {pressed: true, touched: true, value: 1};
+  globalThis.testPads = pads;
+  navigator.getGamepads = () => pads.filter((pad) => pad === null || pad.connected);`;
+
+check('live: the gamepad that was moved first drives, if its layout is known', async () => {
+  const server = await view('--scene', 'demo', ...kStraight, '--out', join(folder, 'gamepads'));
+  const {page, amiss} = await open(server.address, {script: kGamepads});
+  await ready(page);
+  const set = (/** @type {(pads: any[]) => void} */ change) => page.evaluate(`(${change})(globalThis.testPads)`);
+  const velocity = async () => {
+    await pause(100);
+    return page.evaluate(() => globalThis.ferrule.hand.velocity());
+  };
+  const running = () => page.evaluate(() => globalThis.ferrule.session.running);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  assert.equal(await page.locator('#said').innerText(), '');
+  // Start of a layout that is not known: elsewhere the right trigger, which pushes in.
+  await set((pads) => { pads[1].buttons[7] = {pressed: true, touched: true, value: 1}; pads[1].axes[0] = -1; });
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  assert.match(await page.locator('#said').innerText(), /^The gamepad "old pad" is not used/);
+  await set((pads) => { pads[1].buttons[7] = {pressed: false, touched: false, value: 0}; });
+  // The person's comes after all of them.
+  await set((pads) => { pads[4].axes[0] = -1; });
+  assert.deepEqual(await velocity(), [0, 0, 1]);
+  await set((pads) => { pads[4].axes[0] = 0; pads[4].buttons[7] = {pressed: true, touched: true, value: 1}; });
+  assert.deepEqual(await velocity(), [-1, 0, 0]);
+  await set((pads) => { pads[4].buttons[7] = {pressed: false, touched: false, value: 0}; });
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  // Another one has to wait until it is gone; and what it held all the time does not count.
+  await set((pads) => { pads[2].axes[0] = -0.9; });
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  await set((pads) => { pads[4].connected = false; });
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  assert.equal(await running(), false);
+  await set((pads) => { pads[2].buttons[9] = {pressed: false, touched: false, value: 0}; pads[2].axes[0] = 0; });
+  await pause(100);
+  await set((pads) => { pads[2].buttons[9] = {pressed: true, touched: true, value: 1}; pads[2].axes[0] = -1; });
+  await page.waitForFunction(() => globalThis.ferrule.session.running);
+  assert.deepEqual(await velocity(), [0, 0, 1]);
+  await page.close();
+  await server.end();
+  assert.deepEqual(amiss, []);
+});
 
 check('live: inserts by a gamepad alone', async () => {
   const out = join(folder, 'gamepad');

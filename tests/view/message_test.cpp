@@ -18,6 +18,9 @@ TEST(Message, SaysWhatAPageSaid) {
       std::get<FitMessage>(parse_message(R"({"type":"fit","episodes":["a.h5","b.h5"]})"));
   EXPECT_EQ(fit.episodes, (std::vector<std::string>{"a.h5", "b.h5"}));
   EXPECT_TRUE(std::get<FitMessage>(parse_message(R"({"type":"fit"})")).episodes.empty());
+  const auto but = std::get<FitMessage>(parse_message(R"({"type":"fit","but":["c.h5"]})"));
+  EXPECT_TRUE(but.episodes.empty());
+  EXPECT_EQ(but.but, std::vector<std::string>{"c.h5"});
   EXPECT_TRUE(std::holds_alternative<StartMessage>(parse_message(R"({"type":"start"})")));
   EXPECT_TRUE(std::holds_alternative<StopMessage>(parse_message(R"({"type":"stop"})")));
   EXPECT_TRUE(std::holds_alternative<DiscardMessage>(parse_message(R"({"type":"discard"})")));
@@ -51,6 +54,8 @@ TEST(Message, EverythingElseIsRefused) {
                           R"({"type":"rate","stars":2.5})",
                           R"({"type":"fit","episodes":"all"})",
                           R"({"type":"fit","episodes":[1]})",
+                          R"({"type":"fit","but":"all"})",
+                          R"({"type":"fit","but":[["a.h5"]]})",
                           R"({"type":"trainee"})",
                           R"({"type":"trainee","name":7})",
                           R"({"type":"trainee","name":"two\nlines"})",

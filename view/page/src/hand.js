@@ -1,6 +1,8 @@
 // The hand of the person: mouse, keys and gamepad as one velocity, a share of full deflection in
 // the ferrule's frame (insertion is -x; along the axis, as seen, right is -z).
 
+import {Pads} from './pads.js';
+
 /** @typedef {[number, number, number]} Share */
 
 const kRamp = 0.7;        // a key comes to full deflection in so many seconds ...
@@ -10,10 +12,14 @@ const kDeadZone = 0.12;   // of a stick
 const kWheelLast = 140;   // a notch of the wheel pushes so long [ms]
 
 export class Hand {
-  /** @param {() => boolean} driving whether keys are the hand's now @param {() => void} changed  it has another velocity */
-  constructor(driving, changed) {
+  /**
+   * @param {() => boolean} driving whether keys are the hand's now @param {() => void} changed  it has another velocity
+   * @param {(text: string) => void} say
+   */
+  constructor(driving, changed, say) {
     this.driving = driving;
     this.changed = changed;
+    this.pads = new Pads(say);
     /** @type {Map<string, {since: number, way: Share}>} what is held, since when [ms], by code */
     this.keys = new Map();
     /** @type {Share} */
@@ -100,31 +106,25 @@ export class Hand {
     return v;
   }
 
-  /** @returns {Gamepad | null} */
-  gamepad() {
-    for (const pad of navigator.getGamepads?.() ?? []) if (pad?.connected) return pad;
-    return null;
-  }
-
   /** Whether A or Start of the gamepad went down since the last time: it starts and stops. */
   started() {
-    const pad = this.gamepad(), before = this.pressed;
-    this.pressed = pad !== null && [0, 9].some((i) => pad.buttons[i]?.pressed === true);
+    const pad = this.pads.own(), before = this.pressed;
+    this.pressed = pad !== null && [0, 9].some((i) => this.pads.pressed(pad, i));
     return this.pressed && !before;
   }
 
   /** @returns {Share | null} */
   pad() {
-    const pad = this.gamepad();
+    const pad = this.pads.own();
     if (!pad) return null;
-    const trigger = (/** @type {number} */ i) => pad.buttons[i]?.value ?? 0;
-    const stick = (/** @type {number} */ i) => dead(pad.axes[i] ?? 0);
+    const trigger = (/** @type {number} */ i) => Math.max(0, this.pads.button(pad, i) - kDeadZone) / (1 - kDeadZone);
+    const stick = (/** @type {number} */ i) => dead(this.pads.axis(pad, i));
     return [trigger(6) - trigger(7) + stick(3), -stick(1), -stick(0)];
   }
 
   /** Contact force felt in the gamepad. @param {number} share of the limit */
   rumble(share) {
-    const pad = this.gamepad();
+    const pad = this.pads.own();
     const actuator = pad && 'vibrationActuator' in pad ? pad.vibrationActuator : null;
     if (!actuator || share < 0.02) return;
     actuator.playEffect('dual-rumble', {

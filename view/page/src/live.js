@@ -9,6 +9,7 @@ import {Table} from './table.js';
 const kProtocol = 1;
 const kKeepSeconds = 30;
 const kHold = 3000;     // how an insertion ended is shown so long, before the next start [ms]
+const kMostMessage = 4096;  // bytes; the program ends the connection above them (view/message.hpp)
 const kSilent = 40;     // between words of a hand at rest [ms]: the program stops one that is silent for 200
 
 export class Live {
@@ -21,6 +22,8 @@ export class Live {
     this.history = null;
     /** @type {Table | null} the newest row */
     this.newest = null;
+    this.running = false;
+    this.begins = false;  // an insertion, none of whose rows was heard
     this.seq = 0;
     /** @type {Map<number, number>} when a word of the hand was sent [ms] */
     this.sent = new Map();
@@ -61,6 +64,11 @@ export class Live {
 
   /** @param {Message} message */
   take(message) {
+    if (message.type === 'state_of_session') {
+      const running = message.running === true;
+      this.begins ||= running && !this.running;
+      this.running = running;
+    }
     if (message.type !== 'hello') return this.on.message(message);
     const hello = /** @type {Hello} */ (/** @type {unknown} */ (message));
     if (hello.protocol !== kProtocol) return this.on.message({type: 'error', text: 'this page is of another version of the program: load it again'});
@@ -80,8 +88,9 @@ export class Live {
       return;
     }
     if (kind === 2) {
-      if (rows === 1 && data[0] === 0) return;  // at rest, before a try: the strips keep the last one
-      if (data[0] === 0) this.history.clear();  // another insertion
+      if (!this.running && rows === 1 && data[0] === 0) return;  // at rest, before a try: the strips keep the last one
+      if (this.begins) this.history.clear();
+      this.begins = false;
       // What a page is greeted with may come again in the next batch.
       const [, last] = this.history.span();
       let known = 0;
@@ -121,7 +130,9 @@ export class Live {
 
   /** @param {Message} message */
   send(message) {
-    this.link.postMessage({text: JSON.stringify(message)});
+    const text = JSON.stringify(message), {length} = new TextEncoder().encode(text);
+    if (length <= kMostMessage) this.link.postMessage({text});
+    else this.on.message({type: 'error', text: `too much at once for the program (${length} bytes of ${kMostMessage}): choose fewer episodes, or all but a few`});
   }
 
   /** @param {[number, number, number]} v */

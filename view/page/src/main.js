@@ -63,7 +63,8 @@ class Page {
     this.before = performance.now();
     this.frames = {count: 0, since: performance.now(), rate: NaN, states: NaN};
     this.drawn = {first: 0, solid: 0};  // when there was something to see [ms since the page was asked for]
-    this.hand = new Hand(() => this.live?.open === true, () => this.live?.hand(this.hand.velocity()));
+    this.hand = new Hand(() => this.live?.open === true, () => this.live?.hand(this.hand.velocity()),
+        (text) => { byId('said', HTMLElement).textContent = text; });
     this.wire();
   }
 

@@ -48,8 +48,7 @@ export class Session {
     this.discard.addEventListener('click', () => send({type: 'discard'}));
     for (const star of this.rating.querySelectorAll('input'))
       star.addEventListener('change', () => send({type: 'rate', stars: Number(star.value)}));
-    this.fit.addEventListener('click', () =>
-      send({type: 'fit', episodes: this.episodes.filter((e) => !this.left.has(e.file)).map((e) => e.file)}));
+    this.fit.addEventListener('click', () => send(this.chosen()));
     this.insert.addEventListener('click', () => send({type: 'insert'}));
     this.trainee.addEventListener('change', () => {
       send({type: 'trainee', name: this.trainee.value.trim()});
@@ -180,13 +179,21 @@ export class Session {
     return true;
   }
 
+  /** The message that fits from what is ticked, as short as it can be. @returns {Message} */
+  chosen() {
+    const here = this.episodes.filter((e) => e.same_scene);
+    const names = (/** @type {boolean} */ left) => here.filter((e) => this.left.has(e.file) === left).map((e) => e.file);
+    const episodes = names(false), but = names(true);
+    return but.length === 0 ? {type: 'fit'} : but.length < episodes.length ? {type: 'fit', but} : {type: 'fit', episodes};
+  }
+
   /** What can be asked of the program now. */
   enable() {
     this.start.disabled = !this.online || this.rests;
     this.discard.disabled = this.rating.disabled = !this.online;
     this.trainee.disabled = !this.online || this.running;
     this.insert.disabled = !this.online || !this.canInsert;
-    this.fit.disabled = !this.online || this.fits || !this.episodes.some((e) => e.outcome === 'inserted' && !this.left.has(e.file));
+    this.fit.disabled = !this.online || this.fits || !this.episodes.some((e) => e.same_scene && e.outcome === 'inserted' && !this.left.has(e.file));
   }
 
   drawCurve() {
