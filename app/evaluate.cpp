@@ -165,8 +165,9 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   if (all.size() > 1)
     if (const auto comparison = compare_shared(all[0].results, all[1].results))
       text += to_text(*comparison);
-  write_text(a.report, html_head("ferrule: trials") + "<h1>Trials of " + escaped(all[0].name) +
-                           "</h1>\n" + replay_section("trials that failed", runs, maps) + "<pre>" +
+  write_text(a.report, html_head("ferrule: trials", replay_scripts()) + "<h1>Trials of " +
+                           escaped(all[0].name) + "</h1>\n" +
+                           replay_section("trials that failed", runs, maps) + "<pre>" +
                            escaped(text) + "</pre>\n" + to_html(forces) + "<p>" +
                            escaped(provenance.head()) + "</p>\n<p>" + escaped(provenance.foot()) +
                            "</p>\n</body></html>\n");

@@ -11,7 +11,7 @@ namespace {
 std::string image(const std::string& svg, const std::string& alt) {
   std::string data;
   for (const char c : svg)
-    if (c == '%' || c == '#' || c == '"' || c == '<' || c == '>' || c == '\n')
+    if (std::string_view("%#&\"'<>\n").find(c) != std::string_view::npos)
       data += fmt::format("%{:02X}", static_cast<unsigned char>(c));
     else
       data += c;
@@ -41,9 +41,14 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
-std::string html_head(const std::string& title) {
+std::string html_head(const std::string& title, const std::string& scripts) {
   return R"(<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8"><title>)" +
+<html lang="en"><head><meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; )" +
+         "style-src 'unsafe-inline'; img-src data: blob:; " +
+         (scripts.empty() ? "" : "script-src " + scripts + "; ") +
+         R"(base-uri 'none'; form-action 'none'">
+<title>)" +
          escaped(title) + R"(</title>
 <meta name="viewport" content="width=device-width, initial-scale=1"><style>
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem;

@@ -8,10 +8,12 @@
 
 namespace ferrule {
 
-// Text as HTML shows it.
+// Text as HTML shows it, between tags and in attributes in double quotes.
 std::string escaped(const std::string& text);
-// The beginning of a page, up to what is in its body.
-std::string html_head(const std::string& title);
+// The beginning of a page, up to what is in its body. The page loads nothing, and runs no script
+// but those of `scripts`, the sources of a Content-Security-Policy: replay_scripts()
+// (app/failures.hpp) where it holds replays.
+std::string html_head(const std::string& title, const std::string& scripts = "");
 // A table. Headings, titles and cells are HTML. On a narrow screen every row is a list of its
 // cells, each beside its heading.
 class HtmlTable {

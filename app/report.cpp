@@ -179,7 +179,7 @@ std::string rows_table(const Result& r) {
     const Json &low = row.at("low"), &high = row.at("high");
     cells.insert(
         cells.end(),
-        {fmt::format("{} of {}", row.at("successes").dump(), row.at("feasible").dump()),
+        {escaped(row.at("successes").dump() + " of " + row.at("feasible").dump()),
          number_or("&ndash;", "{:.4g}", 100 * number_or_nan(row.at("success_rate"))),
          fmt::format("{:.4g} to {:.4g}", 100 * number_or_nan(low), 100 * number_or_nan(high)),
          bar(row.at("success_rate"), low, high), shown("{:.3g}", row.at("time_s")),

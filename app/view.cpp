@@ -2,12 +2,17 @@
 #include <fmt/format.h>
 #include <spawn.h>
 
+#include <cerrno>
 #include <chrono>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <thread>
 
 #include "app/damage.hpp"
 #include "app/device_arguments.hpp"
 #include "app/given_controller.hpp"
+#include "app/html.hpp"
 #include "app/recorded_view.hpp"
 #include "app/recording.hpp"
 #include "app/trained.hpp"
@@ -33,18 +38,53 @@ struct ViewArguments {
   bool no_open = false;
 };
 
-// In the person's browser, where there is one.
-void open_in_browser(const std::string& address) {
-  std::string program = "xdg-open", where = address;
-  char* words[] = {program.data(), where.data(), nullptr};
-  pid_t child = -1;
-  posix_spawn_file_actions_t quiet;
-  ::posix_spawn_file_actions_init(&quiet);
-  ::posix_spawn_file_actions_addopen(&quiet, 1, "/dev/null", 1, 0);
-  ::posix_spawn_file_actions_addopen(&quiet, 2, "/dev/null", 1, 0);
-  if (::posix_spawnp(&child, program.c_str(), &quiet, nullptr, words, environ) != 0)
-    fmt::print(stderr, "note: there is no xdg-open here: open the address yourself\n");
-  ::posix_spawn_file_actions_destroy(&quiet);
+// Opens the window in the person's browser, where there is one. The browser is handed a file that
+// only this user can read: other users of the machine see the command line of any program, and so
+// an address in it. The file is gone once the page was asked for, or when this ends.
+class Doorway {
+ public:
+  Doorway() = default;
+  Doorway(const Doorway&) = delete;
+  Doorway& operator=(const Doorway&) = delete;
+  ~Doorway() { close(); }
+
+  void open(const std::string& address) {
+    namespace fs = std::filesystem;
+    std::string folder = fs::temp_directory_path() / "ferrule-view.XXXXXX";
+    if (!::mkdtemp(folder.data())) throw FileTrouble(folder + ": " + std::strerror(errno));
+    folder_ = folder;
+    std::string program = "xdg-open", file = folder_ + "/open.html";
+    write_text(file, html_head("ferrule") + "<meta http-equiv=\"refresh\" content=\"0; url=" +
+                         escaped(address) + "\">\n<p><a href=\"" + escaped(address) +
+                         "\">the window</a></p>\n</body></html>\n");
+    fs::permissions(file, fs::perms::owner_read | fs::perms::owner_write);
+    char* words[] = {program.data(), file.data(), nullptr};
+    pid_t child = -1;
+    posix_spawn_file_actions_t quiet;
+    ::posix_spawn_file_actions_init(&quiet);
+    ::posix_spawn_file_actions_addopen(&quiet, 1, "/dev/null", 1, 0);
+    ::posix_spawn_file_actions_addopen(&quiet, 2, "/dev/null", 1, 0);
+    if (::posix_spawnp(&child, program.c_str(), &quiet, nullptr, words, environ) != 0)
+      fmt::print(stderr, "note: there is no xdg-open here: open the address yourself\n");
+    ::posix_spawn_file_actions_destroy(&quiet);
+  }
+
+  // In any thread, once open() was called.
+  void close() const noexcept {
+    std::error_code ignored;
+    if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+  }
+
+ private:
+  std::string folder_;
+};
+
+// Before the address is printed: nobody asks for the page until then.
+void announce(const ViewArguments& a, const Provenance& provenance, const Server& server,
+              Doorway& doorway) {
+  if (!a.no_open) doorway.open(server.address());
+  fmt::print("{}{}\n", provenance.head(), server.address());
+  std::fflush(stdout);
 }
 
 // What a sitting has to know of an open device, which outlives it.
@@ -70,13 +110,15 @@ SessionDevice session_device(const OpenDevice& device, const HandSettings& setti
 int replay_in_browser(const ViewArguments& a) {
   const std::string page = self_contained(load_page(), kServed);
   const RecordedView recorded(a.recorded, a.scene);
-  Server server(a.port, {[&page] { return std::string(page); },
+  Doorway doorway;
+  Server server(a.port, {[&page, &doorway] {
+                           doorway.close();
+                           return std::string(page);
+                         },
                          [&recorded](const std::string& file) { return recorded.json(file); },
                          [] { return std::vector<SharedPayload>(); },
                          [](std::uint64_t, std::string_view) {}});
-  fmt::print("{}{}\n", recorded.provenance().head(), server.address());
-  std::fflush(stdout);
-  if (!a.no_open) open_in_browser(server.address());
+  announce(a, recorded.provenance(), server, doorway);
   while (!interrupted()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
   return kInterrupted;
 }
@@ -111,22 +153,23 @@ int live_verb(const ViewArguments& a) {
   }
   Provenance provenance;
   provenance.in(chosen).seed("starts", a.seed);
+  Doorway doorway;
   std::unique_ptr<Server> server;
   Session session(std::move(settings), [&server](SharedPayload payload) {
     if (server) server->send(std::move(payload));
   });
   self_contained(page, session.first_picture());  // throws now where it is not our page
   server = std::make_unique<Server>(
-      a.port,
-      Server::Served{[&page, &session] { return self_contained(page, session.first_picture()); },
-                     [](const std::string&) { return std::optional<std::string>(); },
-                     [&session] { return session.greeting(); },
-                     [&session](std::uint64_t client, std::string_view text) {
-                       session.message(client, text);
-                     }});
-  fmt::print("{}{}\n", provenance.head(), server->address());
-  std::fflush(stdout);
-  if (!a.no_open) open_in_browser(server->address());
+      a.port, Server::Served{[&page, &session, &doorway] {
+                               doorway.close();
+                               return self_contained(page, session.first_picture());
+                             },
+                             [](const std::string&) { return std::optional<std::string>(); },
+                             [&session] { return session.greeting(); },
+                             [&session](std::uint64_t client, std::string_view text) {
+                               session.message(client, text);
+                             }});
+  announce(a, provenance, *server, doorway);
   const auto close = [&server] { server.reset(); };
   try {
     session.run(interrupted);

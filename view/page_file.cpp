@@ -26,6 +26,14 @@ std::string load_page() {
   return *std::move(page);
 }
 
+std::string scripts_of(const std::string& page) {
+  static const std::string policy = "http-equiv=\"Content-Security-Policy\"", key = "script-src ";
+  const std::size_t meta = page.find(policy), end = page.find('>', meta);
+  const std::size_t begin = page.find(key, meta);
+  if (meta == page.npos || begin == page.npos || begin > end) return "";
+  return page.substr(begin + key.size(), page.find_first_of(";\"", begin) - begin - key.size());
+}
+
 std::string self_contained(const std::string& page, const Json& recorded) {
   static const std::string element = "<script type=\"application/json\" id=\"recorded\">";
   const std::size_t at = page.rfind(element);

@@ -4,6 +4,7 @@
 #include <sys/random.h>
 #include <sys/resource.h>
 
+#include <array>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
@@ -19,6 +20,7 @@
 #include "sim/base/error.hpp"
 #include "sim/base/json_fields.hpp"
 #include "view/message.hpp"
+#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -32,6 +34,8 @@ using beast::error_code;
 using Request = http::request<http::empty_body>;
 using Response = http::response<http::string_body>;
 
+// This machine's own, which no page elsewhere can give itself. [::1] comes by a tunnel.
+constexpr std::array kNames = {"127.0.0.1", "localhost", "[::1]"};
 constexpr int kNice = 5;                     // of its thread, behind the loop's
 constexpr std::chrono::seconds kGoodbye{1};  // for pages to hear that the program ends
 
@@ -89,15 +93,14 @@ std::string file_of(std::string_view query) {
   return file;
 }
 
-// Scripts (its worker's too) and styles of the page itself, sockets to this server, and nothing
-// else.
-std::string content_policy(std::uint16_t port) {
+// The scripts that the page itself says it has, styles, sockets to this server, and nothing else;
+// 'self' is that of a page at [::1], for which a policy has no name.
+std::string content_policy(std::uint16_t port, const std::string& scripts) {
   return fmt::format(
-      "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: "
-      "blob:; font-src data:; worker-src blob:; connect-src 'self' ws://127.0.0.1:{0} "
-      "ws://localhost:{0}; "
+      "default-src 'none'; script-src {1}; style-src 'unsafe-inline'; img-src data: blob:; "
+      "font-src data:; worker-src blob:; connect-src 'self' ws://127.0.0.1:{0} ws://localhost:{0}; "
       "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-      port);
+      port, scripts.empty() ? "'none'" : scripts);
 }
 
 Response respond(const Request& request, http::status status, std::string body,
@@ -313,9 +316,11 @@ class Server::Work::Connection : public std::enable_shared_from_this<Connection>
     if (path == "/live") return upgrade();
     if (path == "/recorded") return recorded(file_of(query));
     if (path == "/") {
+      std::string html = work_.served_.page();
+      const std::string policy = content_policy(work_.port_, scripts_of(html));
       Response page =
-          respond(request, http::status::ok, work_.served_.page(), "text/html; charset=utf-8");
-      page.set("Content-Security-Policy", content_policy(work_.port_));
+          respond(request, http::status::ok, std::move(html), "text/html; charset=utf-8");
+      page.set("Content-Security-Policy", policy);
       return write(std::move(page));
     }
     write(respond(request, http::status::not_found, "there is no such page\n"));
@@ -447,20 +452,28 @@ void Server::Work::accept() {
 }
 
 std::optional<Response> Server::Work::refusal(const Request& request) const {
-  const auto refuse = [&](http::status status, const char* why) {
-    return respond(request, status, std::string(why) + "\n");
+  const auto refuse = [&](http::status status, const std::string& why) {
+    return respond(request, status, why + "\n");
   };
   const auto ours = [&](std::string_view host) {
-    return host == fmt::format("127.0.0.1:{}", port_) || host == fmt::format("localhost:{}", port_);
+    for (const char* name : kNames)
+      if (host == fmt::format("{}:{}", name, port_)) return true;
+    return false;
   };
   if (request.count(http::field::host) != 1 || !ours(view(request[http::field::host])))
-    return refuse(http::status::misdirected_request, "another host");
+    return refuse(
+        http::status::misdirected_request,
+        fmt::format("this window is at 127.0.0.1:{0} alone: open the address that ferrule "
+                    "printed; from another machine forward this very port, ssh -L "
+                    "{0}:127.0.0.1:{0} MACHINE (--port chooses it)",
+                    port_));
   const std::size_t origins = request.count(http::field::origin);
   std::string_view origin = view(request[http::field::origin]);
   constexpr std::string_view kScheme = "http://";
   const bool own = origins == 1 && origin.starts_with(kScheme) && ours(origin.substr(7));
   if ((origins > 0 || websocket::is_upgrade(request)) && !own)
-    return refuse(http::status::forbidden, "another origin");
+    return refuse(http::status::forbidden,
+                  "this window answers its own page alone, not one of another origin");
   if (request.method() != http::verb::get && request.method() != http::verb::head)
     return refuse(http::status::method_not_allowed, "GET and HEAD alone");
   if (!path_of(request).data()) return refuse(http::status::not_found, "there is no such page");

@@ -4,10 +4,10 @@
 //   http://127.0.0.1:PORT/TOKEN/recorded    what is to be replayed, as JSON; ?file=NAME an episode
 //   ws://127.0.0.1:PORT/TOKEN/live          texts and frames out, messages (view/message.hpp) in
 //
-// Who may talk to it: Host must be 127.0.0.1:PORT or localhost:PORT (else a page elsewhere could
-// reach it by a name of its own), Origin, which a WebSocket must have, http:// and that; TOKEN is
-// 128 bits of the operating system's chance, compared in constant time. Methods are GET and HEAD;
-// there is no path but these, and no file is opened by what a request says.
+// Who may talk to it: Host must be 127.0.0.1:PORT, localhost:PORT or [::1]:PORT (else a page
+// elsewhere could reach it by a name of its own), Origin, which a WebSocket must have, http:// and
+// that; TOKEN is 128 bits of the operating system's chance, compared in constant time. Methods are
+// GET and HEAD; there is no path but these, and no file is opened by what a request says.
 //
 // Nobody can hold it up: kMostConnections at once (the oldest that has not said what it wants gives
 // way), kMostClients of them sockets; headers of 8 kB within kHeaderTime; messages of kMostMessage

@@ -12,7 +12,7 @@ import signal
 import subprocess
 import time
 
-from case import PROGRAM, Case, main
+from case import PROGRAM, Case, ferrule, main
 
 # Short: 30 um instead of 270.
 SHORT = ["--scene", "bench", "--set", "start.distance_um=20", "--set", "success.depth_um=10",
@@ -399,6 +399,52 @@ class Engineer(Case):
             self.assertEqual(row["mated_joint"]["bore_concentricity_sd_um"], 0.3)
         # Before the first trial.
         self.refused(2, *arguments[:3], "--trials", 100000000, "--price", "limits.force_uN=2", says=["2 values"])
+
+    # Whatever of a file is another text, it is text on the page, or the file is refused.
+    def test_texts_of_a_file_are_text_on_the_page(self):
+        mark = """<script>alert(1)</script><img src=x onerror=alert(1)>'"&"""
+        results = {
+            "evaluate": self.evaluated(trials=12),
+            "sweep": self.json_of("sweep", STRAIGHT, "limits.force_uN=20,80", *SHORT, "--trials", 12),
+            "map": self.json_of("map", STRAIGHT, "start.lateral_sd_um=1..20", "limits.force_uN=5..500:log", *SHORT,
+                                "--trials", 10, "--target", 0.7, "--width", 0.5),
+            "sensitivity": self.json_of("sensitivity", STRAIGHT, *SHORT, "--trials", 20)}
+        file, page = self.path("result.json"), self.path("page.html")
+
+        def leaves(value, at=()):
+            if isinstance(value, (dict, list)) and value:
+                for key, part in value.items() if isinstance(value, dict) else enumerate(value):
+                    yield from leaves(part, (*at, key))
+            else:
+                yield at
+
+        shown = 0
+        for verb, result in results.items():
+            seen = set()
+            for at in leaves(result):
+                kind = tuple("*" if isinstance(key, int) else key for key in at)
+                # Of a list one, and of the scene's numbers some.
+                if kind in seen or (at[:2] == ("provenance", "scene") and len(at) > 5):
+                    continue
+                seen.add(kind)
+                changed = json.loads(json.dumps(result))
+                place = changed
+                for key in at[:-1]:
+                    place = place[key]
+                place[at[-1]] = f"ferrule {verb} {mark}" if at[-1] == "command" else mark
+                with open(file, "w") as out:
+                    json.dump(changed, out)
+                run = ferrule("report", file, "--out", page)
+                self.assertIn(run.returncode, (0, 2), (at, run.stderr))
+                if run.returncode != 0:
+                    continue
+                html = open(page).read()
+                shown += "&lt;script&gt;" in html
+                for tag in ("<script", "<img src=x"):
+                    self.assertNotIn(tag, html, at)
+                self.assertRegex(html, "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none';")
+                self.assertNotIn("script-src", html)
+        self.assertGreater(shown, 20)
 
     def test_the_page_refuses_what_is_no_result(self):
         with open(self.path("other.json"), "w") as out:

@@ -316,6 +316,44 @@ class View(Case):
         self.done("recover", self.out)
         self.assertIn("identical", self.done("replay", self.out, "--verify").stdout)
 
+    # Other users of the machine see the command lines of all programs.
+    def test_the_browser_gets_the_address_in_a_file_of_the_user(self):
+        self.done("record", "--episodes", 1, *SHORT, "--out", self.path("episodes"))
+        with open(self.path("bin/xdg-open"), "w") as opener:
+            opener.write(f'#!/bin/sh\nprintf "%s\\n" "$@" > {self.path("arguments.part")}\n'
+                         f'mv {self.path("arguments.part")} {self.path("arguments")}\n')
+        os.chmod(opener.name, 0o755)
+        os.mkdir(self.path("tmp"))
+        environment = {**os.environ, "PATH": self.path("bin") + ":" + os.environ["PATH"], "TMPDIR": self.path("tmp")}
+        for what, asked in ((["--out", self.out], True), ([self.path("episodes")], True), (["--out", self.out], False)):
+            process = subprocess.Popen([self.program, "view", *what], stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                                       text=True, env=environment, umask=0)
+            self.addCleanup(process.communicate)
+            self.addCleanup(process.kill)
+            address = next(line.strip() for line in process.stdout if line.startswith("http://"))
+            while not os.path.exists(self.path("arguments")):
+                time.sleep(0.01)
+            with open(self.path("arguments")) as arguments:
+                [file] = arguments.read().splitlines()
+            os.remove(self.path("arguments"))
+            token = address.split("/")[3]
+            for process_file in glob.glob("/proc/[0-9]*/cmdline"):
+                try:
+                    with open(process_file) as words:
+                        self.assertNotIn(token, words.read())
+                except (OSError, UnicodeDecodeError):
+                    pass
+            self.assertEqual(os.stat(file).st_mode & 0o777, 0o600)
+            self.assertEqual(os.stat(os.path.dirname(file)).st_mode & 0o777, 0o700)
+            with open(file) as page:
+                self.assertIn(f'url={address}"', page.read())
+            if asked:  # and then it is of no use
+                with urllib.request.urlopen(address) as page:
+                    self.assertEqual(page.status, 200)
+                self.assertFalse(os.path.exists(file))
+            self.end(process)
+            self.assertEqual(os.listdir(self.path("tmp")), [])
+
     def test_with_a_device_the_page_shows(self):
         process, address = self.view(*SHORT, "--device", "fake:spacemouse")
         window = Window(address)

@@ -149,12 +149,47 @@ TEST_F(ServerTest, AnotherHostOrOriginIsRefused) {
     const int refused = status(ask(head + other + "\r\n"));
     EXPECT_TRUE(refused == 421 || refused == 400) << other << refused;
   }
-  EXPECT_EQ(status(ask(head + "Host: localhost:" + host().substr(10) + "\r\n\r\n")), 200);
+  for (const std::string name : {"localhost", "[::1]"})
+    EXPECT_EQ(status(ask(head + "Host: " + name + host().substr(9) + "\r\nOrigin: http://" + name +
+                         host().substr(9) + "\r\n\r\n")),
+              200);
   const std::string own = "http://" + host();
   EXPECT_EQ(status(get("/" + token() + "/", "Origin: " + own + "\r\n")), 200);
   for (const std::string& origin : {std::string("null"), std::string("http://evil.example"),
                                     "https://" + host(), own + ".evil.example", std::string()})
     EXPECT_EQ(status(get("/" + token() + "/", "Origin: " + origin + "\r\n")), 403) << origin;
+}
+
+// One line says what to do, and nothing of the token.
+TEST_F(ServerTest, AnotherPortOrNameIsToldWhereTheWindowIs) {
+  const std::string port = host().substr(10);
+  for (const std::string other : {"localhost:9000", "127.0.0.1:9000", "[::1]:9000", "bench:1"}) {
+    const std::string answer = ask("GET /" + token() + "/ HTTP/1.1\r\nHost: " + other + "\r\n\r\n");
+    const std::string body = answer.substr(answer.find("\r\n\r\n") + 4);
+    EXPECT_EQ(status(answer), 421) << other;
+    EXPECT_NE(body.find("ssh -L " + port + ":127.0.0.1:" + port), body.npos) << body;
+    EXPECT_EQ(body.find('\n'), body.size() - 1) << body;
+    EXPECT_EQ(answer.find(token()), answer.npos);
+  }
+}
+
+// Only what the page says of itself.
+TEST(Server, ThePolicyHasTheScriptsOfThePage) {
+  for (const std::string scripts : {"'sha256-AbC+/0='", ""}) {
+    const std::string meta =
+        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src " +
+        scripts + "; img-src data:\">";
+    const Server server(
+        0, {[&] { return (scripts.empty() ? "" : meta) + "<script>script-src 'unsafe-inline';"; },
+            {},
+            {},
+            {}});
+    const Socket socket(server.port());
+    socket.say("GET /" + token_of(server) + "/ HTTP/1.1\r\nHost: " + host_of(server) + "\r\n\r\n");
+    const std::string answer = socket.hear(), head = answer.substr(0, answer.find("\r\n\r\n"));
+    EXPECT_NE(head.find("script-src " + (scripts.empty() ? "'none'" : scripts) + ";"), head.npos)
+        << head;
+  }
 }
 
 TEST_F(ServerTest, AWebSocketNeedsItsOwnOrigin) {

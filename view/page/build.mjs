@@ -1,4 +1,5 @@
 // Bundles the page into one HTML file: node build.mjs OUT.html
+import {createHash} from 'node:crypto';
 import {readFileSync, renameSync, writeFileSync} from 'node:fs';
 import {dirname, join} from 'node:path';
 import {fileURLToPath} from 'node:url';
@@ -28,7 +29,16 @@ async function bundled(entry) {
 const inScript = (/** @type {string} */ text) => text.replace(/<(?=\/script|!--|script)/gi, '\\x3C');
 const script = inScript(await bundled('main.js')), link = inScript(await bundled('link.js'));
 const style = (await bundled('style.css')).replace(/<\/style/gi, '<\\/style');
+// Its own script and style run, and nothing that a text could bring in; with `/*script*/` and
+// `/*style*/` exactly between their tags.
+const source = (/** @type {string} */ text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
+const policy = [
+  "default-src 'none'", `script-src ${source(script)}`, `style-src ${source(style)}`, 'img-src data: blob:',
+  'font-src data:', 'worker-src blob:', "connect-src 'self' ws://127.0.0.1:* ws://localhost:*", "base-uri 'none'",
+  "form-action 'none'",
+].join('; ');
 const page = readFileSync(join(here, 'src/index.html'), 'utf8')
+    .replace('/*policy*/', () => policy)
     .replace('/*style*/', () => style)
     .replace('/*link*/', () => link)
     .replace('/*script*/', () => script);
