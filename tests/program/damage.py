@@ -297,7 +297,7 @@ class Damage(Case):
         file = self.record(folder, episodes=1)[0]
         shutil.copy(file, self.path("folder/episode_0002.h5"))
         for text in ("two'' and three''' and it's", "'", "''", '"quoted" \\ \\n \\047 7', "`touch made`", "EOD",
-                     "$x @y %d 50%% #z", "{/Symbol a}_b^c ~a{.8-}", "<script>alert(1)</script> & ]]> &lt;",
+                     "$x @y %d 50%% #z", "{/Symbol a}_b^c ~a{.8-}", "<script>alert(1)</script> & &lt;",
                      "1'2''3 \u00b5m \u65e5"):
             json.dump({**scene, "name": text}, open(self.path("s.json"), "w"))
             self.done("forces", "--scene", self.path("s.json"), "--gap-nm", "1:9:3", "--plot", plot, cwd=self.folder)
