@@ -405,9 +405,6 @@ class Engineer(Case):
         mark = """<script>alert(1)</script><img src=x onerror=alert(1)>'"&"""
         results = {
             "evaluate": self.evaluated(trials=12),
-            "sweep": self.json_of("sweep", STRAIGHT, "limits.force_uN=20,80", *SHORT, "--trials", 12),
-            "map": self.json_of("map", STRAIGHT, "start.lateral_sd_um=1..20", "limits.force_uN=5..500:log", *SHORT,
-                                "--trials", 10, "--target", 0.7, "--width", 0.5),
             "sensitivity": self.json_of("sensitivity", STRAIGHT, *SHORT, "--trials", 20)}
         file, page = self.path("result.json"), self.path("page.html")
 
