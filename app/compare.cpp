@@ -64,10 +64,11 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   for (const std::string& file : a.controllers) {
     if (std::count(a.controllers.begin(), a.controllers.end(), file) > 1)
       throw BadInput("compare: " + file + " is there twice");
-    const GivenController c = given_file(file, a.policy, a.seed);
+    if (is_baseline(file)) continue;  // without_learning has it
+    const GivenController c = given_controller(file, a.policy, a.seed);
     all.push_back(
-        {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
-    provenance.read(controller_file(file));
+        {.name = printable(c.name), .make = c.in(scene), .fit_seconds = NAN, .periods = c.periods});
+    provenance.read(c.read);
     if (!c.file) continue;
     const TrainedOn& training = trained_on(*c.file);
     refuse_other_scaling(training.scaling, file, scene, a.other_scaling);
@@ -84,7 +85,7 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   if (a.policy.command.empty()) return all;
   const GivenController c = given_program(a.policy, a.seed);
   all.push_back(
-      {.name = printable(c.name), .make = c.make, .fit_seconds = NAN, .periods = c.periods});
+      {.name = printable(c.name), .make = c.in(scene), .fit_seconds = NAN, .periods = c.periods});
   return all;
 }
 
@@ -174,7 +175,7 @@ std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                                   const DemonstrationSet& set,
                                   const std::vector<Candidate>& candidates) {
   std::vector<Transfer> transfer;
-  const std::vector<Candidate> there = baselines(other, set, a.skill, a.seed);
+  const std::vector<Candidate> there = without_learning(a, other, set);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     if (interrupted()) break;
     const Candidate& c = i < there.size() ? there[i] : candidates[i];
@@ -242,7 +243,7 @@ void write_trials(const CompareArguments& a, const Scene& scene, const Found& fo
     add_trials(e.candidate.name, e.results, drawn, rows);
     add_trials(e.candidate.name + ", supervised", e.supervised_results, drawn, rows);
   }
-  write_text(a.trials_out, csv_text(rows, provenance));
+  write_text(a.trials_out, csv_file(rows, provenance));
 }
 
 // What is asked for beside the first tables, of `candidates`, of which those from `first` on depend
@@ -274,7 +275,8 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
 int compare_verb(const CompareArguments& a) {
   expect_place_for(a.trials_out);
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
-  for (const EpisodeCopy& copy : set.copies) fmt::print(stderr, "note: {}\n", printable(copy.text()));
+  for (const EpisodeCopy& copy : set.copies)
+    fmt::print(stderr, "note: {}\n", printable(copy.text()));
   expect_comparable(a, set);
   const ChosenScene chosen = a.scene.choose(brought_by(set, a.folder));
   const Scene& scene = chosen.scene;
@@ -294,7 +296,7 @@ int compare_verb(const CompareArguments& a) {
   const std::string notes = trained_starts_note(seen, a.trials) + damage_note(scene) +
                             supervisor_note(supervisor_limits(scene));
 
-  std::vector<Candidate> candidates = baselines(scene, set, a.skill, a.seed);
+  std::vector<Candidate> candidates = without_learning(a, scene, set);
   const std::size_t first = candidates.size();
   const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
   candidates.insert(candidates.end(), brought.begin(), brought.end());
@@ -358,8 +360,8 @@ void add_compare(CLI::App& app, Run& run) {
       ->required()
       ->type_name("DIR");
   verb->add_option("controllers", a->controllers,
-                   "Controller files, shipped ones and TorchScript to try beside the learners")
-      ->type_name("FILE.json|FILE.pt");
+                   "To try beside the learners. " + std::string(kControllers))
+      ->type_name(kControllerType);
   a->scene.add_to(*verb, "that of the episodes");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "Trials of each controller")

@@ -44,7 +44,7 @@ std::string escaped(const std::string& text) {
 std::string html_head(const std::string& title, const std::string& scripts) {
   return R"(<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; )" +
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; )"
          "style-src 'unsafe-inline'; img-src data: blob:; " +
          (scripts.empty() ? "" : "script-src " + scripts + "; ") +
          R"(base-uri 'none'; form-action 'none'">

@@ -57,8 +57,8 @@ class Score(Case):
 
     def test_folders_of_several_persons_compare_in_one_scene_alone(self):
         ada, ben, other = self.path("ada"), self.path("ben"), self.path("other")
-        for folder in (ada, ben):
-            self.done("record", "--scene", "demo", *QUICK, "--device", "fake:spacemouse", "--episodes", 1,
+        for seed, folder in enumerate((ada, ben)):
+            self.done("record", "--scene", "demo", *QUICK, "--device", "fake:spacemouse", "--episodes", 1, "--seed", seed,
                       "--trainee", os.path.basename(folder), "--out", folder)
         both = json.loads(self.done("score", ada, ben, "--json").stdout)
         self.assertEqual([g["operator"] for g in both["groups"]], ["ada", "ben"])

@@ -249,7 +249,7 @@ class Shards(Case):
             for index in (1, 2):
                 self.shard(index, 2, *command, **environment)
             self.assertEqual(open(killed).read(), "x")
-            merged = self.done("merge", self.job, "--json").stdout
+            merged = self.done("merge", "--programs", self.job, "--json").stdout
             self.assertNotIn("ended the policy", merged)
             self.assertEqual(merged, self.done(*command, "--json", env=dict(os.environ, TIMES="0", KILLED=killed)).stdout)
         open(killed, "w").close()
@@ -351,6 +351,19 @@ class Shards(Case):
         self.assertIn("10 trials are missing", run.stderr)
         self.assertIn("run shard 2/3 again", run.stderr)
 
+    # As Finder leaves them, in the folder of the job and in that of the episodes.
+    def test_hidden_files_of_other_systems_change_nothing(self):
+        episodes = self.path("episodes")
+        self.record(episodes, episodes=4)
+        job = ("compare", episodes, "--trials", 3, "--learners", "linear")
+        self.shard(1, 2, *job)
+        for left in (episodes + "/.DS_Store", episodes + "/._episode_0001.h5", self.job + "/.DS_Store",
+                     self.job + "/._shard_0001_of_0002.trials"):
+            with open(left, "wb") as file:
+                file.write(b"\0\5\x16\7" * 1000)
+        self.shard(2, 2, *job)
+        self.assertNotIn("damaged", self.done("merge", self.job).stderr)
+
     def test_what_does_not_belong_together_is_refused(self):
         controller = self.path("controller.json")
         self.done("improve", "tuned_by_hand", "--scene", "paper", *QUICK, "--trials", 1000, "--unseen", 1, "--out", controller)
@@ -439,7 +452,7 @@ class Shards(Case):
         for words, runs in ((job, True), (JOB, False)):
             self.done("submit", "--out", self.path("slurm"), "--shards", 1, "--", *words)
             with open(self.path("slurm/merge.sh")) as script:
-                self.assertEqual(" --programs " in script.read(), runs)
+                self.assertEqual(" --programs" in script.read(), runs)
 
     def test_two_with_the_same_number_do_not_write_to_one_file(self):
         job = (*JOB, "--trials", 100000)

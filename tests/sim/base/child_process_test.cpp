@@ -87,8 +87,12 @@ TEST(ChildProcess, WhatLeftItsGroupAndSessionIsKilledToo) {
       execute({"sh", "-c", command}, -1, -1, -1);
     });
     ASSERT_TRUE(comes([&] { return std::filesystem::exists(folder / "all"); }));
-    if (end == "exit 3") EXPECT_EQ(WEXITSTATUS(child->wait()), 3);
-    if (end == "kill -9 $$") EXPECT_EQ(WTERMSIG(child->wait()), SIGKILL);
+    if (end == "exit 3") {
+      EXPECT_EQ(WEXITSTATUS(child->wait()), 3);
+    }
+    if (end == "kill -9 $$") {
+      EXPECT_EQ(WTERMSIG(child->wait()), SIGKILL);
+    }
     child.reset();
     for (const char* name : {"a", "b", "c"})
       EXPECT_FALSE(runs(testing::told_in(folder / name))) << end << " " << name;
