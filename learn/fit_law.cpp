@@ -126,13 +126,14 @@ LawFit fit_law(const DemonstrationSet& set, std::uint64_t seed, std::optional<La
     c.cross_validation = cross_validate(train, scales, told);
     kind = simplest_within_one_standard_error(c.cross_validation);
   }
-  const LawSolution solution = solve_law(*kind, train, scales, Effort::exact, told);
-  const bool partial = c.trained_on.partial;
+  LawSolution solution = solve_law(*kind, train, scales, Effort::exact, told);
   if (!std::isfinite(solution.cost))
     throw BadInput("the fit did not converge from any start: " + solution.summary);
+  const FreeCourse free = free_course(*kind, solution.gains, train);
+  solution = solve_beside(*kind, train, scales, solution, determined(free), told);
+  const bool partial = c.trained_on.partial;
   c.kind = *kind;
-  c.gains =
-      widened(law_gains(*kind, train, scales, solution), free_course(*kind, solution.gains, train));
+  c.gains = with_yields(law_gains(*kind, train, scales, solution), free);
   for (const FittedGain& gain : tilt_yields(train).gains) c.gains.push_back(gain);
   c.trained_on = trained_on(set, parts.training, parts.testing, seed);
   c.trained_on.rows = rows(train);

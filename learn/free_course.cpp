@@ -37,7 +37,7 @@ std::vector<double> knots(const std::vector<Samples>& episodes) {
 }
 
 // The rows of one episode, from when the hand begins: the derivatives to the yields, the course's
-// hat functions, and in the last column the velocity.
+// hat functions, and in the last column the velocity beside the law's own course.
 MatrixXd rows_of(LawKind kind, std::vector<double> gains, const std::vector<std::size_t>& yields,
                  int axis, const std::vector<double>& at, const Samples& episode) {
   const auto n = static_cast<Index>(yields.size()), hats = static_cast<Index>(at.size());
@@ -62,7 +62,7 @@ MatrixXd rows_of(LawKind kind, std::vector<double> gains, const std::vector<std:
                  s = std::clamp((sample.height - low) / (high - low), 0.0, 1.0);
     row[n + right - 1] = 1 - s;
     row[n + right] = s;
-    row[n + hats] = sample.velocity[axis];
+    row[n + hats] = sample.velocity[axis] - without;
   }
   return rows.topRows(count);
 }
@@ -111,15 +111,24 @@ FreeCourse free_course(LawKind kind, const std::vector<double>& gains,
   return free;
 }
 
-std::vector<FittedGain> widened(std::vector<FittedGain> gains, const FreeCourse& free) {
+std::vector<double> determined(const FreeCourse& free) {
+  std::vector<double> values;
+  for (const FittedGain& yield : free.yields)
+    values.push_back(yield.high - yield.value < kDetermined * yield.value ? yield.value : NAN);
+  return values;
+}
+
+std::vector<FittedGain> with_yields(std::vector<FittedGain> gains, const FreeCourse& free) {
+  const std::vector<double> values = determined(free);
   for (std::size_t i = 0; i < gains.size(); ++i) {
     FittedGain& gain = gains[i];
     const FittedGain& other = free.yields[i];
     if (std::isnan(gain.low) || std::isnan(other.low)) continue;
-    for (const FittedGain& each : {FittedGain(gain), other}) {
-      const double least = kLeastError * std::abs(each.value);
-      gain.low = std::max(0.0, std::min({gain.low, each.low, each.value - least}));
-      gain.high = std::max({gain.high, each.high, each.value + least});
+    const FittedGain own = std::isnan(values[i]) ? gain : other;
+    gain = {own.value, std::min(own.low, other.low), std::max(own.high, other.high)};
+    for (const double value : {own.value, other.value}) {
+      gain.low = std::max(0.0, std::min(gain.low, value - kLeastError * std::abs(value)));
+      gain.high = std::max(gain.high, value + kLeastError * std::abs(value));
     }
   }
   return gains;

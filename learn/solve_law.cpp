@@ -114,7 +114,8 @@ class Watch : public ceres::IterationCallback {
 
 LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
                        const std::vector<Scaled>& gains, double speed, const Start& start,
-                       bool bounded, Effort effort, const std::function<bool()>& go_on) {
+                       bool bounded, Effort effort, const std::function<bool()>& go_on,
+                       const std::vector<int>& held = {}) {
   LawSolution s{{}, start.scaled, INFINITY, {}, 0};
   ceres::Problem problem;
   const LawUnits units = units_of(gains, speed);
@@ -125,6 +126,9 @@ LawSolution solve_from(LawKind kind, const std::vector<Samples>& episodes,
     problem.SetParameterLowerBound(s.scaled.data(), static_cast<int>(i), gains[i].low);
     problem.SetParameterUpperBound(s.scaled.data(), static_cast<int>(i), gains[i].high);
   }
+  if (!held.empty())
+    problem.SetManifold(s.scaled.data(),
+                        new ceres::SubsetManifold(static_cast<int>(gains.size()), held));
   ceres::Solver::Options options;
   options.linear_solver_type = ceres::DENSE_QR;
   options.max_num_iterations = 300;
@@ -203,6 +207,25 @@ LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const 
   for (std::size_t i = 0; i < gains.size(); ++i)
     best.gains.push_back(best.scaled[i] * gains[i].unit);
   return best;
+}
+
+LawSolution solve_beside(LawKind kind, const std::vector<Samples>& episodes,
+                         const LawScales& scales, const LawSolution& from,
+                         const std::vector<double>& held, const SolveProgress& progress) {
+  const std::vector<Scaled> gains = scaled_gains(kind, scales);
+  Start start{from.scaled, true};
+  std::vector<int> constant;
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    if (std::isnan(held[i])) continue;
+    start.scaled[i] = std::clamp(held[i] / gains[i].unit, gains[i].low, gains[i].high);
+    constant.push_back(static_cast<int>(i));
+  }
+  const std::function<bool()> go_on = [&] { return !progress || progress(1, 1); };
+  LawSolution s =
+      solve_from(kind, episodes, gains, scales.speed, start, true, Effort::exact, go_on, constant);
+  s.iterations += from.iterations;
+  for (std::size_t i = 0; i < gains.size(); ++i) s.gains.push_back(s.scaled[i] * gains[i].unit);
+  return s;
 }
 
 std::vector<FittedGain> law_gains(LawKind kind, const std::vector<Samples>& episodes,

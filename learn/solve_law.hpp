@@ -39,6 +39,12 @@ using SolveProgress = std::function<bool(std::size_t done, std::size_t all)>;
 LawSolution solve_law(LawKind kind, const std::vector<Samples>& episodes, const LawScales& scales,
                       Effort effort = Effort::exact, const SolveProgress& progress = {});
 
+// The law whose gains are `held` where they are not NaN, cut to their bounds; the others are solved
+// for, from a solution of all.
+LawSolution solve_beside(LawKind kind, const std::vector<Samples>& episodes,
+                         const LawScales& scales, const LawSolution& from,
+                         const std::vector<double>& held, const SolveProgress& progress = {});
+
 // The solution's gains, with 95 % intervals (learn/intervals.hpp) cut to the gains' bounds. A gain
 // at its bound has none, nor has one that the data tell nothing of.
 std::vector<FittedGain> law_gains(LawKind kind, const std::vector<Samples>& episodes,
