@@ -148,15 +148,17 @@ Json to_json(const GradedJoint& joint) {
   const auto um = [](const std::optional<double>& sd) {
     return sd ? as_stated(1e6 * *sd) : Json();
   };
-  return {{"wavelength_nm", of_each(wavelength_nm)},
-          {"mode_field_diameter_um", of_each(mode_field_um)},
-          {"partner_mode_field_diameter_um", of_each(partner_mode_field_um)},
-          {"index", joint.at.front().index},
-          {"gap_um", as_stated(1e6 * joint.at.front().gap)},
-          {"core_concentricity_sd_um", um(joint.core_sd)},
-          {"bore_concentricity_sd_um", um(joint.bore_sd)},
-          {"assumed", joint.assumed},
-          {"text", to_text(joint)}};
+  Json json = {{"wavelength_nm", of_each(wavelength_nm)},
+               {"mode_field_diameter_um", of_each(mode_field_um)},
+               {"index", joint.at.front().index},
+               {"gap_um", as_stated(1e6 * joint.at.front().gap)},
+               {"core_concentricity_sd_um", um(joint.core_sd)},
+               {"bore_concentricity_sd_um", um(joint.bore_sd)},
+               {"assumed", joint.assumed},
+               {"text", to_text(joint)}};
+  if (joint.at.front().partner_mode_radius)
+    json["partner_mode_field_diameter_um"] = of_each(partner_mode_field_um);
+  return json;
 }
 
 }  // namespace ferrule
