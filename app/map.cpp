@@ -3,9 +3,11 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <map>
 #include <set>
 
+#include "app/shards.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/refined_grid.hpp"
@@ -17,6 +19,7 @@ struct MapArguments : VariedArguments {
   std::vector<std::string> keys;
   std::string plot;
   double target = 0.99, width = 1.0 / 32;
+  double seconds = 120;  // at most
 };
 
 // KEY=low..high[:log].
@@ -63,30 +66,46 @@ class Map {
     refuse_beyond();
   }
 
-  // As far as Ctrl-C lets it go: with all points that are whole.
+  // As far as Ctrl-C and the time let it go: with all points that are whole. Shards, and who merges
+  // them, take all the time that the line takes, as all must come to the same.
   void run() {
+    using Clock = std::chrono::steady_clock;
+    const auto begin = Clock::now();
+    const auto seconds = [&] {
+      return std::chrono::duration<double>(Clock::now() - begin).count();
+    };
+    const auto stopped = [&] {
+      return interrupted() || (!shared_trials() && seconds() > a_.seconds);
+    };
     for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
       std::vector<Point*> wanted;
       for (const Node& node : nodes) wanted.push_back(&(points_[node] = point(node)));
-      ferrule::run(a_, varied_, stopping_, wanted);
+      ferrule::run(a_, varied_, stopping_, wanted, stopped);
       for (const Node& node : nodes) {
         const Point& p = points_[node];
-        if (interrupted() && p.scene && !stopping_.whole(p.results, a_.trials))
+        if (stopped() && p.scene && !stopping_.whole(p.results, a_.trials))
           points_.erase(node);
         else
           grid_.set(node,
                     p.summary.successes > 0 ? p.summary.success_rate - a_.target : -a_.target);
       }
-      if (interrupted()) return;
+      const int before = cells();
+      line_ = reached();
+      if (cells() > before && !whole()) tell_so_far(seconds());
+      if (stopped()) return;
     }
   }
 
   const std::array<Axis, 2>& axes() const { return axes_; }
   const Points& points() const { return points_; }
-  int cells() const { return grid_.cells(); }
+  int asked_cells() const { return grid_.cells(); }
+  // To how many parts of either range the line is known; 0: not even to kCoarsest.
+  int cells() const { return line_ ? line_->cells() : 0; }
+  bool whole() const { return cells() == asked_cells(); }
   // In units of the keys.
   std::vector<RefinedGrid::Line> contour() const {
-    std::vector<RefinedGrid::Line> lines = grid_.contour();
+    if (!line_) return {};
+    std::vector<RefinedGrid::Line> lines = line_->contour();
     for (RefinedGrid::Line& line : lines)
       for (Eigen::Vector2d& p : line)
         p = {axes_[0].at(p.x() / cells()), axes_[1].at(p.y() / cells())};
@@ -98,16 +117,24 @@ class Map {
     return sum;
   }
   std::size_t uniform_points() const {
-    const auto side = static_cast<std::size_t>(cells()) + 1;
+    const auto side = static_cast<std::size_t>(line_ ? cells() : asked_cells()) + 1;
     return side * side;
   }
   // Points beside the contour of which the target is neither shown nor refuted.
   std::size_t undecided() const {
-    const std::set<Node> beside = grid_.beside_contour();
+    std::size_t count = 0;
+    if (line_)
+      for (const auto& [x, y] : line_->beside_contour()) {
+        const int size = asked_cells() / cells();
+        const Point& p = points_.at({size * x, size * y});
+        count += p.scene && p.summary.target->kind == Verdict::undecided;
+      }
+    return count;
+  }
+  std::size_t decided(Verdict::Kind kind) const {
     return static_cast<std::size_t>(
         std::count_if(points_.begin(), points_.end(), [&](const auto& p) {
-          return p.second.scene && p.second.summary.target->kind == Verdict::undecided &&
-                 beside.contains(p.first);
+          return (p.second.scene ? p.second.summary.target->kind : Verdict::refuted) == kind;
         }));
   }
 
@@ -124,11 +151,32 @@ class Map {
     varied_.with(ranges);
   }
 
+  // The finest grid that has all its points: as if its width had been asked for.
+  std::optional<RefinedGrid> reached() const {
+    for (int cells = grid_.cells(); cells >= RefinedGrid::kCoarsest; cells /= 2)
+      if (auto grid = grid_.coarser(cells)) return grid;
+    return std::nullopt;
+  }
+
+  // The line while it gets finer, for people who wait: some of its points.
+  void tell_so_far(double seconds) const {
+    std::string text;
+    for (const RefinedGrid::Line& line : contour())
+      for (std::size_t k = 0; k < 5; ++k) {
+        const Eigen::Vector2d& p = line[k * (line.size() - 1) / 4];
+        text +=
+            fmt::format("{}{:.4g} {:.4g}", k > 0 || text.empty() ? " " : "; and ", p.x(), p.y());
+        if (k < 4) text += ",";
+      }
+    fmt::print(stderr, "after {:.0f} s known to 1/{}: {}\n", seconds, cells(),
+               text.empty() ? "no line yet" : fmt::format("{:g} % along{}", 100 * a_.target, text));
+  }
+
   Point point(const Node& node) const {
     Point p;
     std::vector<std::string> settings;
     for (std::size_t i = 0; i < 2; ++i) {
-      const double value = axes_[i].at(static_cast<double>(node[i]) / cells());
+      const double value = axes_[i].at(static_cast<double>(node[i]) / asked_cells());
       p.values[axes_[i].key] = as_written(value);
       settings.push_back(setting(i, p.values[axes_[i].key].dump()));
     }
@@ -144,13 +192,21 @@ class Map {
   StoppingArguments stopping_;
   std::array<Axis, 2> axes_;
   RefinedGrid grid_;
+  std::optional<RefinedGrid> line_;  // as fine as it is known
   Points points_;
 };
+
+const char* ended_by(const Map& map) {
+  return map.whole() ? "width" : interrupted() ? "interrupt" : "time";
+}
 
 Json to_json(const MapArguments& a, const std::string& who, const Map& map) {
   Json keys = Json::array(), rows = Json::array(), contour = Json::array(), begins = Json::array();
   for (const Axis& axis : map.axes())
-    keys.push_back({{"key", axis.key}, {"low", axis.low}, {"high", axis.high}, {"log", axis.log}});
+    keys.push_back({{"key", axis.key},
+                    {"low", as_written(axis.low)},
+                    {"high", as_written(axis.high)},
+                    {"log", axis.log}});
   for (const auto& [node, point] : map.points()) {
     Json& row = rows.emplace_back(to_json(point));
     row["can_be"] = point.scene.has_value();
@@ -162,7 +218,9 @@ Json to_json(const MapArguments& a, const std::string& who, const Map& map) {
   return {{"controller", who},
           {"seed", a.seed},
           {"target", a.target},
-          {"width", 1.0 / map.cells()},
+          {"width", map.cells() > 0 ? Json(1.0 / map.cells()) : Json()},
+          {"asked_width", 1.0 / map.asked_cells()},
+          {"ended_by", ended_by(map)},
           {"keys", keys},
           {"rows", rows},
           {"contour", contour},
@@ -173,27 +231,46 @@ Json to_json(const MapArguments& a, const std::string& who, const Map& map) {
           {"uniform_grid_trials", map.uniform_points() * a.trials}};
 }
 
+// What is known where there is no line.
+std::string without_line(const MapArguments& a, const Map& map) {
+  const std::size_t above = map.decided(Verdict::shown), below = map.decided(Verdict::refuted),
+                    all = map.points().size();
+  if (map.cells() > 0 && above + below > 1 && (above == 0 || below == 0))
+    return fmt::format("{} than {:g} % inserted at all {} points that are decided, of {}\n",
+                       above > 0 ? "more" : "less", 100 * a.target, above + below, all);
+  return fmt::format(
+      "no line: of {} points more than {:g} % inserted at {}, less at {}, and {} are not decided\n",
+      all, 100 * a.target, above, below, all - above - below);
+}
+
+// How fine the line is, and why it is no finer.
+std::string fineness(const MapArguments& a, const Map& map) {
+  std::string text = map.cells() > 0 ? fmt::format("known to 1/{} of either range", map.cells())
+                                     : "not known to any part of the ranges";
+  if (!map.whole() && interrupted()) return text + fmt::format(": {} ended it there", stopped_by());
+  if (!map.whole())
+    text += fmt::format(": the time ended it there, --time {:g}s; with more it goes on, to 1/{}",
+                        a.seconds, map.asked_cells());
+  return text;
+}
+
 void tell(const MapArguments& a, const Map& map) {
   const auto& [x, y] = map.axes();
   const auto lines = map.contour();
-  if (lines.empty()) {
-    const bool above = std::any_of(map.points().begin(), map.points().end(), [&](const auto& p) {
-      return p.second.summary.success_rate >= a.target;
-    });
-    fmt::print("{} than {:g} % inserted everywhere\n", above ? "more" : "less", 100 * a.target);
-  } else {
+  if (lines.empty())
+    fmt::print("{}", without_line(a, map));
+  else
     fmt::print("{:g} % inserted along\n{:>26} {:>26}\n", 100 * a.target, x.key, y.key);
-  }
   for (const auto& line : lines) {
     if (&line != &lines.front()) fmt::print("and\n");
     for (const Eigen::Vector2d& p : line) fmt::print("{:>26.6g} {:>26.6g}\n", p.x(), p.y());
   }
-  fmt::print("known to 1/{} of either range; ", map.cells());
   const double share = static_cast<double>(map.trials()) /
                        (static_cast<double>(map.uniform_points()) * static_cast<double>(a.trials));
-  fmt::print("{} trials at {} points: {:.1f} % of the {} at {} points of a uniform grid as fine\n",
-             map.trials(), map.points().size(), 100 * share, map.uniform_points() * a.trials,
-             map.uniform_points());
+  fmt::print(
+      "{}{}{} trials at {} points: {:.1f} % of the {} at {} points of a uniform grid as fine\n",
+      fineness(a, map), map.whole() ? "; " : "\n", map.trials(), map.points().size(), 100 * share,
+      map.uniform_points() * a.trials, map.uniform_points());
   if (const std::size_t count = map.undecided(); count > 0)
     fmt::print(
         "beside the line {} points are too close to {:g} % for {} trials to tell: there it may "
@@ -243,6 +320,16 @@ void add_map(CLI::App& app, Run& run) {
       ->check(number_between(1.0 / 1024, 1));
   a->add_options(*verb, "At most at each point; fewer where the target is shown or refuted before",
                  true);
+  verb->add_option(
+          "--time", a->seconds,
+          "At most so long: 90s, 2min, 1h. The line gets finer until then. Shards take all "
+          "the time that it takes")
+      ->default_str("2min")
+      ->type_name("TIME")
+      ->excludes(verb->get_option("--shard"))
+      ->transform(
+          CLI::AsNumberWithUnit(std::map<std::string, double>{{"s", 1}, {"min", 60}, {"h", 3600}}))
+      ->check(number_between(0.001, 1e9));
   add_plot(*verb, a->plot, "Draw it: success, and time, force and loss in quarters");
   add_output(*verb, a->output);
   add_examples(*verb, {"map controller.json ferrule.bore_diameter_um=125.5..127 "

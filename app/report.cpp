@@ -221,21 +221,36 @@ std::string joint_section(const std::vector<Result>& results) {
 }
 
 std::string sensitivity_table(const Result& r) {
-  HtmlTable table(
-      {{"decided by chance", false}, {"of", false}, {"total index"}, {"95 %"}, {"0 to 1"}});
-  for (const Json& row : r.json.at("rows"))
-    if (row.at("total").is_number())
-      table.row({escaped(in_words(row.at("key").get<std::string>()).name),
-                 escaped(in_words(row.at("of").get<std::string>()).name),
-                 shown("{:.2f}", row.at("total")),
-                 shown("{:.2f}", row.at("low")) + " to " + shown("{:.2f}", row.at("high")),
-                 bar(std::min(1.0, number_or_nan(row.at("total"))),
-                     std::min(1.0, number_or_nan(row.at("low"))),
-                     std::min(1.0, number_or_nan(row.at("high"))))});
+  HtmlTable table({{"decided by chance", false},
+                   {"of", false},
+                   {"first order"},
+                   {"95 %"},
+                   {"total"},
+                   {"95 %"},
+                   {"half as uncertain"},
+                   {"change"},
+                   {"95 %"}});
+  for (const Json& row : r.json.at("rows")) {
+    if (!row.at("total").is_number()) continue;
+    const auto number = [&](const char* key, const char* format) {
+      return shown(format, row.value(key, Json()));
+    };
+    const auto interval = [&](const char* low, const char* high, const char* format) {
+      return number(low, format) + " to " + number(high, format);
+    };
+    table.row({escaped(in_words(row.at("key").get<std::string>()).name),
+               escaped(row.at("of").get<std::string>()), number("first", "{:.2f}"),
+               interval("first_low", "first_high", "{:.2f}"), number("total", "{:.2f}"),
+               interval("low", "high", "{:.2f}"), number("halved", "{:.4g}"),
+               number("halved_change", "{:+.3g}"),
+               interval("halved_change_low", "halved_change_high", "{:+.3g}")});
+  }
   return table.html() +
          paragraph(
-             "The total index of Sobol: the share of the variance that would be left if all "
-             "the others were known.");
+             "Indices of Sobol. First order: the share of the variance that it makes by itself. "
+             "Total: with all that it does together with others, so that totals are no shares of a "
+             "whole. Half as uncertain: what the same trials give with half the standard deviation "
+             "or width; of success the rate, of the others the median.");
 }
 
 std::string picture(const Result& r) {

@@ -9,10 +9,7 @@
 namespace ferrule {
 
 void VariedArguments::add_controller(CLI::App& verb) {
-  verb.add_option("controller", controller,
-                  "Controller file or shipped one, or TorchScript; or constant-velocity, or spiral")
-      ->type_name("FILE.json|FILE.pt")
-      ->required();
+  verb.add_option("controller", controller, kControllers)->type_name(kControllerType)->required();
 }
 
 void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help,
@@ -27,36 +24,30 @@ void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help
   add_shard(verb, shards_wait);
 }
 
-VariedScene::VariedScene(const VariedArguments& arguments) : arguments_(arguments) {
-  if (is_baseline(arguments.controller)) return;
-  given_ = given_file(arguments.controller, {}, arguments.seed);
-  if (given_->file) brought_ = brought_by(trained_on(*given_->file), arguments.controller);
+VariedScene::VariedScene(const VariedArguments& arguments)
+    : arguments_(arguments), given_(given_controller(arguments.controller, {}, arguments.seed)) {
+  if (given_.file) brought_ = brought_by(trained_on(*given_.file), arguments.controller);
 }
 
 ChosenScene VariedScene::with(const std::vector<std::string>& settings) const {
   SceneArguments scene = arguments_.scene;
   scene.settings.insert(scene.settings.end(), settings.begin(), settings.end());
   ChosenScene chosen = scene.choose(brought_);
-  if (given_ && given_->file)
-    refuse_other_scaling(trained_on(*given_->file).scaling, arguments_.controller, chosen.scene,
+  if (given_.file)
+    refuse_other_scaling(trained_on(*given_.file).scaling, arguments_.controller, chosen.scene,
                          arguments_.other_scaling);
   return chosen;
-}
-
-MakeController VariedScene::controller(const Scene& scene) const {
-  if (given_) return given_->make;
-  return baseline(arguments_.controller, scene, arguments_.seed);
 }
 
 Provenance VariedScene::provenance(const ChosenScene& chosen) const {
   Provenance provenance;
   provenance.in(chosen).seed("trials", arguments_.seed);
-  if (given_) provenance.read(controller_file(arguments_.controller));
+  if (!given_.read.empty()) provenance.read(given_.read);
   return provenance;
 }
 
 void run(const VariedArguments& a, const VariedScene& varied, const StoppingArguments& stopping,
-         std::vector<Point*> points) {
+         std::vector<Point*> points, const std::function<bool()>& stop) {
   std::erase_if(points, [](const Point* point) { return !point->scene; });
   std::vector<Campaign> campaigns;
   for (const Point* point : points)
@@ -64,7 +55,7 @@ void run(const VariedArguments& a, const VariedScene& varied, const StoppingArgu
   const std::string what = fmt::format("{} scenes", points.size());
   std::vector<std::vector<TrialResult>> results =
       run_campaigns(campaigns, a.seed, a.trials, a.threads,
-                    Progress(what, points.size() * a.trials), interrupted, shared_trials());
+                    Progress(what, points.size() * a.trials), stop, shared_trials());
   for (std::size_t k = 0; k < points.size(); ++k) {
     Point& point = *points[k];
     point.results = std::move(results[k]);

@@ -2,6 +2,7 @@
 // share.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,14 +36,14 @@ class VariedScene {
   // With these "KEY=VALUE" besides. Throws BadInput.
   ChosenScene with(const std::vector<std::string>& settings) const;
   // The controller there; the straight push is as fast as it may be in that scene.
-  MakeController controller(const Scene& scene) const;
+  MakeController controller(const Scene& scene) const { return given_.in(scene); }
   // Of the results, in that scene.
   Provenance provenance(const ChosenScene& chosen) const;
   std::string controller_name() const { return printable(arguments_.controller); }
 
  private:
   const VariedArguments& arguments_;
-  std::optional<GivenController> given_;  // empty: the straight push
+  GivenController given_;
   BroughtScene brought_;
 };
 
@@ -54,9 +55,10 @@ struct Point {
   CampaignSummary summary = summarise({});
 };
 
-// Runs the trials of all points, as far as Ctrl-C lets them go.
+// Runs the trials of all points, as far as `stop` lets them go.
 void run(const VariedArguments& arguments, const VariedScene& varied,
-         const StoppingArguments& stopping, std::vector<Point*> points);
+         const StoppingArguments& stopping, std::vector<Point*> points,
+         const std::function<bool()>& stop = interrupted);
 
 // Of a table of summaries, how often they inserted: add(heading, format, cell of a summary).
 template <class Add>

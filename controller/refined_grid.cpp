@@ -84,6 +84,18 @@ std::vector<Node> RefinedGrid::next() {
   return {wanted.begin(), wanted.end()};
 }
 
+std::optional<RefinedGrid> RefinedGrid::coarser(int cells) const {
+  RefinedGrid grid(cells);
+  const int size = cells_ / cells;
+  for (auto nodes = grid.next(); !nodes.empty(); nodes = grid.next())
+    for (const Node& node : nodes) {
+      const auto known = values_.find({size * node[0], size * node[1]});
+      if (known == values_.end()) return std::nullopt;
+      grid.set(node, known->second);
+    }
+  return grid;
+}
+
 std::vector<std::array<Node, 4>> RefinedGrid::finest() const {
   std::vector<std::array<Node, 4>> all;
   for (const Square& square : squares_)

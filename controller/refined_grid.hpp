@@ -8,6 +8,7 @@
 #include <Eigen/Core>
 #include <array>
 #include <map>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -28,6 +29,10 @@ class RefinedGrid {
   // finest. What is smaller than the coarsest squares may be missed.
   std::vector<Node> next();
   void set(const Node& node, double value) { values_[node] = value; }
+
+  // The grid of `cells`, a part of those of this one, with the values of this one; empty where it
+  // would want more of them.
+  std::optional<RefinedGrid> coarser(int cells) const;
 
   int cells() const noexcept { return cells_; }
   const std::map<Node, double>& values() const noexcept { return values_; }

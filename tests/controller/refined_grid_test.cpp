@@ -77,6 +77,30 @@ TEST(RefinedGrid, LinesEndAtTheEdges) {
   }
 }
 
+// While it is refined: whatever is known is a whole grid that is coarser, and its line.
+TEST(RefinedGrid, IsOnTheWayWhatACoarserOneIs) {
+  const auto f = [](double x, double y) { return std::sin(0.21 * x) - 0.7 + 0.02 * y; };
+  RefinedGrid fine(32);
+  EXPECT_FALSE(fine.coarser(4));
+  int reached = 0;
+  for (auto nodes = fine.next(); !nodes.empty(); nodes = fine.next()) {
+    for (const auto& node : nodes) fine.set(node, f(node[0], node[1]));
+    for (int cells = 32; cells >= 4; cells /= 2) {
+      const auto grid = fine.coarser(cells);
+      if (!grid) continue;
+      const double size = 32.0 / cells;
+      const RefinedGrid alone =
+          refined(cells, [&](double x, double y) { return f(size * x, size * y); });
+      EXPECT_EQ(grid->values(), alone.values());
+      EXPECT_EQ(grid->contour(), alone.contour());
+      EXPECT_GE(cells, reached);
+      reached = cells;
+      break;
+    }
+  }
+  EXPECT_EQ(reached, 32);
+}
+
 TEST(RefinedGrid, OfOneSignHasNoContour) {
   for (const double sign : {-1.0, 0.0, 1.0}) {
     const RefinedGrid grid = refined(64, [&](double, double) { return sign; });

@@ -13,22 +13,34 @@ namespace {
 
 using Three = std::array<double, 3>;
 
+constexpr std::size_t kNone = 3, kAll = 4;
+
 Three drawn(std::uint64_t trial, std::size_t again) {
   Three x;
   for (std::size_t i = 0; i < 3; ++i)
-    x[i] = RandomStream(i == again ? 6 : 5, trial, std::string(1, static_cast<char>('a' + i)))
+    x[i] = RandomStream(i == again || again == kAll ? 6 : 5, trial,
+                        std::string(1, static_cast<char>('a' + i)))
                .uniform();
   return x;
 }
 
-TotalIndex index_of(std::size_t key, std::size_t trials,
-                    const std::function<double(const Three&)>& f, std::uint64_t first = 0) {
-  std::vector<double> once, again;
-  for (std::uint64_t k = first; k < first + trials; ++k) {
-    once.push_back(f(drawn(k, 3)));
-    again.push_back(f(drawn(k, key)));
-  }
-  return total_index(once, again, 1);
+using Result = std::function<double(const Three&)>;
+
+std::vector<double> results(const Result& f, std::size_t again, std::size_t trials,
+                            std::uint64_t first) {
+  std::vector<double> all;
+  for (std::uint64_t k = first; k < first + trials; ++k) all.push_back(f(drawn(k, again)));
+  return all;
+}
+
+SobolIndex index_of(std::size_t key, std::size_t trials, const Result& f, std::uint64_t first = 0) {
+  return total_index(results(f, kNone, trials, first), results(f, key, trials, first), 1);
+}
+
+SobolIndex first_order_of(std::size_t key, std::size_t trials, const Result& f,
+                          std::uint64_t first = 0) {
+  return first_order_index(results(f, kNone, trials, first), results(f, key, trials, first),
+                           results(f, kAll, trials, first), 1);
 }
 
 // Ishigami and Homma 1990: sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, x uniform in (-pi, pi).
@@ -44,10 +56,18 @@ TEST(Sensitivity, OfIshigamisFunctionIsItsClosedForm) {
                v13 = 8 * 0.01 * p4 * p4 / 225, v = v1 + v2 + v13;
   const Three exact = {(v1 + v13) / v, v2 / v, v13 / v};
   for (std::size_t i = 0; i < 3; ++i) {
-    const TotalIndex t = index_of(i, 20000, ishigami);
-    EXPECT_CLOSE(t.total, exact[i], 0.03) << i;
-    EXPECT_CLOSE(t.interval.low, t.total, 0.05) << i;
-    EXPECT_CLOSE(t.interval.high, t.total, 0.05) << i;
+    const SobolIndex t = index_of(i, 20000, ishigami);
+    EXPECT_CLOSE(t.index, exact[i], 0.03) << i;
+    EXPECT_CLOSE(t.interval.low, t.index, 0.05) << i;
+    EXPECT_CLOSE(t.interval.high, t.index, 0.05) << i;
+  }
+  const Three alone = {v1 / v, v2 / v, 0};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const SobolIndex s = first_order_of(i, 20000, ishigami);
+    EXPECT_NEAR(s.index, alone[i], 0.02) << i;
+    EXPECT_LE(s.interval.low, s.index) << i;
+    EXPECT_GE(s.interval.high, s.index) << i;
+    EXPECT_LT(s.interval.high - s.interval.low, 0.08) << i;
   }
 }
 
@@ -60,7 +80,7 @@ TEST(Sensitivity, IntervalsOfASuccessRateCoverTheIndex) {
   const double v = 0.15 * 0.85;
   int covered = 0;
   for (std::uint64_t k = 0; k < 200; ++k) {
-    const TotalIndex t = index_of(k % 2, 200, both, 1000 * k);
+    const SobolIndex t = index_of(k % 2, 200, both, 1000 * k);
     const double exact = (k % 2 == 0 ? 0.5 * 0.21 : 0.3 * 0.25) / v;
     covered += t.interval.low <= exact && exact <= t.interval.high;
   }
@@ -68,19 +88,61 @@ TEST(Sensitivity, IntervalsOfASuccessRateCoverTheIndex) {
 }
 
 TEST(Sensitivity, WhatDoesNotMatterHasNone) {
-  const TotalIndex t = index_of(2, 200, both);
-  EXPECT_EQ(t.total, 0);
-  EXPECT_EQ(t.interval.low, 0);
-  EXPECT_GT(t.interval.high, 0);
-  EXPECT_LT(t.interval.high, 0.1);
+  for (const SobolIndex& i : {index_of(2, 200, both), first_order_of(2, 200, both)}) {
+    EXPECT_EQ(i.index, 0);
+    EXPECT_EQ(i.interval.low, 0);
+    EXPECT_GT(i.interval.high, 0);
+    EXPECT_LT(i.interval.high, 0.1);
+  }
+}
+
+// 4 x1 + 2 x2 + x3 - a constant that is large beside them: 16, 4 and 1 of 21 parts.
+TEST(Sensitivity, OfASumFirstOrderAndTotalAreTheSameShares) {
+  const auto sum = [](const Three& u) { return 4 * u[0] + 2 * u[1] + u[2] - 100; };
+  const Three exact = {16.0 / 21, 4.0 / 21, 1.0 / 21};
+  double all = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(first_order_of(i, 20000, sum).index, exact[i], 0.02) << i;
+    EXPECT_CLOSE(index_of(i, 20000, sum).index, exact[i], 0.03) << i;
+    all += first_order_of(i, 20000, sum).index;
+  }
+  EXPECT_NEAR(all, 1, 0.04);
+}
+
+// Of the sign of a product either alone says nothing, and both together all.
+TEST(Sensitivity, OfAPureInteractionTheFirstOrderIsNoneAndEachTotalIsAll) {
+  const auto sign = [](const Three& u) { return (u[0] > 0.5) == (u[1] > 0.5) ? 1.0 : 0.0; };
+  for (std::size_t i = 0; i < 2; ++i) {
+    const SobolIndex alone = first_order_of(i, 5000, sign);
+    EXPECT_NEAR(alone.index, 0, 0.05) << i;
+    EXPECT_LT(alone.interval.low, 0) << i;
+    EXPECT_GT(alone.interval.high, 0) << i;
+    EXPECT_CLOSE(index_of(i, 5000, sign).index, 1, 0.05) << i;
+  }
+}
+
+// P(x1 < 0.3 and x2 < 0.5): Var(E | x1) = 0.25 0.21, Var(E | x2) = 0.09 0.25.
+TEST(Sensitivity, IntervalsOfASuccessRateCoverTheFirstOrder) {
+  const double v = 0.15 * 0.85;
+  int covered = 0;
+  for (std::uint64_t k = 0; k < 200; ++k) {
+    const SobolIndex s = first_order_of(k % 2, 200, both, 1000 * k);
+    const double exact = (k % 2 == 0 ? 0.25 * 0.21 : 0.09 * 0.25) / v;
+    covered += s.interval.low <= exact && exact <= s.interval.high;
+  }
+  EXPECT_GE(covered, 180);  // of 95 % of 200
 }
 
 TEST(Sensitivity, NeedsResultsThatDiffer) {
-  EXPECT_TRUE(std::isnan(index_of(0, 100, [](const Three&) { return 1.0; }).total));
-  EXPECT_TRUE(std::isnan(total_index({}, {}, 1).total));
-  EXPECT_TRUE(std::isnan(total_index({1, NAN}, {2, 3}, 1).total));
-  EXPECT_EQ(total_index({1, 2, NAN, 5}, {1, 2, 3, NAN}, 1).total, 0);
+  const auto same = [](const Three&) { return 1.0; };
+  EXPECT_TRUE(std::isnan(index_of(0, 100, same).index));
+  EXPECT_TRUE(std::isnan(first_order_of(0, 100, same).index));
+  EXPECT_TRUE(std::isnan(total_index({}, {}, 1).index));
+  EXPECT_TRUE(std::isnan(total_index({1, NAN}, {2, 3}, 1).index));
+  EXPECT_TRUE(std::isnan(first_order_index({1, 2}, {2, 3}, {NAN, 4}, 1).index));
+  EXPECT_EQ(total_index({1, 2, NAN, 5}, {1, 2, 3, NAN}, 1).index, 0);
   EXPECT_THROW(total_index({1}, {}, 1), std::invalid_argument);
+  EXPECT_THROW(first_order_index({1}, {1}, {}, 1), std::invalid_argument);
 }
 
 }  // namespace

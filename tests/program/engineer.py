@@ -220,6 +220,47 @@ class Engineer(Case):
         self.assertEqual(self.answer_of_map([(x, y, "shown", 1) for x, y, _ in everywhere], []), ["for any force limit."] * 3)
         self.assertEqual(self.answer_of_map([(x, y, "refuted", 0) for x, y, _ in everywhere], []), ["for no force limit."] * 3)
 
+    # Trials of a straight push are over in a moment: less time than the line takes.
+    def test_time_ends_a_map_where_it_is_coarser(self):
+        finer = [*self.MAP[:-4], "--target", 0.7, "--width", 1 / 512]
+        for seconds in (2, 4, 8, 16, 32):  # whatever the machine does besides, one of them knows a line
+            result = self.json_of(*finer, "--time", f"{seconds}s")
+            self.assertEqual(result["ended_by"], "time")
+            if result["width"] is not None and result["contour"]:
+                break
+        self.assertEqual(result["asked_width"], 1 / 512)
+        self.assertGreater(result["width"], 1 / 512)
+        # The same as if that width had been asked for, which has all the time.
+        alone = self.json_of(*self.MAP[:-4], "--target", 0.7, "--width", result["width"], "--time", "1h")
+        self.assertEqual(alone["ended_by"], "width")
+        for key in ("contour", "contour_begins", "undecided", "width"):
+            self.assertEqual(result[key], alone[key], key)
+        rows = {str(row["values"]): row for row in result["rows"]}
+        for row in alone["rows"]:
+            self.assertEqual(rows[str(row["values"])], row)
+        run = self.done(*finer, "--time", f"{2 * seconds}s")
+        self.assertRegex(run.stdout, r"known to 1/\d+ of either range: the time ended it")
+        self.assertRegex(run.stderr, r"after \d+ s known to 1/4: 70 % along")
+        with open(self.path("m.json"), "w") as out:
+            json.dump(result, out)
+        self.assertIn("The time that was given ended it", self.done(
+            "report", self.path("m.json"), "--out", self.path("m.html")).stdout)
+
+    def test_a_map_without_time_says_what_it_knows(self):
+        words = [*self.MAP[:-4], "--target", 0.7, "--time", "0.001"]
+        result = self.json_of(*words)
+        self.assertEqual([result["width"], result["ended_by"], result["contour"]], [None, "time", []])
+        text = self.done(*words).stdout
+        self.assertIn("no line: of", text)
+        self.assertNotIn("everywhere", text)
+        with open(self.path("m.json"), "w") as out:
+            json.dump(result, out)
+        self.assertNotIn("known to", self.done("report", self.path("m.json"), "--out", self.path("m.html")).stdout)
+        for wrong in ("soon", "0s", "-1s", "2 years"):
+            self.refused(2, *self.MAP, "--time", wrong, says=["--time"])
+        self.refused(2, *self.MAP, "--time", "5s", "--shard", "1/2", "--out", self.path("job"), says=["--time"])
+        self.assertFalse(os.path.exists(self.path("job")))
+
     # What varies has no one value: no line says that of the scene that the points were made of.
     def test_a_page_assumes_nothing_of_what_varies(self):
         def page_of(*arguments):
@@ -233,13 +274,14 @@ class Engineer(Case):
             self.assertEqual(len(cells), len(dict(cells)))
             return {key: value.strip() for key, value in cells}
 
-        sweep, html = page_of("sweep", STRAIGHT, "limits.force_uN=45,80", "fibre.edge_um=0.5,5", *SHORT, "--trials", 20)
+        sweep, html = page_of("sweep", STRAIGHT, "limits.force_uN=45,80", "fibre.edge_um=0.5,5", *SHORT, "--trials", 20,
+                              "--prefer", "loss")
         self.assertEqual(assumed(html)["limits.force_uN"], "45, 80 uN")
         self.assertEqual(assumed(html)["fibre.edge_um"], "0.5, 5 um")
         self.assertNotIn("of the scene is 60", html)
-        best = max(sweep["rows"], key=lambda row: (row["low"], -row["loss_dB"]))
+        best, = (row for row in sweep["rows"] if row["damage"]["text"] in html and
+                 f"the force limit there is {row['values']['limits.force_uN']} uN" in html)
         limit, edge = best["values"]["limits.force_uN"], best["values"]["fibre.edge_um"]
-        self.assertIn(f"the force limit there is {limit} uN", html)
         damage = self.evaluated(f"fibre.edge_um={edge}", f"limits.force_uN={limit}", trials=1)["damage"]
         self.assertIn(damage["text"], html)
         self.assertEqual(best["damage"], damage)
@@ -272,6 +314,10 @@ class Engineer(Case):
             if row["total"] is not None:
                 self.assertLessEqual(row["low"], row["total"])
                 self.assertGreaterEqual(row["high"], row["total"])
+            if row["first"] is not None:
+                self.assertLessEqual(row["first_low"], row["first"])
+                self.assertGreaterEqual(row["first_high"], row["first"])
+                self.assertAlmostEqual(row["interaction"], max(0, row["total"] - row["first"]))
         # The straight push does not look at the sensor; where it starts decides, the bore the loss.
         self.assertEqual(found["success", "sensor"]["total"], 0)
         self.assertGreater(found["success", "start.lateral_sd_um"]["low"], 0.6)
@@ -280,7 +326,30 @@ class Engineer(Case):
             "ferrule.bore_diameter_um=126+-0.3", "laws.friction.burgers_nm=0.19..0.21",
             trials=150)["success_rate"])
         self.assertEqual(self.json_of(*arguments, "--threads", 1)["rows"], result["rows"])
-        self.assertIn("total Sobol indices", self.done(*arguments).stdout)
+        # Half as uncertain is what evaluate says of a scene in which it is.
+        half = {"ferrule.bore_diameter_um": "126+-0.15", "laws.friction.burgers_nm": "0.195..0.205",
+                "start.lateral_sd_um": 4, "start.tilt_sd_mrad": 0.5}
+        drawn = {"ferrule.bore_diameter_um": "126+-0.3", "laws.friction.burgers_nm": "0.19..0.21"}
+        for key, value in half.items():
+            alone = self.evaluated(*(f"{k}={v}" for k, v in {**drawn, key: value}.items()), trials=150)
+            row = found["success", key]
+            self.assertEqual(row["halved"], alone["success_rate"], key)
+            self.assertAlmostEqual(row["halved_change"], alone["success_rate"] - result["success_rate"])
+            self.assertLessEqual(row["halved_change_low"], row["halved_change"])
+            self.assertGreaterEqual(row["halved_change_high"], row["halved_change"])
+            self.assertEqual(found["time_s", key]["halved"], alone["time_s"]["median"])
+        self.assertEqual(found["success", "sensor"]["halved_change"], 0)
+        self.assertGreater(found["success", "start.lateral_sd_um"]["halved_change_low"], 0)
+        text = self.done(*arguments).stdout
+        for part in ("Sobol indices", "first order", "half as uncertain", "interaction"):
+            self.assertIn(part, text)
+        # The page says what is gained, and adds up nothing that is no share.
+        with open(self.path("s.json"), "w") as out:
+            json.dump(result, out)
+        printed = self.done("report", self.path("s.json"), "--out", self.path("s.html")).stdout
+        self.assertRegex(printed, r"Half as uncertain, each alone, raises the success: .*start lateral sd from \S+ % to")
+        self.assertRegex(printed, r"Of the variance of success, alone: .* The rest, \d+ %, several make together")
+        self.assertNotIn("force sensor", printed)
         self.refused(2, "sensitivity", STRAIGHT, "--scene", "paper", "--set", "start.lateral_sd_um=0",
                      "--set", "start.tilt_sd_mrad=0", says=["decided by chance"])
 
