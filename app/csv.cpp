@@ -86,4 +86,10 @@ std::string csv_text(const Json& rows, const Provenance& provenance) {
   return text;
 }
 
+std::string csv_file(const Json& rows, const Provenance& provenance) {
+  const std::string text = csv_text(rows, provenance);
+  const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return (c & 0x80) == 0; });
+  return (ascii ? "" : "\xef\xbb\xbf") + text;
+}
+
 }  // namespace ferrule

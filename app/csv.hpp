@@ -11,5 +11,8 @@ namespace ferrule {
 // apostrophe before it: spreadsheets would take it for a formula. The columns of `provenance` come
 // last, but for those whose names the rows have.
 std::string csv_text(const Json& rows, const Provenance& provenance);
+// The same as a file for people: where not all of it is ASCII it begins with the mark by which Excel
+// knows UTF-8. Programs that read a pipe would take that for a part of the first name.
+std::string csv_file(const Json& rows, const Provenance& provenance);
 
 }  // namespace ferrule

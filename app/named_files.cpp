@@ -97,7 +97,9 @@ std::vector<std::string> files_of_folder(const std::string& folder, bool down,
   std::error_code error, ignored;
   for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
        entry.increment(error)) {
-    if (entry->is_regular_file(ignored)) files.push_back(entry->path().string());
+    // Hidden files are what other systems leave there.
+    if (entry->is_regular_file(ignored) && !entry->path().filename().string().starts_with('.'))
+      files.push_back(entry->path().string());
     // Python writes its compiled files where it reads.
     if (entry->is_directory(ignored) && (!down || entry->path().filename() == "__pycache__" ||
                                          fs::equivalent(entry->path(), except, ignored)))

@@ -7,6 +7,7 @@
 #include <ctime>
 #include <filesystem>
 
+#include "capture/natural_order.hpp"
 #include "sim/base/error.hpp"
 #include "sim/base/random.hpp"
 
@@ -16,6 +17,12 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kSaysItsStart = 6;  // the format from which on a scene does
+
+// Sticks and other systems write it in capitals; macOS leaves ._NAME.h5 beside, which is none.
+bool names_an_episode(const fs::path& path) {
+  const std::string ending = path.extension().string();
+  return (ending == ".h5" || ending == ".H5") && !path.filename().string().starts_with('.');
+}
 
 // Before, y, z and the tilts at the start were the first four of one stream.
 void start_as_before(const EpisodeInfo& info, Scene& scene) {
@@ -166,9 +173,9 @@ std::vector<std::string> episode_files(const std::string& folder) {
   std::error_code error;
   std::vector<std::string> files;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".h5") files.push_back(entry.path().string());
+    if (names_an_episode(entry.path())) files.push_back(entry.path().string());
   if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
-  std::sort(files.begin(), files.end());
+  std::sort(files.begin(), files.end(), natural_less);
   return files;
 }
 

@@ -335,10 +335,31 @@ std::uint64_t Reader::whole(const char* key) const {
   return value;
 }
 
+namespace {
+
+// What another library compressed by a filter of its own is whole, but cannot be read.
+void expect_filters(hid_t how, const std::string& place) {
+  const int filters = H5Pget_nfilters(how);
+  for (int i = 0; i < filters; ++i) {
+    unsigned flags = 0, settings = 0;
+    std::size_t values = 0;
+    std::array<char, 64> name{};
+    const H5Z_filter_t filter = H5Pget_filter2(how, static_cast<unsigned>(i), &flags, &values,
+                                               nullptr, name.size() - 1, name.data(), &settings);
+    if (filter < 0 || H5Zfilter_avail(filter) > 0) continue;
+    throw FileTrouble(place + " is compressed by the filter " + std::to_string(filter) + " (" +
+                      printable(name.data()) +
+                      "), which is missing here: write it again with gzip");
+  }
+}
+
+}  // namespace
+
 // What the file says of a data set must fit into the file. Returns the rows of a chunk.
 hsize_t Reader::expect_room(hid_t set, hsize_t rows, hsize_t width, const std::string& path) const {
   const std::string damaged = bytes_.name() + ": damaged: " + path;
   const Handle how(H5Dget_create_plist(set), H5Pclose, damaged);
+  expect_filters(how, bytes_.name() + ": " + path);
   const H5D_layout_t layout = H5Pget_layout(how);
   if (H5Pget_external_count(how) != 0 || layout == H5D_VIRTUAL || layout < 0)
     throw FileTrouble(damaged + " has its numbers elsewhere");

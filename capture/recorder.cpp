@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "capture/natural_order.hpp"
 #include "sim/base/file_system.hpp"
 #include "sim/base/written_file.hpp"
 
@@ -256,16 +258,18 @@ std::string episode_name(int number) {
 }
 
 int next_episode_number(const std::string& folder) {
+  constexpr std::string_view kHead = "episode_";  // in capitals where a stick has it so
   int next = 1;
   std::error_code error;
   for (const auto& entry : fs::directory_iterator(folder, error)) {
     const std::string name = entry.path().filename().string();
-    const std::string_view head = "episode_";
+    std::string head = name.substr(0, kHead.size());
+    for (char& c : head) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
     int number = 0;
-    if (!name.starts_with(head)) continue;
+    if (head != kHead) continue;
     const char* const end = name.data() + name.size();
-    const auto [rest, trouble] = std::from_chars(name.data() + head.size(), end, number);
-    if (rest == end || *rest != '.' || rest == name.data() + head.size()) continue;
+    const auto [rest, trouble] = std::from_chars(name.data() + kHead.size(), end, number);
+    if (rest == end || *rest != '.' || rest == name.data() + kHead.size()) continue;
     if (trouble != std::errc() || number > kMostNumber)
       throw BadInput(
           fmt::format("{}: {}: numbers of episodes go up to {}", folder, name, kMostNumber));
@@ -427,10 +431,11 @@ std::vector<Recovered> recover(const std::string& folder,
   std::vector<std::string> journals;
   std::error_code error, ignored;
   for (const auto& entry : fs::directory_iterator(folder, error))
-    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored))
+    if (entry.path().extension() == ".part" && entry.is_regular_file(ignored) &&
+        !entry.path().filename().string().starts_with('.'))  // as macOS leaves them beside
       journals.push_back(entry.path().string());
   if (error) throw FileTrouble(folder + ": cannot be read: " + error.message());
-  std::sort(journals.begin(), journals.end());
+  std::sort(journals.begin(), journals.end(), natural_less);
   remove_half_written(folder, [](const std::string& name) { return name.ends_with(".h5"); });
   for (const auto& journal : journals) {
     if (go_on && !go_on(results.size(), journals.size())) break;

@@ -74,7 +74,8 @@ void SharedTrials::look_around() {
   const std::lock_guard lock(reading_);
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error))
-    if (entry.path().extension() == kEnding) read(entry.path().string());
+    if (entry.path().extension() == kEnding && !entry.path().filename().string().starts_with('.'))
+      read(entry.path().string());
   if (error) throw FileTrouble(folder_ + ": " + error.message());
 }
 

@@ -81,9 +81,16 @@ bool begins_comment(const std::string& text, std::size_t byte) {
   return two == "//" || two == "/*" || two.starts_with('#');
 }
 
+// What Windows calls Unicode: with a mark in front, or a zero beside the first letter.
+bool is_utf16(const std::string& text) {
+  return text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff") ||
+         text.substr(0, 2).find('\0') != text.npos;
+}
+
 }  // namespace
 
 Json parse_json(const std::string& text, const std::string& file) {
+  if (is_utf16(text)) throw BadInput(file + ": is UTF-16 or UTF-32: save it as UTF-8");
   std::vector<std::set<std::string>> open;  // keys of the objects that are being read
   std::string twice;
   const auto watch = [&](int depth, Json::parse_event_t event, Json& value) {
@@ -105,6 +112,9 @@ Json parse_json(const std::string& text, const std::string& file) {
                      ": JSON has no comments");
     std::string reason =
         error.what();  // "[json.exception...] parse error at line 3, column 7: ..."
+    if (broken && reason.find("ill-formed UTF-8") != reason.npos)
+      throw BadInput(file + ": line " + std::to_string(line_at(text, broken->byte)) +
+                     ": is not UTF-8: save it as UTF-8");
     if (const auto bracket = reason.find("] "); bracket != std::string::npos)
       reason = reason.substr(bracket + 2);
     for (char& c : reason)

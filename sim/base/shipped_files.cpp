@@ -15,7 +15,8 @@ std::string ShippedFiles::place() const {
   return data_folder() + "/" + folder;
 }
 
-std::string ShippedFiles::find(const std::string& name_or_file) const {
+std::string ShippedFiles::find(const std::string& name_or_file,
+                               const std::vector<std::string>& besides) const {
   const bool bare = name_or_file.find(".json") == std::string::npos && name_or_file[0] != '/' &&
                     name_or_file[0] != '.';
   std::error_code error;
@@ -26,6 +27,7 @@ std::string ShippedFiles::find(const std::string& name_or_file) const {
       name_or_file + ": no such " + file + ", and no shipped " + one + " of that name:";
   std::vector<std::string> near = names(fs::path(name_or_file).parent_path().string());
   if (near.empty()) near = names();
+  near.insert(near.end(), besides.begin(), besides.end());
   for (const auto& name : near) message += " " + name;
   throw FileTrouble(message + did_you_mean(name_or_file, near));
 }
