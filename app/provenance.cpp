@@ -51,7 +51,7 @@ std::vector<SceneChange> changes_of(const Json& value, const Json& shipped) {
 
 }  // namespace
 
-std::string shell_word(const std::string& argument) {
+std::string shell_quoted(const std::string& argument) {
   const bool plain =
       !argument.empty() && std::all_of(argument.begin(), argument.end(), [](unsigned char c) {
         return std::isalnum(c) ||
@@ -60,7 +60,12 @@ std::string shell_word(const std::string& argument) {
   if (plain) return argument;
   std::string text = "'";
   for (const char c : argument) text += c == '\'' ? "'\\''" : std::string(1, c);
-  return printable(text + "'", text.size() + 1);
+  return text + "'";
+}
+
+std::string shell_word(const std::string& argument) {
+  const std::string text = shell_quoted(argument);
+  return printable(text, text.size());
 }
 
 SceneChanges changes_from_shipped(const Json& document) {

@@ -75,7 +75,9 @@ class Provenance {
   std::string partial_;
 };
 
-// As a shell takes them, on one line.
+// As a shell takes it, to the byte.
+std::string shell_quoted(const std::string& argument);
+// The same to be read, on one line.
 std::string shell_word(const std::string& argument);
 std::string shell_words(const std::vector<std::string>& words);
 // Words of a command line without this option and its value.

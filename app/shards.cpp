@@ -159,10 +159,11 @@ std::vector<std::string> job_words(std::vector<std::string> words) {
 
 // Begins the job in its folder, or goes on with it. The hash of the job.
 std::string begin_job(const std::string& folder) {
+  const std::vector<std::string> words = job_words(command_words());
+  expect_utf_8(words);
   std::error_code error;
   fs::create_directories(folder, error);
   if (error) throw FileTrouble(folder + ": " + error.message());
-  const std::vector<std::string> words = job_words(command_words());
   const Json here = job_json(words, folder);
   const bool holds_episodes = words.front() == "record" && next_episode_number(folder) > 1;
   if (!fs::exists(job_file(folder))) {
@@ -180,6 +181,15 @@ std::string begin_job(const std::string& folder) {
 }
 
 }  // namespace
+
+void expect_utf_8(const std::vector<std::string>& words) {
+  for (const std::string& word : words) try {
+      Json(word).dump();
+    } catch (const Json::type_error&) {
+      throw BadInput(fmt::format("--shard: \"{}\" must be UTF-8, as the words of a job are",
+                                 printable(word, 100)));
+    }
+}
 
 void add_shard(CLI::App& verb, bool waits) {
   CLI::Option* out = verb.get_option_no_throw("--out");

@@ -18,6 +18,9 @@ namespace ferrule {
 // Adds --shard, and --out where the verb has none. `waits`: as of SharedTrials.
 void add_shard(CLI::App& verb, bool waits = false);
 
+// Throws BadInput where a word is not UTF-8: a job.json could not keep it.
+void expect_utf_8(const std::vector<std::string>& words);
+
 // What this process shares, for run_campaigns; null: nothing.
 SharedTrials* shared_trials() noexcept;
 // Does it run a shard? What it finds is not told then, and need not be computed.

@@ -3,11 +3,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <thread>
 
 #include "app/shards.hpp"
@@ -21,8 +24,8 @@ using Words = std::vector<std::string>;
 
 constexpr double kShard = 20 * 60;  // what a shard is to take [s]
 constexpr double kLongest = 30 * 60;
-constexpr double kShortest = 10 * 60;        // time limit of a task, at least [s]
-constexpr std::size_t kUsualLargest = 1000;  // index of an array, where Slurm does not tell
+constexpr double kShortest = 10 * 60;     // time limit of a task, at least [s]
+constexpr std::size_t kUsualSize = 1001;  // MaxArraySize, where Slurm does not say it
 
 struct SubmitArguments {
   std::string out, partition;
@@ -37,15 +40,36 @@ struct Work {
   double seconds = NAN;  // of one trial here, on all cores
 };
 
-// The largest index of an array that Slurm takes.
-std::size_t largest_index() {
-  std::FILE* const config = ::popen("scontrol show config 2>/dev/null", "r");
-  if (!config) return kUsualLargest;
-  std::size_t size = 0;
-  for (char line[256]; std::fgets(line, sizeof line, config);)
-    std::sscanf(line, "MaxArraySize = %zu", &size);
-  ::pclose(config);
-  return size > 1 ? size - 1 : kUsualLargest;
+// The number after `name` and an equals sign in what Slurm says of itself.
+std::optional<std::size_t> setting_of_slurm(const std::string& said, std::string_view name) {
+  const std::size_t at = said.find(name);
+  if (at == said.npos) return std::nullopt;
+  const std::size_t begin = said.find_first_not_of(" \t=", at + name.size());
+  std::size_t number = 0;
+  const char* const end = said.data() + said.size();
+  if (begin == said.npos || std::from_chars(said.data() + begin, end, number).ec != std::errc())
+    return std::nullopt;
+  return number;
+}
+
+// So many tasks an array has at most, from 1 on. Throws BadInput where Slurm takes no arrays.
+std::size_t most_tasks() {
+  std::string said;
+  if (std::FILE* const config = ::popen("scontrol show config 2>/dev/null", "r")) {
+    std::array<char, 4096> part{};
+    while (const std::size_t size = std::fread(part.data(), 1, part.size(), config))
+      said.append(part.data(), size);
+    ::pclose(config);
+  }
+  // Larger than the largest index.
+  const std::size_t size = setting_of_slurm(said, "MaxArraySize").value_or(kUsualSize);
+  if (size < 2)
+    throw BadInput(fmt::format(
+        "submit: Slurm takes no arrays here (MaxArraySize = {}): submit each shard as a job of its "
+        "own, with --shard I/N (docs/scale.md)",
+        size));
+  return std::min(size - 1, std::max<std::size_t>(
+                                1, setting_of_slurm(said, "max_array_tasks").value_or(size - 1)));
 }
 
 // Runs a part of the job's trials in `folder`, and says how long that took [s].
@@ -103,7 +127,14 @@ std::pair<Words, Words> split_telling(const Words& words) {
   return {job, telling};
 }
 
-// Where the scripts are, and what they begin with.
+std::string quoted_words(const Words& words) {
+  std::string text;
+  for (const std::string& word : words) text += " " + shell_quoted(word);
+  return text;
+}
+
+// Where the scripts are, and what they begin with. What Slurm reads names no folder: there a percent
+// sign and a backslash mean something else, and a line ends. submit.sh goes where the logs are to be.
 struct Scripts {
   std::string folder, program, here;
 
@@ -111,7 +142,6 @@ struct Scripts {
     return {fs::absolute(a.out).lexically_normal().string(),
             fs::read_symlink("/proc/self/exe").string(), fs::current_path().string()};
   }
-  std::string file(const char* name) const { return folder + "/" + name; }
   // `settings` of sbatch, each with its two dashes; then the program with these words.
   void write(const char* name, const SubmitArguments& a, Words settings,
              const std::string& words) const {
@@ -119,44 +149,56 @@ struct Scripts {
     if (!a.partition.empty()) settings.push_back("--partition=" + a.partition);
     std::string text = "#!/bin/sh\n";
     for (const std::string& setting : settings) text += "#SBATCH " + setting + "\n";
-    write_script(file(name), text + "cd " + shell_word(here) + "\nexec " + shell_word(program) +
-                                 " " + words + "\n");
+    write_script(name, text + "cd " + shell_quoted(here) + " || exit\nexec " +
+                           shell_quoted(program) + words + "\n");
   }
-  static void write_script(const std::string& name, const std::string& text) {
-    write_text(name, text);
-    fs::permissions(name, fs::perms::owner_exec, fs::perm_options::add);
+  void write_script(const char* name, const std::string& text) const {
+    const std::string file = folder + "/" + name;
+    write_text(file, text);
+    fs::permissions(file, fs::perms::owner_exec, fs::perm_options::add);
   }
 };
+
+// sbatch says the number of the array, and after a semicolon its cluster where there are several;
+// sites may say more before.
+constexpr const char* kSubmit = R"(said=$(sbatch --parsable "$@" ./array.sh) || exit
+job=$(printf '%s\n' "$said" | sed -n '/^[0-9][0-9]*\(;.*\)\{0,1\}$/p' | tail -n 1)
+if [ -z "$job" ]; then
+  printf 'sbatch said no number of a job: %s\n' "$said" >&2
+  exit 1
+fi
+case $job in
+  *\;*) set -- --clusters="${job#*;}" ;;
+  *) set -- ;;
+esac
+sbatch --dependency=afterany:"${job%%;*}" "$@" ./merge.sh
+)";
 
 // The array, its merge, and what submits both.
 void write_scripts(const SubmitArguments& a, const Words& job, const Words& telling,
                    std::size_t shards, double minutes) {
   const Scripts scripts = Scripts::of(a);
   Words settings = {
-      "--job-name=ferrule", "--exclusive", "--open-mode=append",
-      fmt::format("--output=\"{}/shard_%a.log\"", scripts.folder),
+      "--job-name=ferrule", "--exclusive", "--open-mode=append", "--output=shard_%a.log",
       fmt::format("--array=1-{}{}", shards, a.nodes > 0 ? fmt::format("%{}", a.nodes) : "")};
   if (!std::isnan(minutes)) settings.push_back(fmt::format("--time={:.0f}", minutes));
   scripts.write("array.sh", a, settings,
-                fmt::format("{} --shard \"$SLURM_ARRAY_TASK_ID/{}\" --out {}", shell_words(job),
-                            shards, shell_word(a.out)));
-  scripts.write("merge.sh", a,
-                {"--job-name=ferrule-merge", "--open-mode=truncate",
-                 fmt::format("--output=\"{}/result\"", scripts.folder),
-                 fmt::format("--error=\"{}/merge.log\"", scripts.folder)},
-                "merge " + shell_word(a.out) + (program_in(job).empty() ? " " : " --programs ") +
-                    shell_words(telling));
-  Scripts::write_script(
-      scripts.file("submit.sh"),
-      fmt::format("#!/bin/sh\narray=$(sbatch --parsable \"$@\" {}) &&\n"
-                  "  sbatch --dependency=afterany:\"$array\" {}\n",
-                  shell_word(scripts.file("array.sh")), shell_word(scripts.file("merge.sh"))));
+                fmt::format("{} --shard \"$SLURM_ARRAY_TASK_ID/{}\"{}", quoted_words(job), shards,
+                            quoted_words({"--out", a.out})));
+  scripts.write(
+      "merge.sh", a,
+      {"--job-name=ferrule-merge", "--open-mode=truncate", "--output=result", "--error=merge.log"},
+      " merge" + quoted_words({a.out}) + (program_in(job).empty() ? "" : " --programs") +
+          quoted_words(telling));
+  scripts.write_script("submit.sh",
+                       "#!/bin/sh\ncd " + shell_quoted(scripts.folder) + " || exit\n" + kSubmit);
 }
 
 int submit_verb(const SubmitArguments& a) {
   const auto [job, telling] = split_telling(a.command);
   if (job.empty()) throw BadInput("submit: which job? as in -- evaluate controller.json");
-  const std::size_t most = largest_index();
+  expect_utf_8(job);
+  const std::size_t most = most_tasks();
   if (a.shards > most)
     throw BadInput(
         fmt::format("--shards {}: an array of Slurm has at most {} here", a.shards, most));
@@ -181,16 +223,16 @@ int submit_verb(const SubmitArguments& a) {
     if (shard > kLongest) each += fmt::format(" (an array of Slurm has at most {} here)", most);
   }
   write_scripts(a, job, telling, shards, limit);
-  const std::string submit = "sh " + shell_word(a.out + "/submit.sh");
+  const std::string script = (fs::path(a.out) / "submit.sh").string(), sh = "sh ";
   fmt::print("{} shards, each with a node of its own{}{}\n", shards,
              a.nodes > 0 ? fmt::format(", {} at once", a.nodes) : "", each);
   if (!a.now) {
-    fmt::print("submit them with: {}\n", submit);
+    fmt::print("submit them with: {}\n", sh + shell_word(script));
     return kDone;
   }
   std::fflush(stdout);
-  if (std::system(submit.c_str()) != 0)
-    throw FileTrouble(a.out + "/submit.sh: Slurm did not take it");
+  if (std::system((sh + shell_quoted(fs::absolute(script))).c_str()) != 0)
+    throw FileTrouble(script + ": Slurm did not take it");
   fmt::print("what merge prints will be in {}/result\n", printable(a.out));
   return kDone;
 }
@@ -201,7 +243,13 @@ void add_submit(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("submit", "Run a job on the nodes of a cluster, by Slurm");
   auto a = std::make_shared<SubmitArguments>();
   verb->add_option("--out", a->out, "Folder that all nodes share")->required()->type_name("DIR");
-  verb->add_option("--partition", a->partition, "Of Slurm; its own choice unless given");
+  verb->add_option("--partition", a->partition, "Of Slurm; its own choice unless given")
+      ->check(CLI::Validator(
+          [](const std::string& names) {
+            const bool plain = names.find_first_of(" \t\r\n\"'\\#") == names.npos;
+            return plain ? std::string() : "must be a name, or several with commas, not " + names;
+          },
+          ""));
   verb->add_option("--nodes", a->nodes, "At most so many at once")->check(whole_number(1, 100000));
   verb->add_option("--shards", a->shards,
                    "How many; unless given, so that each takes 20 minutes, as measured here")
