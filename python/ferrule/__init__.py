@@ -17,8 +17,11 @@ there. Velocities, wrenches and depths that controllers know are those of the ha
 from __future__ import annotations
 
 import json as _json
+import operator as _operator
 import os as _os
+import tempfile as _tempfile
 from dataclasses import dataclass as _dataclass
+from pathlib import Path as _Path
 from typing import TYPE_CHECKING, Any, Callable, Mapping, Sequence, Union
 
 from . import _core
@@ -58,11 +61,39 @@ __all__ = [
 ]
 
 
+def _whole(name: str, value: Any, least: int = 0, most: int = 2**64 - 1) -> int:
+    """``value`` as an int, NumPy's too. Raises BadInput where it is none, or out of bounds."""
+    try:
+        number = _operator.index(value)
+    except TypeError:
+        number = least - 1
+    if not least <= number <= most:
+        raise BadInput(f"{name} = {value!r}: must be a whole number from {least} to {most}")
+    return number
+
+
+def _text(document: Any) -> str:
+    """As JSON, whatever mappings it is made of, and with the numbers and arrays of NumPy."""
+
+    def plain(value: Any) -> Any:
+        if hasattr(value, "tolist"):
+            return value.tolist()
+        if isinstance(value, Mapping):
+            return dict(value)
+        raise BadInput(f"{value!r}: is nothing that JSON can say")
+
+    return _json.dumps(document, default=plain)
+
+
+#: As the program's --threads.
+_MOST_THREADS = 4096
+
+
 def _settings(overrides: Overrides) -> list[str]:
     if overrides is None:
         return []
     if isinstance(overrides, Mapping):
-        return [f"{key}={_json.dumps(value)}" for key, value in overrides.items()]
+        return [f"{key}={_text(value)}" for key, value in overrides.items()]
     if isinstance(overrides, str):
         return [overrides]
     return list(overrides)
@@ -85,16 +116,41 @@ def _load(scene: SceneLike, overrides: Overrides, plan: bool) -> Scene:
         return _core._parse_scene(scene.json, scene.name, settings, plan) if settings else scene
     if isinstance(scene, Mapping):
         name = str(scene.get("name", "scene"))
-        return _core._parse_scene(_json.dumps(scene), name, settings, plan)
-    return _core._load_scene(_os.fspath(scene), settings, plan)
+        return _core._parse_scene(_text(scene), name, settings, plan)
+    return _core._load_scene(scene, settings, plan)
 
 
 def _scene_again(document: str, name: str) -> Scene:
     return _core._parse_scene(document, name, [], False)
 
 
-# A scene goes to other processes as its document.
+def _itself(self: Any, memo: Any = None) -> Any:
+    return self
+
+
+# What does not change is its own copy; a scene goes to other processes as its document.
 Scene.__reduce__ = lambda self: (_scene_again, (self.json, self.name))  # type: ignore[method-assign]
+Scene.__copy__ = Scene.__deepcopy__ = _itself  # type: ignore[attr-defined]
+
+
+def _controller_again(files: dict[str, bytes], more: tuple[Any, ...]) -> Controller:
+    with _tempfile.TemporaryDirectory() as folder:
+        for name, content in files.items():
+            (_Path(folder) / name).write_bytes(content)
+        file = str(_Path(folder) / "controller.json") if files else None
+        return _core._controller_again(file, more)
+
+
+def _controller_state(self: Controller) -> tuple[Any, ...]:
+    """What its file holds, and the weights beside it. What it observed stays here."""
+    with _tempfile.TemporaryDirectory() as folder:
+        if self._has_file:
+            self.save(_Path(folder) / "controller.json")
+        files = {file.name: file.read_bytes() for file in _Path(folder).iterdir()}
+    return _controller_again, (files, self._more)
+
+
+Controller.__reduce__ = _controller_state  # type: ignore[method-assign]
 
 
 def validate(scene: SceneLike, overrides: Overrides = None) -> None:
@@ -111,22 +167,60 @@ class Simulator(_core._Simulator):
     def __init__(
         self, scene: SceneLike = "demo", overrides: Overrides = None, period: float = 1e-3
     ) -> None:
-        super().__init__(load_scene(scene, overrides), period)
+        super().__init__(load_scene(scene, overrides), float(period))
+
+    def reset(self, seed: int = 7, trial: int = 0, feasible: bool = False) -> Observation:
+        """To the start of trial ``trial`` of a campaign under ``seed``; the observation there.
+
+        ``feasible``: where the drawn parts do not fit, the next trial whose do (trial + 2**32 ...).
+        """
+        return super().reset(_whole("seed", seed), _whole("trial", trial), bool(feasible))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # The same trial goes the same way again, bit for bit.
+        state = {"kept": self._kept(), "more": vars(self)}
+        return _simulator_again, (type(self), self.scene, self.period), state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        if state["kept"] is not None:
+            self._resume(state["kept"])
+        vars(self).update(state["more"])
+
+
+def _simulator_again(kind: type[Simulator], scene: Scene, period: float) -> Simulator:
+    simulator = kind.__new__(kind)
+    Simulator.__init__(simulator, scene, period=period)
+    return simulator
 
 
 class Episode(_core._Episode):
     """A recorded insertion: NumPy views of its rows, not copied and not to be written to.
 
-    ``file``: what ``ferrule record`` wrote. Raises FileTrouble where it is none, or damaged.
+    ``file``: what ``ferrule record`` wrote. Raises FileTrouble where it is none, or damaged. An
+    episode goes to other processes as the name of its file, which they read again.
     """
 
     def __init__(self, file: str | _os.PathLike) -> None:
-        super().__init__(_os.fspath(file))
+        super().__init__(file)
+        self._file = _os.path.abspath(file)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Episode, (self._file,)
+
+    __copy__ = __deepcopy__ = _itself
 
     @property
     def scene(self) -> dict[str, Any]:
         """The document of the scene it was recorded in."""
         return _json.loads(self.scene_json)
+
+    @property
+    def phase(self) -> np.ndarray:
+        """What the operator was at in each row, "" where it does not say; shape (N,)."""
+        import numpy as np
+
+        begins = [0, *(row for row, _ in self.phases), len(self)]
+        return np.repeat(["", *(name for _, name in self.phases)], np.diff(begins))
 
     def force(self, term: str) -> np.ndarray:
         """The force of one of ferrule.terms on the fibre: x, y, z [N], shape (N, 3)."""
@@ -164,18 +258,18 @@ def evaluate(
 ) -> Evaluation:
     """The trials and the statistics of ``ferrule evaluate``.
 
-    ``policy``: a controller, its file, "constant-velocity", or any callable from an Observation
-    to a velocity (5 numbers [m/s, rad/s], hand's world), called every millisecond of every trial,
-    on one thread; what it raises ends the evaluation. ``scene``: None takes that of the
+    ``policy``: a controller, what ``load`` takes, or any callable from an Observation to a velocity
+    (5 numbers [m/s, rad/s], hand's world), called every millisecond of every trial, on one thread;
+    what it raises ends the evaluation. ``scene``: None takes that of the
     controller's training, or ``demo``; BadInput is raised where it scales the hand otherwise, unless
     the controller's ``other_scaling`` is set. ``threads``: 0 for all cores. Ctrl-C ends it.
     """
-    if isinstance(policy, (str, _os.PathLike)) and policy != "constant-velocity":
-        policy = load(_os.fspath(policy))
-    if not callable(policy) and policy != "constant-velocity":
+    if isinstance(policy, (str, _os.PathLike)):
+        policy = load(policy)
+    if not callable(policy):
         raise TypeError("policy: expected a controller, a file, or a callable")
-    if trials < 1:
-        raise ValueError("trials: must be at least 1")
+    trials, seed = _whole("trials", trials, 1, 10**8), _whole("seed", seed)
+    threads = _whole("threads", threads, most=_MOST_THREADS)
     if scene is None:
         brought = policy.scene_json if isinstance(policy, Controller) else None
         scene = _json.loads(brought) if brought else "demo"
@@ -207,7 +301,9 @@ def forces(
     if any((a < 0).any() for a in arrays) or np.isnan(arrays[:2]).any():
         raise BadInput("gap_nm, length_um, depth_nm: must be numbers, not negative")
     flat = [np.ascontiguousarray(a).ravel() for a in arrays]
-    rows = _core._forces(_load(scene, overrides, plan=False), *flat, tilt_mrad, speed_um_s)
+    rows = _core._forces(
+        _load(scene, overrides, plan=False), *flat, float(tilt_mrad), float(speed_um_s)
+    )
     return {
         name: rows[:, column].reshape(arrays[0].shape)
         for column, name in enumerate([*terms, "squeeze"])

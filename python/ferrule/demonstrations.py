@@ -13,7 +13,7 @@ from typing import Any, Callable, Mapping
 
 import numpy as np
 
-from . import BadInput, Episode, FileTrouble, load_scene
+from . import BadInput, Episode, FileTrouble, _core, load_scene
 from .task import INSERTED, Task
 
 
@@ -41,11 +41,10 @@ class Demonstrations:
 
 
 def episode_files(folder: str | os.PathLike) -> list[Path]:
-    """Sorted. Raises FileTrouble where there is no such folder, BadInput where it has none."""
-    path = Path(folder)
-    if not path.is_dir():
+    """In the order of their numbers. Raises FileTrouble where there is no such folder, BadInput where it has none."""
+    if not Path(folder).is_dir():
         raise FileTrouble(f"{folder}: no such folder")
-    files = sorted(path.glob("*.h5"))
+    files = _core._episode_files(folder)
     if not files:
         raise BadInput(f"{folder}: holds no episode (*.h5)")
     return files

@@ -92,8 +92,8 @@ def _expect_places(a: argparse.Namespace) -> None:
             continue
         if not Path(place).is_dir():
             raise FileTrouble(f"{place}: is there, and no folder")
-        if any(Path(place).iterdir()):
-            raise FileTrouble(f"{place}: is there, and not empty")
+        for there in Path(place).iterdir():
+            raise FileTrouble(f"{place}: is there, and not empty ({there.name})")
 
 
 def _into_folder(write: Callable[..., int], source: str, rate: float | None) -> Callable[[str], int]:

@@ -31,6 +31,9 @@ def groups(episode: Episode) -> dict[str, dict[str, np.ndarray]]:
         "command": columns(_units("m_s", "rad_s"), episode.command),
         "wrench": columns(_WRENCH, episode.wrench),
         "relative_wrench": columns(_WRENCH, episode.relative_wrench),
+        "displacement": columns(_units("m", "rad"), episode.displacement),
+        "depth": {"m": episode.depth},
+        "height": {"m": episode.height},
         "tip": columns(_units("m", "rad"), episode.states[:, :5]),
         "force": columns(force, episode.forces),
     }
@@ -52,17 +55,28 @@ def _each(source: str, rate: float | None) -> Iterator[tuple[str, Episode, slice
         yield file.stem, episode, _chosen(episode, file, rate or 1 / episode.period)
 
 
+def _field(text: str) -> str:
+    """As a field of CSV; one that a spreadsheet would compute is marked as a text."""
+    if text.startswith(("=", "+", "-", "@", "\t", "\r")):
+        text = "'" + text
+    return '"' + text.replace('"', '""') + '"' if any(c in text for c in ',"\r\n') else text
+
+
 def write_csv(folder: str, source: str, rate: float | None) -> int:
     """One file of each episode, whatever its outcome; returns how many."""
-    import pyarrow as pa
-    import pyarrow.csv as csv
-
     count = 0
     for name, episode, rows in _each(source, rate):
-        table = {"time_s": episode.time[rows]}
+        table = {"time_s": episode.time}
         for group, columns in groups(episode).items():
-            table.update({f"{group}_{column}": v[rows] for column, v in columns.items()})
-        csv.write_csv(pa.table(table), Path(folder) / f"{name}.csv")
+            table.update({f"{group}_{column}": v for column, v in columns.items()})
+        values = np.column_stack([v[rows] for v in table.values()])
+        phases = {phase: _field(phase) for _, phase in episode.phases}
+        # The mark by which spreadsheets know UTF-8, where there is more than ASCII.
+        encoding = "utf-8" if "".join(phases).isascii() else "utf-8-sig"
+        with open(Path(folder) / f"{name}.csv", "x", encoding=encoding, newline="") as out:
+            out.write(",".join([*table, "phase"]) + "\n")
+            for row, phase in zip(values, episode.phase[rows].tolist()):
+                out.write(",".join(map(repr, row.tolist())) + f",{phases.get(phase, '')}\n")
         count += 1
     return count
 
@@ -73,7 +87,7 @@ def write_mcap(folder: str, source: str, rate: float | None) -> int:
 
     count = 0
     for name, episode, rows in _each(source, rate):
-        with open(Path(folder) / f"{name}.mcap", "wb") as stream:
+        with open(Path(folder) / f"{name}.mcap", "xb") as stream:
             writer = Writer(stream)
             writer.start(profile="", library="ferrule")
             writer.add_metadata(
@@ -90,11 +104,12 @@ def write_mcap(folder: str, source: str, rate: float | None) -> int:
 def _add_messages(writer: object, episode: Episode, rows: slice) -> None:
     time = np.round(1e9 * episode.time[rows]).astype(np.int64).tolist()
     channels = []
-    for group, columns in groups(episode).items():
+    for group, columns in {**groups(episode), "phase": {"name": episode.phase}}.items():
+        kind = "string" if group == "phase" else "number"
         schema = {
             "type": "object",
             "title": group,
-            "properties": {column: {"type": "number"} for column in columns},
+            "properties": {column: {"type": kind} for column in columns},
         }
         schema_id = writer.register_schema(
             name=f"ferrule.{group}", encoding="jsonschema", data=json.dumps(schema).encode()

@@ -9,9 +9,9 @@ import gymnasium
 import numpy as np
 from gymnasium.error import ClosedEnvironmentError, ResetNeeded
 
-from . import SceneLike, Simulator, outcomes
+from . import SceneLike, Simulator, _whole, outcomes
 from .picture import picture
-from .task import PERIOD, TIMEOUT, Task
+from .task import PERIOD, TIMEOUT, Task, checked_options, trial_number
 from .window import Window
 
 
@@ -71,22 +71,22 @@ class InsertionEnv(gymnasium.Env):
     def reset(
         self, *, seed: int | None = None, options: dict[str, Any] | None = None
     ) -> tuple[np.ndarray, dict[str, Any]]:
+        options = checked_options(options, ("set", "trial"))
+        trial = trial_number(options["trial"]) if options.get("trial") is not None else None
+        seed = None if seed is None else _whole("seed", seed)
         super().reset(seed=seed)
         simulator = self._open("reset")
         if seed is not None or self._seed is None:
             self._seed = int(self.np_random.integers(2**31)) if seed is None else seed
             self._next = 0
-        trial = self._next
-        if options and "trial" in options:
-            trial = options["trial"]
-            if not isinstance(trial, (int, np.integer)) or not 0 <= trial < 2**64:
-                raise ValueError(f"options['trial'] = {trial!r}: expected a whole number >= 0")
-        settings = options.get("set") if options else None
+        if trial is None:
+            trial = self._next
+        settings = options.get("set")
         if settings or self._scene is not self.task.scene:
             self._scene = self.task.changed(settings) if settings else self.task.scene
             simulator = self.simulator = Simulator(self._scene)
-        simulator.reset(seed=self._seed, trial=int(trial), feasible=True)
-        self._next = int(trial) + 1
+        simulator.reset(seed=self._seed, trial=trial, feasible=True)
+        self._next = trial + 1
         self._running = True
         self._tip = simulator.tip
         self._show()
@@ -136,6 +136,9 @@ class InsertionEnv(gymnasium.Env):
         if self._window is not None:
             self._window.close()
             self._window = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_window": None}  # a copy opens its own
 
     def _open(self, what: str) -> Simulator:
         if self.simulator is None:

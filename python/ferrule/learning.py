@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from . import (
-    BadInput, Controller, FileTrouble, Overrides, Scene, SceneLike, _core, _settings, load_scene,
-    program,
+    BadInput, Controller, FileTrouble, Overrides, Scene, SceneLike, _MOST_THREADS, _core, _settings,
+    _text, _whole, load_scene, program,
 )
 
 
@@ -32,7 +32,8 @@ def record(
     Episode k is trial k under ``seed``, or the next whose drawn parts fit. Ctrl-C ends and keeps
     the running episode. Raises BadInput and FileTrouble.
     """
-    return _core._record(load_scene(scene, overrides), os.fspath(folder), episodes, str(skill), seed)
+    episodes, seed = _whole("episodes", episodes, 1, 10**6), _whole("seed", seed)
+    return _core._record(load_scene(scene, overrides), folder, episodes, str(skill), seed)
 
 
 def fit(
@@ -62,7 +63,7 @@ def fit(
     if method not in ("ceres", "law", "search"):
         raise BadInput(f"method: there is no {method}; there are ceres, search, torch")
     places = [episodes] if isinstance(episodes, (str, os.PathLike)) else episodes
-    return _core._fit([os.fspath(place) for place in places], method, law, seed)
+    return _core._fit(list(places), method, law, _whole("seed", seed))
 
 
 def compare(
@@ -85,15 +86,18 @@ def compare(
     its notes go to stderr. Raises BadInput and FileTrouble with the program's text.
     """
     arguments = [os.fspath(place) for place in (episodes, *controllers)]
-    arguments += ["--trials", str(trials), "--seed", str(seed), "--fit-seed", str(fit_seed),
-                  "--threads", str(threads)]
+    numbers = {"trials": _whole("trials", trials, least=1), "seed": _whole("seed", seed),
+               "fit-seed": _whole("fit_seed", fit_seed),
+               "threads": _whole("threads", threads, most=_MOST_THREADS)}
+    for name, number in numbers.items():
+        arguments += [f"--{name}", str(number)]
     if learners is not None:
         arguments += ["--learners", ",".join(learners)]
     for setting in _settings(overrides):
         arguments += ["--set", setting]
     with tempfile.TemporaryDirectory() as folder:
         if isinstance(scene, (Scene, Mapping)):
-            document = scene.json if isinstance(scene, Scene) else json.dumps(scene)
+            document = scene.json if isinstance(scene, Scene) else _text(scene)
             scene = Path(folder) / "scene.json"
             scene.write_text(document)
         if scene is not None:

@@ -1,4 +1,7 @@
-"""Makes ferrule/Insertion-v0 known to Gymnasium, without the tenth of a second of importing it."""
+"""Makes ferrule/Insertion-v0 known to Gymnasium, without the tenth of a second of importing it.
+
+Where Gymnasium loads the entry points `gymnasium.envs`, as before 1.0, it needs no import of ferrule.
+"""
 
 from __future__ import annotations
 

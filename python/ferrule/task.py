@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Sequence
+import difflib
+from typing import Any, Mapping, Sequence
 
 import numpy as np
 from gymnasium import spaces
 
-from . import Scene, SceneLike, Overrides, load_scene, outcomes
+from . import Scene, SceneLike, Overrides, _whole, load_scene, outcomes
 
 #: What an observation is, in units of order one; all in the hand's world.
 OBSERVATION = ("Fx [N]", "Fy [N]", "Fz [N]", "My [N m]", "Mz [N m]", "depth [mm]", "time [s]")
@@ -22,6 +23,24 @@ TIMEOUT = outcomes.index("timeout")
 PERIOD = 1e-3  # of the simulation [s]
 # What an outcome adds to the reward; the last is that of none.
 _OF_THE_END = np.array([{INSERTED: 1.0, TIMEOUT: 0.0}.get(o, -1.0) for o in range(len(outcomes))] + [0.0])
+
+
+def checked_options(options: Any, known: Sequence[str]) -> Mapping[str, Any]:
+    """Those of a reset. Raises ValueError where one is not ``known``."""
+    if options is None:
+        return {}
+    if not isinstance(options, Mapping):
+        raise ValueError(f"options = {options!r}: expected a dictionary")
+    for key in options:
+        if key not in known:
+            meant = difflib.get_close_matches(str(key), known, 1)
+            near = f": did you mean {meant[0]!r}?" if meant else ""
+            raise ValueError(f"options[{key!r}] is unknown; known here: {', '.join(known)}{near}")
+    return options
+
+
+def trial_number(trial: Any) -> int:
+    return _whole("options['trial']", trial)
 
 
 class Task:
@@ -41,8 +60,8 @@ class Task:
         if abs(periods - round(periods)) > 1e-9 * max(periods, 1) or round(periods) < 1:
             raise ValueError(f"control_hz = {control_hz}: 1000 must be a whole multiple of it")
         self.periods = round(periods)
-        self.relative = relative
-        self.motion = motion
+        self.relative = bool(relative)
+        self.motion = bool(motion)
         if action_scale is None:
             action_scale = [self.scene.speed_limit] * 3 + [1e-3] * 2
         scale = np.asarray(action_scale, dtype=float)

@@ -36,30 +36,37 @@ void add_controller(nb::module_& module);
 void add_episode(nb::module_& module);
 void add_learning(nb::module_& module);
 
-// What a controller observes, and the scene it does so in: null where somebody made it.
+// What a controller observes, and the scene and the trial it does so in: null where somebody made it.
 struct SceneObservation {
   Observation observed;
   SharedScene scene{};
+  std::uint64_t seed = 0, trial = 0;
 };
 
 // A controller at work, and what makes it anew for every trial.
 struct LoadedController {
   // `called`: its file, for messages.
   LoadedController(ControllerFile file, std::string called)
-      : read(std::move(file)), name(std::move(called)) {
-    reset();
-  }
-  void reset() { at_work = maker(read)(0); }
-  // Throws BadInput, as the program does, where `scene` scales the hand otherwise than those that
-  // it learned from, unless that is allowed.
-  void expect_scaling_of(const Scene& scene) const;
+      : read(std::move(file)), name(std::move(called)) {}
+  // One without a file (controller/baseline.hpp).
+  explicit LoadedController(std::string baseline) : name(std::move(baseline)) {}
 
-  ControllerFile read;
+  void reset() { at_work.reset(); }
+  HandTwist command(const SceneObservation& o);
+  // In trials of `scene` under `seed`. Throws BadInput, as the program does, where the scene scales
+  // the hand otherwise than those that it learned from, unless that is allowed.
+  MakeController in(const Scene& scene, std::uint64_t seed) const;
+
+  std::optional<ControllerFile> read;  // empty: `name` is that of a baseline
   std::string name;
   bool other_scaling = false;
-  std::string report;                 // of its fit
-  std::vector<std::string> warnings;  // of its fit
-  std::unique_ptr<Controller> at_work;
+  std::string report;                     // of its fit
+  std::vector<std::string> warnings;      // of its fit
+  std::unique_ptr<Controller> at_work{};  // null until it is asked
+
+ private:
+  void expect_scaling_of(const Scene& scene) const;
+  SharedScene scene_;  // of what it was asked last
 };
 
 // Ctrl-C where C++ runs: handled by the thread that called.
@@ -92,7 +99,8 @@ Array array(const Vector& values) {
   return array(values.data(), {static_cast<std::size_t>(values.size())});
 }
 
-// In a process that was forked the threads are gone: everything runs on one thread there.
+// So many threads, or as many as there are cores: for 0, and where there are fewer. In a process that
+// was forked the threads are gone: everything runs on one thread there.
 int threads_here(int threads) noexcept;
 
 }  // namespace ferrule::python

@@ -1,5 +1,8 @@
 // Controllers and campaigns of them.
+#include <nanobind/stl/tuple.h>
+
 #include "bindings.hpp"
+#include "controller/baseline.hpp"
 #include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
@@ -21,8 +24,9 @@ struct Failure {
 // A Python callable at a controller's place.
 class PythonController : public Controller {
  public:
-  PythonController(nb::handle policy, SharedScene scene, Failure& failure)
-      : policy_(policy), scene_(std::move(scene)), failure_(failure) {
+  PythonController(nb::handle policy, SharedScene scene, std::uint64_t seed, std::uint64_t trial,
+                   Failure& failure)
+      : policy_(policy), scene_(std::move(scene)), seed_(seed), trial_(trial), failure_(failure) {
     const nb::gil_scoped_acquire acquire;
     try {
       if (nb::hasattr(policy_, "reset")) policy_.attr("reset")();
@@ -34,7 +38,7 @@ class PythonController : public Controller {
     if (!failure_.raised) {
       const nb::gil_scoped_acquire acquire;
       try {
-        return numbers(policy_(SceneObservation{observation, scene_}), 5, kAnswer);
+        return numbers(policy_(SceneObservation{observation, scene_, seed_, trial_}), 5, kAnswer);
       } catch (...) {
         failure_.keep();
       }
@@ -45,23 +49,19 @@ class PythonController : public Controller {
  private:
   nb::handle policy_;
   SharedScene scene_;
+  std::uint64_t seed_, trial_;
   Failure& failure_;
 };
 
 nb::tuple evaluate(nb::handle policy, const SharedScene& scene, std::size_t trials,
                    std::uint64_t seed, bool supervise, int threads) {
-  const Scaling scaling = scene_scaling(*scene);
   Failure failure;
   MakeController make;
   if (nb::isinstance<LoadedController>(policy)) {
-    const auto& controller = nb::cast<const LoadedController&>(policy);
-    controller.expect_scaling_of(*scene);
-    make = maker(controller.read);
-  } else if (nb::isinstance<nb::str>(policy)) {
-    make = controller_maker(ConstantVelocity(scaling.motion * scene->limits.speed));
+    make = nb::cast<const LoadedController&>(policy).in(*scene, seed);
   } else {
-    make = [policy, scene, &failure](std::uint64_t) {
-      return std::make_unique<PythonController>(policy, scene, failure);
+    make = [policy, scene, seed, &failure](std::uint64_t trial) {
+      return std::make_unique<PythonController>(policy, scene, seed, trial, failure);
     };
     threads = 1;
   }
@@ -92,18 +92,19 @@ nb::object number_or_none(double x) {
   return std::isfinite(x) ? nb::object(nb::float_(x)) : nb::none();
 }
 
-// A law's gains by their name; none of a network.
+// A law's gains by their name; none of a network, or of a controller without a file.
 nb::typed<nb::dict, nb::str, nb::typed<nb::dict, nb::str, nb::any>> gains(
     const LoadedController& c) {
   nb::dict all;
-  if (const auto* search = std::get_if<SearchFile>(&c.read))
+  if (!c.read) return all;
+  if (const auto* search = std::get_if<SearchFile>(&*c.read))
     for (std::size_t i = 0; i < kSearchGains.size(); ++i) {
       nb::dict gain;
       gain["value"] = search->gains[i];
       gain["unit"] = kSearchGains[i].unit;
       all[kSearchGains[i].name] = gain;
     }
-  const auto* law = std::get_if<LawFile>(&c.read);
+  const auto* law = std::get_if<LawFile>(&*c.read);
   for (std::size_t i = 0; law && i < law->gains.size(); ++i) {
     const Gain& gain = gain_of(law->kind, i);
     nb::dict fitted;
@@ -116,16 +117,74 @@ nb::typed<nb::dict, nb::str, nb::typed<nb::dict, nb::str, nb::any>> gains(
   return all;
 }
 
+// An error of its training [m/s]; NaN without a training.
 template <class Of>
 auto of_file(const Of& of) {
-  return [of](const LoadedController& c) { return std::visit(of, c.read); };
+  return [of](const LoadedController& c) {
+    return c.read ? std::visit(of, *c.read) : std::numeric_limits<double>::quiet_NaN();
+  };
+}
+
+std::unique_ptr<LoadedController> load(const std::filesystem::path& name_or_file) {
+  const std::string name = name_or_file.string();
+  if (is_baseline(name)) return std::make_unique<LoadedController>(name);
+  if (name.ends_with(".pt"))
+    throw BadInput(name + ": is TorchScript, which the program runs: ferrule evaluate " + name);
+  ControllerFile read = read_controller(name);
+  return std::make_unique<LoadedController>(std::move(read), controller_file(name));
+}
+
+// What its file does not hold: name, other_scaling, report, warnings, residuals.
+using MoreOfController =
+    std::tuple<std::string, bool, std::string, std::vector<std::string>, double, double>;
+
+MoreOfController more_of(const LoadedController& c) {
+  const double residual = of_file([](const auto& f) { return f.residual; })(c);
+  const double held_out = of_file([](const auto& f) { return f.held_out_residual; })(c);
+  return {c.name, c.other_scaling, c.report, c.warnings, residual, held_out};
+}
+
+// From `file` as it was saved; empty for one without a file.
+std::unique_ptr<LoadedController> again(const std::optional<std::string>& file,
+                                        const MoreOfController& more) {
+  auto made = std::make_unique<LoadedController>(std::get<0>(more));
+  const double residual = std::get<4>(more), held_out = std::get<5>(more);
+  if (file) made->read = read_controller(*file);
+  if (made->read)
+    std::visit(
+        [&](auto& f) {
+          f.residual = residual;
+          f.held_out_residual = held_out;
+        },
+        *made->read);
+  made->other_scaling = std::get<1>(more);
+  made->report = std::get<2>(more);
+  made->warnings = std::get<3>(more);
+  return made;
 }
 
 }  // namespace
 
+HandTwist LoadedController::command(const SceneObservation& o) {
+  if (o.scene && read) expect_scaling_of(*o.scene);
+  if (!at_work && !read && !o.scene)
+    throw BadInput(name +
+                   ": wants the observations of a Simulator, whose scene says how fast it is");
+  if (!read && o.scene && scene_ != o.scene) reset();  // it is another there
+  if (!at_work) at_work = read ? maker(*read)(o.trial) : in(*o.scene, o.seed)(o.trial);
+  scene_ = o.scene;
+  return at_work->command(o.observed);
+}
+
+MakeController LoadedController::in(const Scene& scene, std::uint64_t seed) const {
+  if (!read) return baseline(name, scene, seed);
+  expect_scaling_of(scene);
+  return maker(*read);
+}
+
 void LoadedController::expect_scaling_of(const Scene& scene) const {
   if (other_scaling) return;
-  const std::string trouble = scaling_trouble(trained_on(read).scaling, name, scene);
+  const std::string trouble = scaling_trouble(trained_on(*read).scaling, name, scene);
   if (!trouble.empty()) throw BadInput(trouble + "; Controller.other_scaling = True allows it");
 }
 
@@ -136,10 +195,7 @@ void add_controller(nb::module_& module) {
       "velocity.\nIt remembers what it observed: reset it for every insertion.")
       .def(
           "__call__",
-          [](LoadedController& c, const SceneObservation& o) {
-            if (o.scene) c.expect_scaling_of(*o.scene);
-            return array(c.at_work->command(o.observed));
-          },
+          [](LoadedController& c, const SceneObservation& o) { return array(c.command(o)); },
           nb::arg("observation"),
           "Velocity of the hand until the next period: x, y, z [m/s], tilt_y, tilt_z [rad/s]; "
           "shape (5,).\nRaises BadInput for an observation of a Simulator whose scene scales the "
@@ -148,7 +204,7 @@ void add_controller(nb::module_& module) {
       .def_prop_ro(
           "scene_json",
           [](const LoadedController& c) -> std::optional<std::string> {
-            const Json& scene = trained_on(c.read).scene;
+            const Json scene = c.read ? trained_on(*c.read).scene : Json();
             if (scene.is_null()) return std::nullopt;
             return scene.dump();
           },
@@ -168,23 +224,23 @@ void add_controller(nb::module_& module) {
               "The lines of `ferrule fit`, where ferrule.fit made it; else empty.")
       .def_ro("warnings", &LoadedController::warnings,
               "What `ferrule fit` warns of, a line each, where ferrule.fit made it; else empty.")
+      .def_prop_ro("_has_file", [](const LoadedController& c) { return c.read.has_value(); })
+      .def_prop_ro("_more", &more_of)
       .def(
           "save",
           [](const LoadedController& c, const std::filesystem::path& file) {
-            write_controller(file.string(), c.read);
+            if (!c.read) throw BadInput(c.name + ": is known by its name; it has no file");
+            write_controller(file.string(), *c.read);
           },
           nb::arg("file"),
           "Writes controller.json as `ferrule fit` does; a network's weights go beside it. Raises "
           "FileTrouble.");
   module.def(
-      "load",
-      [](const std::filesystem::path& name_or_file) {
-        const std::string file = controller_file(name_or_file.string());
-        return std::make_unique<LoadedController>(read_controller(file), file);
-      },
-      nb::arg("file"),
-      "The controller of a file that `ferrule fit` wrote, or a shipped one by its name. Raises "
-      "BadInput, FileTrouble.");
+      "load", &load, nb::arg("file"),
+      "The controller of a file that `ferrule fit` wrote; a shipped one by its name (search, "
+      "tuned_by_hand); or one\nwithout a file, for the scene that it observes: "
+      "constant-velocity, spiral, searching-operator. Raises BadInput, FileTrouble.");
+  module.def("_controller_again", &again, nb::arg("file").none(), nb::arg("more"));
   module.def("_evaluate", &evaluate, nb::arg("policy"), nb::arg("scene"), nb::arg("trials"),
              nb::arg("seed"), nb::arg("supervise"), nb::arg("threads"));
 }

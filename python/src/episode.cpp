@@ -1,6 +1,8 @@
 // Recorded episodes, as views of their rows.
 #include "capture/episode.hpp"
 
+#include <nanobind/stl/tuple.h>
+
 #include "bindings.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
@@ -9,17 +11,23 @@ namespace ferrule::python {
 namespace {
 
 struct ReadEpisode {
-  explicit ReadEpisode(const std::string& file) {
+  explicit ReadEpisode(const std::filesystem::path& place) {
     const nb::gil_scoped_release release;
+    const std::string file = place.string();
     episode = read_episode(file);
     const Scene scene = recorded_scene(episode.info, file);
     sensed = sensed_wrench(episode, scene);
-    const double entrance = registered_entrance(scene);
-    depth = (entrance - episode.rows.col(kHandPose.begin).array()).max(0.0);
+    phases = phases_of(episode.info, episode.rows.rows(), file);
+    const auto pose = episode.rows.middleCols<kPose>(kHandPose.begin);
+    height = pose.col(0).array() - registered_entrance(scene);
+    depth = (-height).cwiseMax(0.0);
+    if (pose.rows() > 0) displacement = pose.rowwise() - pose.row(0);
   }
   Episode episode;
   SensedRows sensed;
-  Eigen::VectorXd depth;
+  std::vector<PhaseBegin> phases;
+  Eigen::VectorXd depth, height;
+  Eigen::Matrix<double, Eigen::Dynamic, kPose> displacement;
 };
 
 using View = nb::ndarray<nb::numpy, const double>;
@@ -44,10 +52,17 @@ View sensed_view(const ReadEpisode& e, const Eigen::Matrix<double, Eigen::Dynami
 }  // namespace
 
 void add_episode(nb::module_& module) {
+  module.def(
+      "_episode_files",
+      [](const std::filesystem::path& folder) {
+        const std::vector<std::string> files = episode_files(folder.string());
+        return std::vector<std::filesystem::path>(files.begin(), files.end());
+      },
+      nb::arg("folder"));
   nb::class_<ReadEpisode> type(
       module, "_Episode",
       "A recorded insertion. Its arrays are views of its rows: not copied, not to be written to.");
-  type.def(nb::init<const std::string&>(), nb::arg("file"))
+  type.def(nb::init<const std::filesystem::path&>(), nb::arg("file"))
       .def("__len__", [](const ReadEpisode& e) { return e.episode.rows.rows(); })
       .def_prop_ro(
           "scene_json", [](const ReadEpisode& e) { return e.episode.info.scene; },
@@ -81,7 +96,27 @@ void add_episode(nb::module_& module) {
           },
           kOwned,
           "Of the hand past where it takes the entrance to be, as a controller observes it [m], >= "
-          "0, hand's world; shape (N,).");
+          "0, hand's world; shape (N,).")
+      .def_prop_ro(
+          "height",
+          [](const ReadEpisode& e) {
+            return view(e.height.data(), e.height.size(), 1, 1, 0, nb::find(e));
+          },
+          kOwned, "Of the hand before that entrance [m]; < 0 past it. Shape (N,).")
+      .def_prop_ro(
+          "displacement", [](const ReadEpisode& e) { return sensed_view(e, e.displacement); },
+          kOwned,
+          "Of the hand since the start: x, y, z [m], tilts about y and z [rad], hand's world. "
+          "Shape "
+          "(N, 5).")
+      .def_prop_ro(
+          "phases",
+          [](const ReadEpisode& e) {
+            std::vector<std::tuple<Eigen::Index, std::string>> all;
+            for (const PhaseBegin& p : e.phases) all.emplace_back(p.row, p.name);
+            return all;
+          },
+          "What the operator was at, where it says so: (first row, name) of each.");
   const auto add = [&](const char* name, const Block& b, const char* doc) {
     type.def_prop_ro(
         name, [&b](const ReadEpisode& e) { return block_view(e, b); }, kOwned, doc);

@@ -16,8 +16,9 @@ namespace {
 constexpr double kPeriod = 1e-3;  // of control and simulation [s]
 
 // Episode by episode as `ferrule record` has them; returns their files.
-std::vector<std::string> record(const SharedScene& scene, const std::string& folder, int episodes,
-                                const std::string& told, std::uint64_t seed) {
+std::vector<std::string> record(const SharedScene& scene, const std::filesystem::path& place,
+                                int episodes, const std::string& told, std::uint64_t seed) {
+  const std::string folder = place.string();
   if (episodes < 1) throw BadInput("episodes: must be at least 1");
   const OperatorSkill skill = OperatorSkill::parse(told);
   if (next_episode_number(folder) > 1)
@@ -59,9 +60,10 @@ std::map<std::string, std::string> options(const Learner& learner, const std::st
 }
 
 // `method`: "search", or a law with Ceres.
-std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
+std::unique_ptr<LoadedController> fit(const std::vector<std::filesystem::path>& given,
                                       const std::string& method, const std::string& law,
                                       std::uint64_t seed) {
+  const std::vector<std::string> places(given.begin(), given.end());
   const Learner learner = method == "search" ? search_learner() : law_learner();
   const LearnerSettings settings{seed, options(learner, law)};
   Interrupts interrupts;
@@ -77,7 +79,7 @@ std::unique_ptr<LoadedController> fit(const std::vector<std::string>& places,
     auto controller =
         std::make_unique<LoadedController>(std::move(learned.controller), "the fitted controller");
     controller->report = std::move(learned.report);
-    controller->warnings = fit_warnings(set, controller->read);
+    controller->warnings = fit_warnings(set, *controller->read);
     return controller;
   } catch (const BadInput& error) {
     interrupts.rethrow();

@@ -2,6 +2,7 @@
 #include <dlfcn.h>
 #include <pthread.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 
@@ -45,7 +46,8 @@ void add_error(nb::module_& module, const char* name, PyObject* base, const char
 }  // namespace
 
 int threads_here(int threads) noexcept {
-  return forked ? 1 : threads;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return forked ? 1 : threads > 0 ? std::min(threads, cores) : cores;
 }
 
 Eigen::VectorXd numbers(nb::handle from, Eigen::Index count, const char* what) {

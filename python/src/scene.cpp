@@ -16,9 +16,9 @@ std::shared_ptr<const Scene> made(const Scene& scene, bool plan) {
   return std::make_shared<const Scene>(plan ? planned(scene) : scene);
 }
 
-std::shared_ptr<const Scene> load(const std::string& name_or_file,
+std::shared_ptr<const Scene> load(const std::filesystem::path& name_or_file,
                                   const std::vector<std::string>& settings, bool plan) {
-  return made(load_scene(name_or_file, settings), plan);
+  return made(load_scene(name_or_file.string(), settings), plan);
 }
 
 std::shared_ptr<const Scene> parse(const std::string& document, const std::string& where,

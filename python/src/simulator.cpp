@@ -1,4 +1,7 @@
 // Stepping: one trial period by period, and many at once.
+#include <nanobind/stl/tuple.h>
+
+#include <algorithm>
 #include <mutex>
 
 #include "bindings.hpp"
@@ -12,6 +15,61 @@ namespace {
 
 constexpr const char* kVelocity = "velocity (x, y, z [m/s], tilt_y, tilt_z [rad/s], of the hand)";
 
+// A trial from its start to where it is: what was told to go there makes it again, bit for bit.
+class Course {
+ public:
+  static constexpr std::size_t kWidth = 6;  // velocity [m/s, rad/s], and how many periods
+
+  Course() = default;
+  // At the start of the trial, or where the drawn parts do not fit and `feasible`, of the next
+  // whose do.
+  Course(SharedScene scene, std::uint64_t seed, std::uint64_t trial, bool feasible, double period)
+      : scene_(std::move(scene)), seed_(seed), number_(trial) {
+    if (feasible && !scene_->drawn.empty()) number_ = feasible_trial(*scene_, seed, trial).trial;
+    trial_ = std::make_unique<SteppedTrial>(scene_, seed, number_, period);
+  }
+  explicit operator bool() const noexcept { return trial_ != nullptr; }
+
+  void step(const HandTwist& velocity, std::size_t periods) {
+    for (std::size_t n = 0; n < periods && !trial_->ended(); ++n) trial_->step(velocity);
+    if (told_.empty() || told_.back().first != velocity)
+      told_.emplace_back(velocity, periods);
+    else
+      told_.back().second += periods;
+  }
+  const SteppedTrial& trial() const noexcept { return *trial_; }
+  std::uint64_t seed() const noexcept { return seed_; }
+  std::uint64_t number() const noexcept { return number_; }
+
+  // Of scene, seed, trial, and rows of what was told.
+  using Kept = std::tuple<SharedScene, std::uint64_t, std::uint64_t, Array>;
+  Kept kept() const {
+    std::vector<double> rows;
+    for (const auto& [velocity, periods] : told_) {
+      rows.insert(rows.end(), velocity.begin(), velocity.end());
+      rows.push_back(static_cast<double>(periods));
+    }
+    return {scene_, seed_, number_, array(rows.data(), {told_.size(), kWidth})};
+  }
+  using Told = std::tuple<SharedScene, std::uint64_t, std::uint64_t, Numbers>;
+  static Course of(const Told& kept, double period) {
+    const auto& [scene, seed, number, told] = kept;
+    if (told.ndim() != 2 || told.shape(1) != kWidth) throw nb::value_error("no course of a trial");
+    Course course(scene, seed, number, false, period);
+    for (std::size_t n = 0; n < told.shape(0); ++n) {
+      const double* const row = told.data() + kWidth * n;
+      course.step(Eigen::Map<const HandTwist>(row), static_cast<std::size_t>(row[kWidth - 1]));
+    }
+    return course;
+  }
+
+ private:
+  SharedScene scene_;
+  std::uint64_t seed_ = 0, number_ = 0;
+  std::unique_ptr<SteppedTrial> trial_;
+  std::vector<std::pair<HandTwist, std::size_t>> told_;
+};
+
 // A trial that several Python threads may hold: one at a time.
 class Simulator {
  public:
@@ -22,27 +80,29 @@ class Simulator {
   SceneObservation reset(std::uint64_t seed, std::uint64_t trial, bool feasible) {
     const nb::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
-    trial_number_ = feasible ? feasible_trial(*scene_, seed, trial).trial : trial;
-    trial_ = std::make_unique<SteppedTrial>(scene_, seed, trial_number_, period_);
-    return {trial_->observation(), scene_};
+    course_ = Course(scene_, seed, trial, feasible, period_);
+    return observation();
   }
 
   SceneObservation step(nb::handle velocity, std::size_t periods) {
     const HandTwist v = numbers(velocity, 5, kVelocity);
     const nb::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
-    SteppedTrial& trial = running();
+    const SteppedTrial& trial = running();
     if (trial.ended())
       throw std::runtime_error("the trial has ended (" + std::string(name(trial.ended()->outcome)) +
                                "): reset the simulator first");
-    for (std::size_t n = 0; n < periods && !trial.ended(); ++n) trial.step(v);
-    return {trial.observation(), scene_};
+    course_.step(v, periods);
+    return observation();
+  }
+  SceneObservation observation() const {
+    return {running().observation(), scene_, course_.seed(), course_.number()};
   }
 
   // What is asked for between steps.
-  SteppedTrial& running() const {
-    if (!trial_) throw std::runtime_error("the simulator is at no trial: reset it first");
-    return *trial_;
+  const SteppedTrial& running() const {
+    if (!course_) throw std::runtime_error("the simulator is at no trial: reset it first");
+    return course_.trial();
   }
   template <class Of>
   auto look(const Of& of) const {
@@ -51,13 +111,23 @@ class Simulator {
   }
   const SharedScene& scene() const noexcept { return scene_; }
   double period() const noexcept { return period_; }
-  std::uint64_t trial_number() const noexcept { return trial_number_; }
+  std::uint64_t trial_number() const noexcept { return course_.number(); }
+
+  std::optional<Course::Kept> kept() const {
+    const std::lock_guard lock(mutex_);
+    return course_ ? std::optional(course_.kept()) : std::nullopt;
+  }
+  void resume(const Course::Told& kept) {
+    const nb::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    const auto& [scene, seed, number, told] = kept;
+    course_ = Course::of({scene_, seed, number, told}, period_);  // it keeps the scene alive
+  }
 
  private:
   SharedScene scene_;
   double period_;
-  std::uint64_t trial_number_ = 0;
-  std::unique_ptr<SteppedTrial> trial_;
+  Course course_;
   mutable std::mutex mutex_;
 };
 
@@ -85,11 +155,11 @@ std::optional<std::string> ended(const SteppedTrial& trial) {
   return name(trial.ended()->outcome);
 }
 
-// N trials of one scene under one seed, side by side: number i begins with trial i and goes on with
-// i + N, i + 2 N ... A row of what each is observed and came to, kWidth numbers.
+// N trials side by side, each of its own scene and seed. A row of what each is observed and came to,
+// kWidth numbers.
 class Trials {
  public:
-  static constexpr int kWidth = 22;
+  static constexpr int kWidth = 25;
   static constexpr const char* kColumns[] = {"force_x",
                                              "force_y",
                                              "force_z",
@@ -103,26 +173,25 @@ class Trials {
                                              "moment_y_absolute",
                                              "moment_z_absolute",
                                              "tip_x",
+                                             "tip_y",
+                                             "tip_z",
+                                             "tip_tilt_y",
+                                             "tip_tilt_z",
                                              "outcome",
                                              "peak_force",
-                                             "trial",
                                              "displacement_x",
                                              "displacement_y",
                                              "displacement_z",
                                              "displacement_tilt_y",
                                              "displacement_tilt_z",
                                              "height"};
+  using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+  using Wholes = nb::ndarray<const std::uint64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 
-  Trials(SharedScene scene, std::size_t count, std::size_t periods, int threads)
-      : scene_(std::move(scene)),
-        periods_(periods),
-        trials_(count),
-        numbers_(count),
-        rows_(count * kWidth) {
+  Trials(std::size_t count, std::size_t periods, int threads)
+      : periods_(periods), courses_(count), rows_(count * kWidth) {
     if (count == 0 || periods == 0) throw nb::value_error("there must be at least one");
-    const auto cores = static_cast<int>(std::thread::hardware_concurrency());
-    pool_size_ = std::min(threads > 0 ? threads : std::max(cores, 1), static_cast<int>(count));
-    pool_size_ = threads_here(pool_size_);
+    pool_size_ = std::min<int>(threads_here(threads), static_cast<int>(count));
     pool_ = std::make_unique<WorkerPool>(pool_size_);
   }
   ~Trials() {
@@ -132,77 +201,129 @@ class Trials {
   Trials(const Trials&) = delete;
   Trials& operator=(const Trials&) = delete;
 
-  Array reset(std::uint64_t seed, const std::vector<std::uint64_t>& first) {
-    if (first.size() != trials_.size()) throw nb::value_error("trials: one for each environment");
+  // Those of `which` begin these trials under these seeds, in `scene`.
+  Array reset(const Flags& which, const SharedScene& scene, const Wholes& seeds,
+              const Wholes& trials) {
+    expect_each({which.size(), seeds.size(), trials.size()});
     {
       const nb::gil_scoped_release release;
       const std::lock_guard lock(mutex_);
-      seed_ = seed;
-      for_each([&](std::size_t i) { begin(i, first[i]); });
+      for_each([&](std::size_t i) {
+        if (which.data()[i]) begin(i, scene, seeds.data()[i], trials.data()[i]);
+      });
     }
     return rows();
   }
 
-  // Those of `again` begin their next trial instead of stepping.
-  Array step(const Numbers& velocity, const nb::ndarray<const bool, nb::c_contig>& again) {
-    const std::size_t count = trials_.size();
-    if (velocity.ndim() != 2 || velocity.shape(0) != count || velocity.shape(1) != 5 ||
-        again.size() != count)
-      throw nb::value_error(("actions: expected shape (" + std::to_string(count) + ", 5)").c_str());
+  // The same for those of `again`; the others go their way.
+  Array step(const Numbers& velocity, const Flags& again, const SharedScene& scene,
+             const Wholes& seeds, const Wholes& trials) {
+    expect_each({velocity.size() / 5, again.size(), seeds.size(), trials.size()});
+    if (!std::all_of(courses_.begin(), courses_.end(),
+                     [](const Course& c) { return static_cast<bool>(c); }))
+      throw std::runtime_error("reset the environments first");
     {
       const nb::gil_scoped_release release;
       const std::lock_guard lock(mutex_);
-      if (!trials_[0]) throw std::runtime_error("reset the environments first");
       for_each([&](std::size_t i) {
-        if (again.data()[i]) return begin(i, numbers_[i] + count);
-        const HandTwist v = Eigen::Map<const HandTwist>(velocity.data() + 5 * i);
-        for (std::size_t n = 0; n < periods_ && !trials_[i]->ended(); ++n) trials_[i]->step(v);
+        if (again.data()[i]) return begin(i, scene, seeds.data()[i], trials.data()[i]);
+        courses_[i].step(Eigen::Map<const HandTwist>(velocity.data() + 5 * i), periods_);
         show(i);
       });
     }
     return rows();
   }
 
-  const SteppedTrial& trial(std::size_t i) const {
-    if (i >= trials_.size() || !trials_[i]) throw nb::index_error("no such trial");
-    return *trials_[i];
+  const Course& course(std::size_t i) const {
+    if (i >= courses_.size() || !courses_[i]) throw nb::index_error("no such trial");
+    return courses_[i];
+  }
+  nb::ndarray<nb::numpy, std::uint64_t> numbers() const {
+    using All = std::vector<std::uint64_t>;
+    auto all = std::make_unique<All>();
+    for (const Course& c : courses_) all->push_back(c.number());
+    std::uint64_t* const first = all->data();
+    const nb::capsule owner(
+        all.get(), [](void* p) noexcept { std::default_delete<All>()(static_cast<All*>(p)); });
+    all.release();  // it is the capsule's from here on
+    return {first, {courses_.size()}, owner};
+  }
+
+  std::vector<Course::Kept> kept() const {
+    std::vector<Course::Kept> all;
+    for (std::size_t i = 0; i < courses_.size(); ++i) all.push_back(course(i).kept());
+    return all;
+  }
+  void resume(const std::vector<Course::Told>& kept) {
+    expect_each({kept.size()});
+    const nb::gil_scoped_release release;
+    const std::lock_guard lock(mutex_);
+    for_each([&](std::size_t i) {
+      courses_[i] = Course::of(kept[i], kPeriod);
+      show(i);
+    });
   }
 
  private:
+  static constexpr double kPeriod = 1e-3;  // [s]
+
+  void expect_each(std::initializer_list<std::size_t> sizes) const {
+    for (const std::size_t size : sizes)
+      if (size != courses_.size()) throw nb::value_error("one for each environment");
+  }
   // On all cores.
   void for_each(const std::function<void(std::size_t)>& work) {
-    if (threads_here(pool_size_) > 1) return pool_->for_each(trials_.size(), work);
-    for (std::size_t i = 0; i < trials_.size(); ++i) work(i);
+    if (threads_here(pool_size_) > 1) return pool_->for_each(courses_.size(), work);
+    for (std::size_t i = 0; i < courses_.size(); ++i) work(i);
   }
-  void begin(std::size_t i, std::uint64_t trial) {
-    numbers_[i] = trial;
-    const std::uint64_t feasible =
-        !scene_->drawn.empty() ? feasible_trial(*scene_, seed_, trial).trial : trial;
-    trials_[i] = std::make_unique<SteppedTrial>(scene_, seed_, feasible);
+  void begin(std::size_t i, const SharedScene& scene, std::uint64_t seed, std::uint64_t trial) {
+    courses_[i] = Course(scene, seed, trial, true, kPeriod);
     show(i);
   }
   void show(std::size_t i) noexcept {
-    const SteppedTrial& t = *trials_[i];
+    const SteppedTrial& t = courses_[i].trial();
     const Observation& o = t.observation();
     Eigen::Map<Eigen::Matrix<double, kWidth, 1>> row(&rows_[i * kWidth]);
-    row << o.wrench, o.depth, o.time, t.wrench(), t.result().state.tip[0],
+    row << o.wrench, o.depth, o.time, t.wrench(), t.result().state.tip,
         t.ended() ? static_cast<double>(t.ended()->outcome) : -1.0, t.summary().peak_force,
-        static_cast<double>(numbers_[i]), o.displacement, o.height;
+        o.displacement, o.height;
   }
   Array rows() const {
-    return array(rows_.data(), {trials_.size(), static_cast<std::size_t>(kWidth)});
+    return array(rows_.data(), {courses_.size(), static_cast<std::size_t>(kWidth)});
   }
 
-  SharedScene scene_;
   std::size_t periods_;
-  std::vector<std::unique_ptr<SteppedTrial>> trials_;
-  std::vector<std::uint64_t> numbers_;
+  std::vector<Course> courses_;
   std::vector<double> rows_;
-  std::uint64_t seed_ = 0;
   int pool_size_ = 1;
   std::unique_ptr<WorkerPool> pool_;
   std::mutex mutex_;
 };
+
+// Of an observation, in other processes: wrench, depth, time, displacement, height, force limit;
+// the scene, the seed and the trial.
+using ObservationState =
+    std::tuple<std::vector<double>, std::optional<SharedScene>, std::uint64_t, std::uint64_t>;
+
+ObservationState observation_state(const SceneObservation& o) {
+  const Observation& seen = o.observed;
+  std::vector<double> values(seen.wrench.begin(), seen.wrench.end());
+  values.insert(values.end(), {seen.depth, seen.time});
+  values.insert(values.end(), seen.displacement.begin(), seen.displacement.end());
+  values.insert(values.end(), {seen.height, seen.force_limit});
+  return {values, o.scene ? std::optional(o.scene) : std::nullopt, o.seed, o.trial};
+}
+
+void set_observation_state(SceneObservation& o, const ObservationState& state) {
+  const auto& [values, scene, seed, trial] = state;
+  if (values.size() != 14) throw nb::value_error("no state of an observation");
+  const double* const v = values.data();
+  new (&o) SceneObservation{{Eigen::Map<const HandWrench>(v), v[5], v[6],
+                             Eigen::Map<const HandPose>(v + 7), v[12], v[13]},
+                            scene.value_or(nullptr),
+                            seed,
+                            trial};
+}
 
 void add_observation(nb::module_& module) {
   using O = SceneObservation;
@@ -239,6 +360,8 @@ void add_observation(nb::module_& module) {
             return array(all.data(), {all.size()});
           },
           kOwned, "All of it: wrench, depth, time; shape (7,).")
+      .def("__getstate__", &observation_state)
+      .def("__setstate__", &set_observation_state)
       .def("__repr__", [](const O& o) {
         return "<ferrule.Observation at " + std::to_string(o.observed.time) + " s>";
       });
@@ -262,15 +385,15 @@ void add_simulator(nb::module_& module) {
            "hand's world, cut to the scene's speed limit.\nOne that is not finite ends the trial "
            "as \"invalid_output\". Raises ValueError for another shape, RuntimeError before a "
            "reset and after the end.")
+      .def("_kept", &Simulator::kept)
+      .def("_resume", &Simulator::resume, nb::arg("kept"))
       .def_prop_ro("scene", &Simulator::scene)
       .def_prop_ro("period", &Simulator::period, "[s]")
       .def_prop_ro("trial", &Simulator::trial_number, "The trial it is at.")
       .def_prop_ro(
           "observation",
           [](const Simulator& s) {
-            return s.look([&](const SteppedTrial& t) {
-              return SceneObservation{t.observation(), s.scene()};
-            });
+            return s.look([&](const SteppedTrial&) { return s.observation(); });
           },
           "The last one.")
       .def_prop_ro(
@@ -320,13 +443,15 @@ void add_simulator(nb::module_& module) {
           "offset_m, tilt_rad.");
 
   nb::class_<Trials>(module, "_Trials")
-      .def(nb::init<SharedScene, std::size_t, std::size_t, int>(), nb::arg("scene"),
-           nb::arg("count"), nb::arg("periods"), nb::arg("threads"))
-      .def("reset", &Trials::reset, nb::arg("seed"), nb::arg("first"))
-      .def("step", &Trials::step, nb::arg("velocity"), nb::arg("again"))
-      .def("tip",
-           [](const Trials& t, std::size_t i) { return array(t.trial(i).result().state.tip); })
-      .def("forces", [](const Trials& t, std::size_t i) { return force_dict(t.trial(i)); });
+      .def(nb::init<std::size_t, std::size_t, int>(), nb::arg("count"), nb::arg("periods"),
+           nb::arg("threads"))
+      .def("reset", &Trials::reset, nb::arg("which"), nb::arg("scene"), nb::arg("seeds"),
+           nb::arg("trials"))
+      .def("step", &Trials::step, nb::arg("velocity"), nb::arg("again"), nb::arg("scene"),
+           nb::arg("seeds"), nb::arg("trials"))
+      .def("numbers", &Trials::numbers)
+      .def("kept", &Trials::kept)
+      .def("resume", &Trials::resume, nb::arg("kept"));
   std::vector<std::string> columns(std::begin(Trials::kColumns), std::end(Trials::kColumns));
   module.attr("_trial_columns") = columns;
   std::vector<std::string> outcomes;

@@ -1,9 +1,12 @@
 """Episodes in the formats of others, read back by others."""
 
+import csv as standard_csv
 import json
 import os
+import shutil
 import signal
 import subprocess
+import sys
 import time
 
 import gymnasium
@@ -13,6 +16,8 @@ import pytest
 
 import ferrule
 from conftest import PROGRAM, run
+from ferrule import export_rows
+from ferrule.demonstrations import episode_files
 
 csv = pytest.importorskip("pyarrow.csv")
 pq = pytest.importorskip("pyarrow.parquet")
@@ -127,6 +132,55 @@ def test_csv_holds_every_bit(episodes):
         assert (table["force_friction_z_N"].to_numpy() == episode.force("friction")[:, 2]).all()
         assert (table["wrench_My_Nm"].to_numpy() == episode.wrench[:, 3]).all()
         assert (table["tip_tilt_y_rad"].to_numpy() == episode.states[:, 3]).all()
+        assert (table["displacement_tilt_z_rad"].to_numpy() == episode.displacement[:, 4]).all()
+        assert (table["height_m"].to_numpy() == episode.height).all()
+        assert (table["depth_m"].to_numpy() == episode.depth).all()
+        assert set(table["phase"].to_pylist()) == {""}
+
+
+@pytest.fixture(scope="module")
+def searched(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("searched") / "episodes"
+    run("record", "--operator", "searching", "--scene", "by_hand/sharp", "--episodes", 1, "--out", folder)
+    return folder
+
+
+def test_where_the_hand_was_and_what_it_was_at_is_exported(searched, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)  # which a table of numbers does not need
+    assert export_rows.write_csv(tmp_path, searched, 100) == 1
+    with open(tmp_path / "episode_0001.csv", newline="") as table:
+        rows = list(standard_csv.DictReader(table))
+    episode = ferrule.Episode(searched / "episode_0001.h5")
+    assert [row["phase"] for row in rows] == episode.phase[::10].tolist()
+    assert [float(row["height_m"]) for row in rows] == episode.height[::10].tolist()
+    assert len(set(episode.phase)) > 3 and len(episode.phase) == len(episode)
+    for row, name in episode.phases:
+        assert episode.phase[row] == name and (row == 0 or episode.phase[row - 1] != name)
+    # As a controller observes it in the same trial.
+    seen = ferrule.Simulator(episode.scene).reset(seed=episode.seed, trial=episode.trial)
+    assert seen.height == pytest.approx(episode.height[0], rel=1e-12)
+    np.testing.assert_allclose(episode.displacement, episode.hand_pose - episode.hand_pose[0], atol=0)
+    np.testing.assert_array_equal(episode.depth, np.maximum(0, -episode.height))
+
+
+def test_a_phase_that_a_spreadsheet_would_compute_is_a_text(searched, tmp_path):
+    shutil.copytree(searched, tmp_path / "odd")
+    hostile = ["=1+1", 'a,"b"', "+x", "M\u00fcller\n"]
+    with h5py.File(tmp_path / "odd/episode_0001.h5", "r+") as file:
+        file.attrs["phases"] = json.dumps([[10 * n, name] for n, name in enumerate(hostile)])
+    assert export_rows.write_csv(tmp_path, tmp_path / "odd", 1000) == 1
+    with open(tmp_path / "episode_0001.csv", newline="", encoding="utf-8") as table:
+        rows = list(standard_csv.DictReader(table))
+    assert [rows[10 * n]["phase"] for n in range(4)] == ["'=1+1", 'a,"b"', "'+x", "M\u00fcller\n"]
+
+
+def test_episodes_are_in_the_order_of_their_numbers(searched, tmp_path):
+    names = ["episode_0999.h5", "episode_9999.h5", "episode_10000.H5"]
+    for name in names:
+        shutil.copy(searched / "episode_0001.h5", tmp_path / name)
+    for left in ("._episode_9999.h5", ".DS_Store", "Thumbs.db", "desktop.ini"):
+        (tmp_path / left).write_bytes(b"\0\5\x16\7\0\2\0\0Mac OS X")
+    assert [file.name for file in episode_files(tmp_path)] == names
 
 
 def test_mcap_is_read_by_its_reader(episodes):
@@ -142,6 +196,19 @@ def test_mcap_is_read_by_its_reader(episodes):
     assert schema.encoding == "jsonschema" and channel.message_encoding == "json"
     assert message.log_time == 700_000_000
     assert json.loads(message.data)["Fy_N"] == episode.relative_wrench[700, 1]
+
+
+def test_mcap_has_where_the_hand_was_and_what_it_was_at(searched, tmp_path):
+    reader = pytest.importorskip("mcap.reader")
+    assert export_rows.write_mcap(tmp_path, searched, 10) == 1
+    episode = ferrule.Episode(searched / "episode_0001.h5")
+    with open(tmp_path / "episode_0001.mcap", "rb") as stream:
+        found = {"/height": [], "/phase": [], "/displacement": []}
+        for _, channel, message in reader.make_reader(stream).iter_messages(topics=list(found)):
+            found[channel.topic].append(json.loads(message.data))
+    assert [each["name"] for each in found["/phase"]] == episode.phase[::100].tolist()
+    assert [each["m"] for each in found["/height"]] == episode.height[::100].tolist()
+    assert [each["z_m"] for each in found["/displacement"]] == episode.displacement[::100, 2].tolist()
 
 
 def test_what_cannot_be_exported_is_said(episodes, tmp_path):

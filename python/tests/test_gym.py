@@ -1,9 +1,12 @@
 """The Gymnasium environments."""
 
+import copy
 import csv
 import http.client
+import importlib.metadata
 import itertools
 import os
+import pickle
 import sys
 import time
 import zlib
@@ -343,3 +346,194 @@ def test_a_policy_of_the_environment_is_a_program_for_evaluate(tmp_path):
     said = run("evaluate", "--scene", "bench", "--policy", f"{command} absolute", "--trials", 1,
                code=2)
     assert "relative = False" in said.stderr
+
+
+def many_of(count=3, **arguments):
+    return gymnasium.make_vec("ferrule/Insertion-v0", num_envs=count, scene="bench", **arguments)
+
+
+def test_gymnasium_has_no_complaint_of_many():
+    many = many_of(3)
+    observations, info = many.reset(seed=3, options={})
+    assert many.observation_space.contains(observations)
+    assert many.metadata["autoreset_mode"] == gymnasium.vector.AutoresetMode.NEXT_STEP
+    counted = gymnasium.wrappers.vector.RecordEpisodeStatistics(many)
+    counted.reset(seed=3)
+    counted.reset(options={"reset_mask": np.array([True, False, True])})
+    assert counted.episode_lengths.tolist() == [0, 0, 0]
+    each = gymnasium.wrappers.vector.DictInfoToList(many)
+    each.reset(seed=3)
+    ended = []
+    while not ended:
+        _, _, terminated, truncated, infos = each.step(np.tile(straight(), (3, 1)))
+        ended = [info for info in infos if "outcome" in info]
+        assert len(ended) == (terminated | truncated).sum()
+    assert all(set(info) >= {"tip", "seed", "trial", "is_success"} for info in ended)
+
+
+@pytest.mark.parametrize("kind", [int, np.int64, np.uint8, np.int32])
+def test_seeds_and_trials_are_whole_numbers_of_anybody(kind):
+    one, many = make(), many_of(2)
+    expected = one.reset(seed=3, options={"trial": 5})[0]
+    assert (one.reset(seed=kind(3), options={"trial": kind(5)})[0] == expected).all()
+    assert (many.reset(seed=kind(3), options={"trial": kind(5)})[0][0] == expected).all()
+    simulator = ferrule.Simulator("bench")
+    assert (simulator.reset(seed=kind(3), trial=kind(5)).values == one.simulator.observation.values).all()
+
+
+def test_each_of_many_has_its_own_seed():
+    many, one = many_of(3), make()
+    observations, info = many.reset(seed=[7, 3, np.int64(9)])
+    assert info["seed"].tolist() == [7, 3, 9] and info["trial"].tolist() == [0, 0, 0]
+    for i, seed in enumerate((7, 3, 9)):
+        assert (one.reset(seed=seed)[0] == observations[i]).all()
+    again, info = many.reset()  # each takes the next one of its own
+    assert info["trial"].tolist() == [1, 1, 1]
+    assert (one.reset()[0] == again[2]).all()
+    info = many.reset(seed=[None, 4, None])[1]
+    assert info["seed"].tolist() == [7, 4, 9] and info["trial"].tolist() == [2, 0, 2]
+    info = many.reset(seed=5)[1]
+    assert info["seed"].tolist() == [5, 5, 5] and info["trial"].tolist() == [0, 1, 2]
+    for wrong in ([1, 2], [1, 2, -3], [1, 2, 3.5], "abc", 1.5, -1):
+        with pytest.raises(ValueError, match="seed"):
+            many.reset(seed=wrong)
+    assert many_of(3).reset(seed=[1, None, 2])[1]["seed"].tolist()[::2] == [1, 2]
+
+
+def test_options_choose_trials_and_values_of_many():
+    many, one = many_of(3), make()
+    info = many.reset(seed=3, options={"trial": 10})[1]
+    assert info["trial"].tolist() == [10, 11, 12]
+    assert many.reset()[1]["trial"].tolist() == [13, 14, 15]
+    assert many.reset(options={"trial": [8, np.int64(2), 2**63]})[1]["trial"].tolist() == [8, 2, 2**63]
+    assert many.reset(seed=[1, 2, 3], options={"trial": 4})[1]["trial"].tolist() == [4, 4, 4]
+    options = {"trial": 6, "set": {"start.tilt_sd_mrad": {"uniform": [2, 3]}}}
+    observations, info = many.reset(seed=3, options=options)
+    for i in range(3):
+        expected, its = one.reset(seed=3, options={**options, "trial": 6 + i})
+        assert (observations[i] == expected).all() and (info["tip"][i] == its["tip"]).all()
+    tips = many.reset(seed=3, options={"trial": 6})[1]["tip"]
+    assert (tips != info["tip"]).any(axis=1).all()  # for that episode alone
+    with pytest.raises(ValueError, match="changes force_limit"):
+        many.reset(options={"set": {"limits.force_uN": 5}})
+
+
+def test_a_mask_resets_some_and_leaves_the_others_where_they_are():
+    many, other = many_of(4), many_of(4)
+    action = np.tile(straight(0.5), (4, 1))
+    for envs in (many, other):
+        envs.reset(seed=3)
+        for _ in range(5):
+            seen = envs.step(action)[0]
+    mask = np.array([False, True, False, True])
+    options = {"reset_mask": mask, "trial": 20}
+    observations, info = many.reset(seed=8, options=options)
+    assert set(options) == {"reset_mask", "trial"}
+    assert (observations[~mask] == seen[~mask]).all()
+    assert info["trial"].tolist() == [0, 21, 2, 23] and info["seed"].tolist() == [3, 8, 3, 8]
+    assert info["_trial"].tolist() == info["_tip"].tolist() == mask.tolist()
+    fresh = make()
+    assert (fresh.reset(seed=8, options={"trial": 23})[0] == observations[3]).all()
+    for _ in range(5):
+        ours, theirs = many.step(action)[0], other.step(action)[0]
+    assert (ours[~mask] == theirs[~mask]).all() and (ours[mask] != theirs[mask]).any()
+    for wrong in ([True], np.ones(4), np.zeros(4, dtype=bool), "all"):
+        with pytest.raises(ValueError, match="reset_mask"):
+            many.reset(options={"reset_mask": wrong})
+    with pytest.raises(ResetNeeded, match="reset_mask"):
+        many_of(4).reset(options={"reset_mask": mask})
+
+
+def test_a_mask_takes_the_place_of_the_next_step():
+    many = many_of(3, overrides={"limits.time_s": 0.1}, control_hz=50)
+    still = np.zeros((3, 5), dtype=np.float32)
+    many.reset(seed=3)
+    while not many.step(still)[3].all():
+        pass
+    info = many.reset(options={"reset_mask": np.array([True, False, False])})[1]
+    assert info["trial"].tolist() == [3, 1, 2] and "outcome" not in info
+    observations, rewards, _, truncated, info = many.step(still)
+    assert info["trial"].tolist() == [3, 4, 5]
+    assert observations[:, 6].tolist() == pytest.approx([0.02, 0, 0]) and not truncated.any()
+
+
+def test_unknown_options_are_refused():
+    for env in (make(), many_of(2)):
+        for options, says in (({"trail": 3}, "did you mean 'trial'"), ({"sets": {}}, "did you mean 'set'"),
+                              ({"seed": 3}, "unknown"), ([3], "dictionary"), ({"trial": -1}, "whole number"),
+                              ({"trial": 1.5}, "whole number"), ({"trial": 2**64}, "whole number")):
+            with pytest.raises(ValueError, match=says):
+                env.reset(seed=1, options=options)
+    with pytest.raises(ValueError, match="reset_mask.*unknown"):
+        make().reset(options={"reset_mask": np.array([True])})
+
+
+def test_threads_are_as_many_as_there_can_be():
+    for threads in (4096, 7):
+        many_of(8, threads=threads).reset(seed=1)
+        assert ferrule.evaluate("constant-velocity", "bench", 4, threads=threads).outcome
+    for threads in (2**31 - 1, 2**31, 2**70, -1, 1.5, None):
+        with pytest.raises(ValueError, match="threads"):
+            ferrule.evaluate("constant-velocity", "bench", 2, threads=threads)
+        with pytest.raises(ValueError, match="threads"):
+            many_of(2, threads=threads)
+    for count in (0, -1, 2**40):
+        with pytest.raises(ValueError, match="num_envs"):
+            many_of(count)
+
+
+AGAIN = [copy.deepcopy, lambda env: pickle.loads(pickle.dumps(env))]
+
+
+@pytest.mark.parametrize("again", AGAIN)
+def test_a_copy_goes_the_same_way_and_its_own(again):
+    generator = np.random.default_rng(4)
+    actions = generator.uniform(-1, 0.2, (40, 5)).astype(np.float32)
+    env = gymnasium.make("ferrule/Insertion-v0", scene="bench", motion=True, render_mode="rgb_array")
+    other = again(env)
+    env.reset(seed=3, options={"set": {"start.tilt_sd_mrad": 2}})
+    other.reset(seed=5)
+    for action in actions[:20]:
+        env.step(action)
+    other = again(env.unwrapped)
+    for action in actions[20:]:
+        expected, found = env.step(action), other.step(action)
+        assert (expected[0] == found[0]).all() and expected[1:4] == found[1:4]
+        assert (expected[4]["tip"] == found[4]["tip"]).all()
+    assert (env.render() == other.render()).all()
+    assert (env.reset()[0] == other.reset()[0]).all()
+    other.step(actions[0])
+    assert env.unwrapped.simulator.observation.time == 0  # each its own
+    assert other.action_space is not env.unwrapped.action_space
+
+
+@pytest.mark.parametrize("again", AGAIN)
+def test_a_copy_of_many_goes_the_same_way(again):
+    generator = np.random.default_rng(4)
+    many = many_of(3, control_hz=10, overrides={"limits.time_s": 2})
+    again(many).reset(seed=1)
+    many.reset(seed=[3, 4, 5])
+    for n in range(60):  # past ends
+        action = generator.uniform(-1, 0.2, (3, 5)).astype(np.float32)
+        if n == 30:
+            many.reset(seed=1, options={"reset_mask": np.array([False, True, False]),
+                                        "set": {"start.lateral_sd_um": 3}})
+        if n in (5, 21, 30, 40):
+            other = again(many)
+        expected = many.step(action)
+        if n < 5:
+            continue
+        found = other.step(action)
+        for a, b in zip(expected[:4], found[:4]):
+            assert (a == b).all()
+        assert expected[4].keys() == found[4].keys() and (expected[4]["tip"] == found[4]["tip"]).all()
+    many.close()
+    with pytest.raises(ClosedEnvironmentError):
+        again(many).reset()
+
+
+def test_gymnasium_before_1_0_finds_it_by_its_entry_point():
+    [found] = [e for e in importlib.metadata.entry_points(group="gymnasium.envs") if e.dist.name == "ferrule"]
+    gymnasium.registry.pop("ferrule/Insertion-v0")
+    found.load()()
+    assert "ferrule/Insertion-v0" in gymnasium.registry and make().reset(seed=1)

@@ -1,15 +1,18 @@
 """The package against the program: the same messages, trials, bits."""
 
+import copy
 import importlib.metadata
 import json
 import multiprocessing
 import os
 import pickle
 import resource
+import shutil
 import signal
 import subprocess
 import sys
 import threading
+import types
 
 import h5py
 import numpy as np
@@ -151,6 +154,133 @@ def test_a_scene_goes_to_other_processes():
     scene = ferrule.load_scene("bench", {"ferrule.bore_diameter_um": 125.8})
     again = pickle.loads(pickle.dumps(scene))
     assert again.json == scene.json and again.name == scene.name
+
+
+AGAIN = [copy.copy, copy.deepcopy, lambda of: pickle.loads(pickle.dumps(of))]
+
+
+@pytest.mark.parametrize("again", AGAIN)
+def test_a_simulator_goes_the_same_way_elsewhere(again):
+    assert again(ferrule.Simulator("bench", period=2e-3)).period == 2e-3
+    generator = np.random.default_rng(2)
+    simulator = ferrule.Simulator("tolerance")
+    simulator.reset(seed=3, trial=4, feasible=True)
+    for _ in range(300):
+        simulator.step(generator.uniform([-4e-3, -1e-3, -1e-3, 0, 0], [0, 1e-3, 1e-3, 0, 0]), 3)
+    other = again(simulator)
+    assert other.trial == simulator.trial and other.summary == simulator.summary
+    for s in (simulator, other):
+        s.step([-2e-3, 0, 0, 0, 0])
+    assert (other.state == simulator.state).all()
+    assert (other.observation.values == simulator.observation.values).all()
+    simulator.step([np.nan] * 5)
+    assert again(simulator).ended == "invalid_output" and other.ended is None
+    seen = again(simulator.observation)
+    assert (seen.displacement == simulator.observation.displacement).all()
+    assert seen.height == simulator.observation.height
+    assert (ferrule.load("constant-velocity")(seen) == ferrule.load("constant-velocity")(simulator.observation)).all()
+
+
+@pytest.mark.parametrize("again", AGAIN)
+def test_episodes_and_controllers_go_to_other_processes(again, episodes, law, monkeypatch):
+    file = sorted(episodes.glob("*.h5"))[0]
+    monkeypatch.chdir(episodes)
+    episode = ferrule.Episode(file.name)
+    monkeypatch.chdir("/")
+    other = again(episode)
+    assert (other.wrench == episode.wrench).all() and other.seed == episode.seed
+    simulator = ferrule.Simulator("bench")
+    for name in (law, "search", "tuned_by_hand", "spiral", ferrule.fit(episodes)):
+        controller = ferrule.load(name) if isinstance(name, str) else name
+        controller.other_scaling = True
+        other = again(controller)
+        assert other.gains == controller.gains and other.scene_json == controller.scene_json
+        assert other.other_scaling and other.report == controller.report
+        assert other.residual == controller.residual or np.isnan(controller.residual)
+        for c in (controller, other):
+            seen = simulator.reset(seed=7, trial=0)
+            for _ in range(500):
+                seen = simulator.step(c(seen))
+            if c is controller:
+                state = simulator.state
+        assert (simulator.state == state).all()
+
+
+@pytest.mark.parametrize("name", ["constant-velocity", "spiral", "searching-operator", "search"])
+def test_controllers_without_a_file_are_those_of_the_program(name):
+    found = json.loads(run("evaluate", name, "--scene", "bench", "--trials", 3, "--json").stdout)
+    statistics = ferrule.evaluate(name, "bench", trials=3).statistics
+    assert statistics["outcomes"] == found["outcomes"]
+    controller, simulator = ferrule.load(name), ferrule.Simulator("bench")
+    results = ferrule.evaluate(controller, "bench", trials=3)
+    assert results.statistics == statistics
+    for trial in range(3):
+        controller.reset()
+        seen = simulator.reset(seed=7, trial=trial)
+        while not simulator.ended:
+            seen = simulator.step(controller(seen))
+        assert simulator.ended == results.outcome[trial]
+        assert simulator.summary["peak_force_N"] == results.peak_force_N[trial]
+    if name != "search":
+        assert controller.gains == {} and controller.scene_json is None and np.isnan(controller.residual)
+        with pytest.raises(ferrule.BadInput, match="no file"):
+            controller.save("nowhere.json")
+        with pytest.raises(ferrule.BadInput, match="Simulator"):
+            ferrule.load(name)(ferrule.Observation([0] * 5, 0, 0))
+
+
+def test_a_controller_that_is_not_there_is_named():
+    with pytest.raises(ferrule.FileTrouble, match="did you mean constant-velocity"):
+        ferrule.load("constant_velocity")
+    with pytest.raises(ferrule.BadInput, match="TorchScript"):
+        ferrule.load("policy.pt")
+
+
+@pytest.mark.parametrize("kind", [np.float32, np.float64, np.float16, np.int64, np.uint16, int])
+def test_numbers_of_numpy_are_numbers(kind):
+    wide = kind(127)
+    expected = ferrule.load_scene("bench", {"ferrule.bore_diameter_um": 127})
+    assert ferrule.load_scene("bench", {"ferrule.bore_diameter_um": wide}).bore_radius == expected.bore_radius
+    drawn = {"fibre.diameter_um": {"uniform": np.array([124, 125], dtype=kind)}}
+    ferrule.load_scene("bench", drawn)
+    document = json.loads(expected.json)
+    document["ferrule"]["bore_diameter_um"] = wide
+    assert ferrule.load_scene(types.MappingProxyType(document)).bore_radius == expected.bore_radius
+    simulator = ferrule.Simulator("bench", period=kind(1))
+    for velocity in (np.zeros(5, dtype=kind), [kind(0)] * 5, np.zeros(10, dtype=kind)[::2]):
+        simulator.reset()
+        simulator.step(velocity)
+    assert ferrule.forces("bench", gap_nm=kind(10), tilt_mrad=kind(0), speed_um_s=kind(5))["gravity"].shape == ()
+    if not issubclass(kind, np.floating):
+        simulator.step(velocity, periods=kind(2))
+        assert len(ferrule.evaluate("search", "bench", trials=kind(2), seed=kind(3), threads=kind(1)).outcome) == 2
+
+
+def test_whole_numbers_are_expected_where_they_are():
+    for wrong in (1.5, "3", None, -1, 2**64, np.float64(2)):
+        with pytest.raises(ferrule.BadInput, match="trials.*whole number"):
+            ferrule.evaluate("search", "bench", trials=wrong)
+        with pytest.raises(ferrule.BadInput, match="seed.*whole number"):
+            ferrule.Simulator("bench").reset(seed=wrong)
+        with pytest.raises(ferrule.BadInput, match="episodes.*whole number"):
+            ferrule.record("bench", "nowhere", episodes=wrong)
+    with pytest.raises(ferrule.BadInput, match="JSON"):
+        ferrule.load_scene("bench", {"ferrule.bore_diameter_um": object()})
+
+
+def test_names_that_are_no_utf_8_are_names(tmp_path, episodes, law):
+    odd = os.fsdecode(os.fsencode(tmp_path) + b"/of M\xfcller")
+    shutil.copytree(episodes, odd)
+    file = os.path.join(odd, "episode_0001.h5")
+    assert len(ferrule.Episode(file)) and pickle.loads(pickle.dumps(ferrule.Episode(file))).seed == 1
+    shutil.copy(law, os.path.join(odd, "law.json"))
+    assert ferrule.evaluate(os.path.join(odd, "law.json"), trials=1).outcome
+    assert ferrule.fit(odd).gains
+    with open(os.path.join(odd, "scene.json"), "w") as scene:
+        scene.write(ferrule.load_scene("bench").json)
+    assert ferrule.load_scene(os.path.join(odd, "scene.json")).name == "bench"
+    with pytest.raises(ferrule.FileTrouble, match="M.ller/none.h5"):
+        ferrule.Episode(os.path.join(odd, "none.h5"))
 
 
 def test_a_file_of_bytes_is_refused_in_words(tmp_path):
