@@ -42,7 +42,7 @@ std::vector<Climber> climbers(const CompareArguments& a, const std::vector<Candi
 std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
                              const DemonstrationSet& set, const std::vector<Climber>& others) {
   std::vector<Climber> all;
-  for (const Candidate& c : baselines(rung, set, a.skill, a.seed)) all.push_back({c});
+  for (const Candidate& c : without_learning(a, rung, set)) all.push_back({c});
   all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung, a.seed)}});
   all.insert(all.end(), others.begin(), others.end());
   const std::vector<DrawnQuantity> drawn =

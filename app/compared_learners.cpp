@@ -52,6 +52,14 @@ std::vector<ChosenLearner> chosen_learners(const CompareArguments& a) {
 
 }  // namespace
 
+std::vector<Candidate> without_learning(const CompareArguments& a, const Scene& scene,
+                                        const DemonstrationSet& set) {
+  std::vector<Candidate> all = baselines(scene, set, a.skill, a.seed);
+  for (const std::string& name : a.controllers)
+    if (is_baseline(name)) all.push_back({.name = name, .make = baseline(name, scene, a.seed)});
+  return all;
+}
+
 std::vector<std::string> learner_keys() {
   std::vector<std::string> keys;
   for (const ChosenLearner& c : chosen_learners({})) keys.push_back(c.variant.key);

@@ -11,6 +11,9 @@ struct ChosenLearner {
   Learner::Variant variant;
 };
 
+// The baselines in trials of `scene`, and those that were given by their names.
+std::vector<Candidate> without_learning(const CompareArguments& a, const Scene& scene,
+                                        const DemonstrationSet& set);
 // What --learners may name.
 std::vector<std::string> learner_keys();
 

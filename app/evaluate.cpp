@@ -133,7 +133,10 @@ Json to_json(const EvaluateArguments& a, const Scene& scene,
 std::vector<Tried> to_try(const EvaluateArguments& a, const std::optional<GivenController>& given,
                           const Scene& scene) {
   std::vector<Tried> all;
-  if (given) all.push_back({printable(given->name), given->file ? given->name : "", given->make});
+  if (given) {
+    const bool shown = a.policy.command.empty() && given->periods == 1;
+    all.push_back({printable(given->name), shown ? given->name : "", given->in(scene)});
+  }
   if (!a.baseline.empty())
     all.push_back({a.baseline, "--against " + a.baseline, baseline(a.baseline, scene, a.seed)});
   return all;
@@ -178,12 +181,12 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
 std::optional<GivenController> given(const EvaluateArguments& a) {
   if (a.controller.empty() && a.baseline.empty() && a.policy.command.empty())
     throw BadInput(
-        "evaluate: give a controller file, --policy, or --baseline constant-velocity, spiral or "
-        "searching-operator; or one of the first two and the last");
+        "evaluate: give a controller, as a file or by its name, --policy, or --baseline; or one of "
+        "the first two and the last");
   if (!a.controller.empty() && !a.policy.command.empty())
-    throw BadInput("evaluate: give a controller file or --policy, not both");
+    throw BadInput("evaluate: give a controller or --policy, not both");
   a.policy.periods();
-  if (!a.controller.empty()) return given_file(a.controller, a.policy, a.seed);
+  if (!a.controller.empty()) return given_controller(a.controller, a.policy, a.seed);
   if (!a.policy.command.empty()) return given_program(a.policy, a.seed);
   return std::nullopt;
 }
@@ -206,8 +209,8 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (trained)
     refuse_other_scaling(trained_on(*controller->file).scaling, a.controller, scene,
                          a.other_scaling);
-  if (!a.controller.empty())
-    provenance.read(controller_file(a.controller));  // it names its weights by their hash
+  if (controller && !controller->read.empty())
+    provenance.read(controller->read);  // it names its weights by their hash
   const std::string notes =
       trained_starts_note(trained.value_or(0), a.trials) + damage_note(scene) +
       (a.supervise ? supervisor_note(supervisor_limits(scene)) : "") + kept_note(a.trials);
@@ -239,7 +242,7 @@ int evaluate_verb(const EvaluateArguments& a) {
   if (!a.trials_out.empty()) {
     Json rows = Json::array();
     for (const Tried& tried : all) add_trials(tried.name, tried.results, drawn, rows);
-    write_text(a.trials_out, csv_text(rows, provenance));
+    write_text(a.trials_out, csv_file(rows, provenance));
   }
   if (!a.report.empty() && !interrupted()) write_report(a, scene, all, provenance);
   if (interrupted()) return kInterrupted;
@@ -252,8 +255,7 @@ int evaluate_verb(const EvaluateArguments& a) {
 void add_evaluate(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("evaluate", "Success rate of a controller over many trials");
   auto a = std::make_shared<EvaluateArguments>();
-  verb->add_option("controller", a->controller, "Controller file or shipped one, or TorchScript")
-      ->type_name("FILE.json|FILE.pt");
+  verb->add_option("controller", a->controller, kControllers)->type_name(kControllerType);
   a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
   add_other_scaling(*verb, a->other_scaling);
   verb->add_option("--trials", a->trials, "How many")
@@ -265,7 +267,7 @@ void add_evaluate(CLI::App& app, Run& run) {
   add_shard(*verb);
   verb->add_option("--baseline", a->baseline,
                    "A naive controller, or an operator who searches: alone, or on the same trials")
-      ->check(one_of({kStraight, kSpiral, kSearching}));
+      ->check(one_of(baseline_names()));
   a->policy.add_to(*verb);
   verb->add_flag("--supervise", a->supervise,
                  "Put a supervisor around every controller: limits, retreat and retry");

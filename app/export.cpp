@@ -1,6 +1,7 @@
 // ferrule export: a controller in a form that others run.
 #include <fmt/format.h>
 
+#include "app/given_controller.hpp"
 #include "app/verb.hpp"
 #include "controller/c_header.hpp"
 #include "learn/torch_policy.hpp"
@@ -17,7 +18,8 @@ struct ExportArguments {
 int export_verb(const ExportArguments& a) {
   if (a.torchscript.empty() && a.header.empty())
     throw BadInput("export: give --torchscript FILE.pt, or --header FILE.h, or both");
-  const ControllerFile controller = read_controller(a.controller);
+  const ControllerFile controller = own_controller(
+      a.controller, "is not learned here; what is exported is a law, a search or a network");
   std::string script;
   if (!a.torchscript.empty()) {
     const auto* policy = std::get_if<PolicyFile>(&controller);
@@ -52,7 +54,7 @@ int export_verb(const ExportArguments& a) {
 void add_export(CLI::App& app, Run& run) {
   auto* verb = app.add_subcommand("export", "A controller as TorchScript or as a C header");
   auto a = std::make_shared<ExportArguments>();
-  verb->add_option("controller", a->controller, "Controller file")
+  verb->add_option("controller", a->controller, "Controller: a file, or a shipped one")
       ->required()
       ->type_name("FILE.json");
   verb->add_option("--torchscript", a->torchscript, "For torch.jit.load; networks only")

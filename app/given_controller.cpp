@@ -4,13 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
-#include "controller/blind_spiral.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
-#include "controller/searching_operator.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "learn/torch_policy.hpp"
 #include "sim/base/error.hpp"
 
@@ -50,33 +46,32 @@ ProgramSettings settings(const PolicyArguments& how, std::uint64_t seed) {
 
 }  // namespace
 
-GivenController given_file(const std::string& file, const PolicyArguments& how,
-                           std::uint64_t seed) {
-  if (file.ends_with(".pt"))
-    return {
-        file, held(load_torchscript(file, settings(how, seed)), how.periods()), {}, how.periods()};
-  ControllerFile read = read_controller(file);
-  MakeController make = maker(read);
-  return {file, std::move(make), std::move(read)};
+GivenController given_controller(const std::string& name, const PolicyArguments& how,
+                                 std::uint64_t seed) {
+  if (is_baseline(name))
+    return {name, [name, seed](const Scene& scene) { return baseline(name, scene, seed); }, {}};
+  const auto anywhere = [](MakeController make) {
+    return [make = std::move(make)](const Scene&) { return make; };
+  };
+  if (name.ends_with(".pt"))
+    return {name,
+            anywhere(held(load_torchscript(name, settings(how, seed)), how.periods())),
+            {},
+            how.periods(),
+            name};
+  ControllerFile file = read_controller(name);
+  MakeController make = maker(file);
+  return {name, anywhere(std::move(make)), std::move(file), 1, controller_file(name)};
 }
 
-bool is_baseline(const std::string& name) {
-  return name == kStraight || name == kSpiral || name == kSearching;
-}
-
-MakeController baseline(const std::string& name, const Scene& scene, std::uint64_t seed) {
-  if (name == kSearching) return searching_operator(scene, 0.8, seed);
-  const Scaling scaling = scene_scaling(scene);
-  const double speed = scaling.motion * scene.limits.speed;
-  if (name == kStraight) return controller_maker(ConstantVelocity(speed));
-  return controller_maker(
-      BlindSpiral(speed, scaling.force * scene.limits.force / 12,
-                  std::numbers::sqrt2 * scaling.motion * scene.world.annulus.clearance()));
+ControllerFile own_controller(const std::string& name, const std::string& why) {
+  if (is_baseline(name) || name.ends_with(".pt")) throw BadInput(name + ": " + why);
+  return read_controller(name);
 }
 
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {
-  const MakeController make = program_policy(how.command, settings(how, seed));
-  return {how.command, held(make, how.periods()), {}, how.periods()};
+  const MakeController make = held(program_policy(how.command, settings(how, seed)), how.periods());
+  return {how.command, [make](const Scene&) { return make; }, {}, how.periods()};
 }
 
 std::map<std::string, std::size_t> failures(const std::vector<TrialResult>& results) {

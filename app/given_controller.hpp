@@ -2,12 +2,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <functional>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "app/verb.hpp"
+#include "controller/baseline.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/trial.hpp"
 
@@ -24,22 +26,25 @@ struct PolicyArguments {
 };
 
 struct GivenController {
-  std::string name;                    // the file or the command
-  MakeController make;                 // asked in every period
-  std::optional<ControllerFile> file;  // empty: somebody else's
-  std::uint64_t periods = 1;           // from one answer of its own to the next
+  std::string name;                                // the name, the file or the command
+  std::function<MakeController(const Scene&)> in;  // in trials of a scene; asked in every period
+  std::optional<ControllerFile> file;              // empty: it is not one of ours
+  std::uint64_t periods = 1;                       // from one answer of its own to the next
+  std::string read{};                              // the file that it is in; empty: none
 };
 
-// What fit wrote, or TorchScript (*.pt), for trials under `seed`. Throws FileTrouble, BadInput.
-GivenController given_file(const std::string& file, const PolicyArguments& how, std::uint64_t seed);
-// Without demonstrations: straight in at constant velocity, as fast as the scene lets it, a blind
-// spiral (controller/blind_spiral.hpp), or an operator of skill 0.8 who finds the bore by touch
-// (controller/searching_operator.hpp).
-inline constexpr const char *kStraight = "constant-velocity", *kSpiral = "spiral",
-                            *kSearching = "searching-operator";
-bool is_baseline(const std::string& name);
-// In trials under `seed`.
-MakeController baseline(const std::string& name, const Scene& scene, std::uint64_t seed);
+// What every verb takes as a controller.
+inline constexpr const char* kControllers =
+    "Controller: a file, a shipped one (search, tuned_by_hand), TorchScript, constant-velocity, "
+    "spiral, or searching-operator";
+inline constexpr const char* kControllerType = "NAME|FILE.json|FILE.pt";
+
+// Of any of these, for trials under `seed`. Throws FileTrouble, BadInput.
+GivenController given_controller(const std::string& name, const PolicyArguments& how,
+                                 std::uint64_t seed);
+// Of a file that fit wrote, or of a shipped one; of others throws BadInput with `why` they will not
+// do.
+ControllerFile own_controller(const std::string& name, const std::string& why);
 // The program of --policy, for trials under `seed`.
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed);
 

@@ -158,7 +158,8 @@ void refuse_too_few(const ImproveSettings& settings, std::size_t least) {
 int improve_verb(ImproveArguments a) {
   a.settings.shared = shared_trials();
   if (!runs_a_shard()) expect_place_for(a.out);
-  const ControllerFile before = read_controller(a.controller);
+  const ControllerFile before =
+      own_controller(a.controller, "has no gains to improve; give a law or a search");
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
   const ChosenScene chosen = a.scene.choose(brought);
   std::vector<SceneTried> tried = all_scenes(a, chosen.scene);

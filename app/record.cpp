@@ -10,12 +10,12 @@
 
 #include "app/damage.hpp"
 #include "app/device_arguments.hpp"
+#include "app/given_controller.hpp"
 #include "app/recording.hpp"
 #include "app/shards.hpp"
 #include "app/trained.hpp"
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
-#include "controller/controller_file.hpp"
 #include "controller/searching_operator.hpp"
 #include "controller/supervisor.hpp"
 #include "controller/trial.hpp"
@@ -104,7 +104,7 @@ struct Holding {
 };
 
 Holding holding(const RecordArguments& a, const Scene& scene,
-                const std::optional<ControllerFile>& controller) {
+                const std::optional<GivenController>& controller) {
   Holding h;
   const bool simulated = !a.with_device && a.operator_ == "simulated";
   if (a.with_device) {
@@ -116,8 +116,10 @@ Holding holding(const RecordArguments& a, const Scene& scene,
   if (simulated) h.name = simulated_operator_name(a.skill);
   if (h.device || simulated) return h;
   if (controller) {
-    refuse_other_scaling(trained_on(*controller).scaling, a.operator_, scene, a.other_scaling);
-    h.make = maker(*controller);
+    if (controller->file)
+      refuse_other_scaling(trained_on(*controller->file).scaling, a.operator_, scene,
+                           a.other_scaling);
+    h.make = controller->in(scene);
     h.name = "controller " + a.operator_;
     if (a.supervise) h.make = supervised(h.make, supervisor_limits(scene));
     if (a.supervise) h.name += ", supervised";
@@ -335,16 +337,17 @@ int record_verb(const RecordArguments& a) {
   SharedTrials* const shared = shared_trials();
   if (shared && (a.with_device || a.append))
     throw BadInput("--shard: does not go with --device or --append");
-  const bool by_controller =
-      !a.with_device && a.operator_ != "simulated" && a.operator_ != "searching";
-  std::optional<ControllerFile> controller;
+  const bool person = a.operator_ == "simulated" || a.operator_ == "searching" ||
+                      (a.operator_ == kSearching && is_baseline(kSearching));
+  std::optional<GivenController> controller;
   Provenance provenance;
-  if (by_controller) {
-    controller = read_controller(a.operator_);
-    provenance.read(controller_file(a.operator_));
+  BroughtScene brought;
+  if (!a.with_device && !person) {
+    controller = given_controller(a.operator_, {}, a.seed);
+    if (!controller->read.empty()) provenance.read(controller->read);
+    if (controller->file) brought = brought_by(trained_on(*controller->file), a.operator_);
   }
-  const ChosenScene chosen = a.scene.choose(
-      controller ? brought_by(trained_on(*controller), a.operator_) : BroughtScene());
+  const ChosenScene chosen = a.scene.choose(brought);
   const Scene& toleranced = chosen.scene;
   provenance.in(chosen).seed("starts and operator", a.seed);
   const Holding who = holding(a, toleranced, controller);
@@ -397,9 +400,10 @@ void add_record(CLI::App& app, Run& run) {
   auto* person =
       verb->add_option("--operator", a->operator_,
                        "Who holds the fibre: \"simulated\", \"searching\" for one who finds "
-                       "the bore by touch, or a controller")
+                       "the bore by touch, or a controller. " +
+                           std::string(kControllers))
           ->capture_default_str()
-          ->type_name("simulated|searching|FILE");
+          ->type_name("simulated|searching|" + std::string(kControllerType));
   auto* device = add_device(*verb, a->device,
                             "Hold the fibre with a device: the first usable one, one by its path, "
                             "or a fake one that a simulated hand moves");

@@ -24,15 +24,20 @@ ReplayRun run_of(const std::string& file) {
   return replay_of(episode, recorded_scene(episode.info, file), file_name(file));
 }
 
-MakeController against(const std::string& which, const Scene& scene, std::uint64_t seed,
-                       const OperatorSkill& skill) {
-  if (which == kSearching) return searching_operator(scene, skill, seed);
-  if (is_baseline(which)) return baseline(which, scene, seed);
+MakeController simulated(const Scene& scene, std::uint64_t seed, const OperatorSkill& skill) {
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
     constexpr double kPeriod = 1e-3;
     return std::make_unique<DeviceController>(operator_of_trial(scene, skill, kPeriod, seed, trial),
                                               kPeriod);
   };
+}
+
+// As the page calls it.
+std::string shown_name(const std::string& name) {
+  if (!is_baseline(name)) return controller_file(name);
+  return name == kStraight ? "constant velocity"
+         : name == kSpiral ? "blind spiral"
+                           : "operator who searches";
 }
 
 }  // namespace
@@ -59,19 +64,20 @@ void RecordedView::find_episodes(const RecordedViewArguments& a) {
 
 void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArguments& arguments) {
   if (a.path.empty() && a.against.empty())
-    throw BadInput("view --trial: give a controller file, or --against, or both");
+    throw BadInput("view --trial: give a controller, or --against, or both");
+  const bool by_person = a.against == "operator";
+  std::vector<GivenController> given;
+  for (const std::string& name : {a.path, by_person ? "" : a.against})
+    if (!name.empty()) given.push_back(given_controller(name, {}, a.seed));
   BroughtScene brought;
-  std::optional<ControllerFile> file;
-  const std::string path = a.path.empty() ? "" : controller_file(a.path);
-  if (!path.empty()) {
-    file = read_controller(path);
-    brought = brought_by(trained_on(*file), path);
-  }
+  if (!a.path.empty() && given[0].file)
+    brought = brought_by(trained_on(*given[0].file), given[0].read);
   const ChosenScene chosen = arguments.choose(brought);
   const Scene& scene = chosen.scene;
-  if (file) {
-    refuse_other_scaling(trained_on(*file).scaling, path, scene, a.other_scaling);
-    provenance_.read(path);
+  for (const GivenController& each : given) {
+    if (each.file)
+      refuse_other_scaling(trained_on(*each.file).scaling, each.read, scene, a.other_scaling);
+    if (!each.read.empty()) provenance_.read(each.read);
   }
   provenance_.in(chosen).seed("trials", a.seed);
   const auto add = [&](const std::string& who, MakeController make) {
@@ -84,13 +90,11 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
                       *a.trial, a.seed));
   };
   title_ = fmt::format("trial {} under seed {}", *a.trial, a.seed);
-  if (file) add(path, maker(*file));
-  if (!a.against.empty())
-    add(a.against == kStraight    ? "constant velocity"
-        : a.against == kSpiral    ? "blind spiral"
-        : a.against == kSearching ? "operator who searches"
-                                  : "simulated operator",
-        against(a.against, scene, a.seed, a.skill));
+  for (const GivenController& each : given)
+    add(shown_name(each.name), each.name == kSearching && is_baseline(kSearching)
+                                   ? searching_operator(scene, a.skill, a.seed)
+                                   : each.in(scene));
+  if (by_person) add("simulated operator", simulated(scene, a.seed, a.skill));
 }
 
 std::optional<std::string> RecordedView::json(const std::string& file) const {

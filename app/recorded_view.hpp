@@ -10,7 +10,7 @@ struct RecordedViewArguments {
   std::string path;  // episode, folder, or with `trial` a controller; may be empty there
   std::optional<std::uint64_t> trial;
   std::uint64_t seed = 7;
-  std::string against;  // a baseline, "operator", or none
+  std::string against;  // a controller, "operator", or none
   bool supervise = false, other_scaling = false;
   OperatorSkill skill = 0.8;  // of the operator
 };

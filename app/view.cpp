@@ -191,14 +191,17 @@ int view_verb(ViewArguments a) {
 void add_recorded(CLI::App& verb, ViewArguments& a) {
   RecordedViewArguments& r = a.recorded;
   verb.add_option("recorded", r.path,
-                  "Replay this: an episode or a folder of them; with --trial a controller")
-      ->type_name("FILE.h5|DIR|FILE.json");
+                  "Replay this: an episode or a folder of them; with --trial a controller. " +
+                      std::string(kControllers))
+      ->type_name("FILE.h5|DIR|" + std::string(kControllerType));
   auto* trial = verb.add_option("--trial", r.trial,
                                 "Run this trial of a campaign with --seed again, and replay it")
                     ->check(whole_number(0, std::uint64_t{1} << 53));
-  verb.add_option("--against", r.against,
-                  "A second controller in the same trial, drawn over the first")
-      ->check(one_of({kStraight, kSpiral, "operator", kSearching}))
+  verb.add_option(
+          "--against", r.against,
+          "A second controller in the same trial, or the simulated \"operator\", drawn over "
+          "the first")
+      ->type_name("operator|" + std::string(kControllerType))
       ->needs(trial);
   add_skill(verb, r.skill, "Skill of the operator of --against");
   verb.add_flag("--supervise", r.supervise, "Under the supervisor, as in evaluate")->needs(trial);

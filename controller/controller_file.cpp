@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include "controller/baseline.hpp"
 #include "sim/base/json_file.hpp"
 #include "sim/base/shipped_files.hpp"
 
@@ -37,7 +38,7 @@ void write_controller(const std::string& file, const ControllerFile& controller)
 }
 
 ControllerFile read_controller(const std::string& name_or_file) {
-  const std::string file = kControllers.find(name_or_file);
+  const std::string file = kControllers.find(name_or_file, baseline_names());
   std::vector<std::string> methods;
   for (const Kind& kind : kKinds) methods.push_back(kind.method);
   return read_json(file, [&](const Json& json) {
