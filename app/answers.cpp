@@ -48,7 +48,7 @@ std::string grade_in_words(const Json& grade) {
 
 // "grade C of IEC 61755-1, though the trials allow anything from grade C to grade D".
 std::string grades_in_words(const Json& mated) {
-  const std::string text = grade_in_words(mated.at("grade")) + " of IEC 61755-1";
+  std::string text = grade_in_words(mated.at("grade")) + " of IEC 61755-1";
   const Json best = mated.value("grade_best", Json()), worst = mated.value("grade_worst", Json());
   if (best == worst) return text;
   return text + ", though the trials allow anything from " + grade_in_words(best) + " to " +

@@ -272,6 +272,17 @@ void follow_up(const CompareArguments& a, const Scene& scene, const Demonstratio
   }
 }
 
+// What was found in the scene of the demonstrations.
+void print_here(const CompareArguments& a, const DemonstrationSet& set,
+                const std::vector<Entry>& entries) {
+  fmt::print("{} demonstrations, {}{} trials each, the same for all\n\n", set.demonstrations.size(),
+             when(a.stopping.enough) ? "at most " : "", a.trials);
+  print_alone(entries);
+  print_supervised(entries);
+  print_targets(entries);
+  print_against_teacher(entries);
+}
+
 int compare_verb(const CompareArguments& a) {
   expect_place_for(a.trials_out);
   const DemonstrationSet set = load_demonstrations(a.folder, Loading());
@@ -309,14 +320,7 @@ int compare_verb(const CompareArguments& a) {
   found.entries = tried_here(a, scene, candidates, set.demonstrations.front());
   const std::vector<Vector2d> starts = starts_of(scene, a.seed, found.entries);
   for (Entry& e : found.entries) e.rings = by_misalignment(e.results, starts);
-  if (a.output.text()) {
-    fmt::print("{} demonstrations, {}{} trials each, the same for all\n\n",
-               set.demonstrations.size(), when(a.stopping.enough) ? "at most " : "", a.trials);
-    print_alone(found.entries);
-    print_supervised(found.entries);
-    print_targets(found.entries);
-    print_against_teacher(found.entries);
-  }
+  if (a.output.text()) print_here(a, set, found.entries);
   try {
     follow_up(a, scene, set, learned_by, others, ladder, candidates, first, found);
   } catch (const Stopped&) {  // what is found so far is told

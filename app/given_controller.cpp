@@ -70,7 +70,7 @@ ControllerFile own_controller(const std::string& name, const std::string& why) {
 }
 
 GivenController given_program(const PolicyArguments& how, std::uint64_t seed) {
-  const MakeController make = held(program_policy(how.command, settings(how, seed)), how.periods());
+  MakeController make = held(program_policy(how.command, settings(how, seed)), how.periods());
   return {how.command, [make](const Scene&) { return make; }, {}, how.periods()};
 }
 

@@ -124,7 +124,7 @@ std::string grades(const Json& mated) {
 // "0.18 (0.17 to 0.19)".
 std::string with_interval(const Json& of, const char* value, const char* low, const char* high) {
   if (!of.is_object()) return "&ndash;";
-  const std::string text = shown("{:.3g}", of.value(value, Json()));
+  std::string text = shown("{:.3g}", of.value(value, Json()));
   if (!of.value(low, Json()).is_number()) return text;
   return text + " (" + shown("{:.3g}", of[low]) + " to " + shown("{:.3g}", of.value(high, Json())) +
          ")";
@@ -201,7 +201,7 @@ std::string joint_section(const std::vector<Result>& results) {
       if (!joint.is_object() || row.at("mated").at("pairs") == 0) continue;
       if (std::find(told.begin(), told.end(), joint.dump()) != told.end()) continue;
       told.push_back(joint.dump());
-      const Json assumed = joint.at("assumed");
+      const Json& assumed = joint.at("assumed");
       for (const auto& [key, value] : joint.items()) {
         if (key == "assumed" || key == "text" || value.is_null()) continue;
         const bool is_assumed =
