@@ -135,7 +135,7 @@ def test_csv_holds_every_bit(episodes):
         assert (table["displacement_tilt_z_rad"].to_numpy() == episode.displacement[:, 4]).all()
         assert (table["height_m"].to_numpy() == episode.height).all()
         assert (table["depth_m"].to_numpy() == episode.depth).all()
-        assert set(table["phase"].to_pylist()) == {""}
+        assert not any(table["phase"].to_pylist())
 
 
 @pytest.fixture(scope="module")
