@@ -107,13 +107,17 @@ for line in sys.stdin:
             ("import time; time.sleep(30)", "did not answer within"),
             ("sys.stdout.close(); os.close(1); import time; time.sleep(30)", "did not answer"),
             ("print(json.dumps({'velocity': [float('nan')] * 5}), flush=True)", "no JSON"),
-            ("os.kill(os.getpid(), 9)", "the policy ended ("),
+            ("os.kill(os.getpid(), 11)", "the policy ended ("),
         ]:
             program = "import json, os, sys\nsys.stdin.readline()\nprint('{}', flush=True)\n" + \
                       "for line in sys.stdin:\n    " + answer + "\n"
             self.fails(reason, program, "--policy-timeout", "2")
         slow = LOOP.replace("for line", "import time\nfor line").replace("print(", "time.sleep(0.2 * ('wrench' in q)); print(")
         self.fails("did not answer within 0.1 s", STEP + slow, "--policy-timeout", "0.1")
+        # As the system does where memory is short: no trial has failed by that.
+        run = ferrule(*self.arguments("import os\nos.kill(os.getpid(), 9)\n", "--trials", "2"))
+        self.assertEqual((run.returncode, run.stdout), (2, ""))
+        self.assertIn("the system ended the policy: signal 9, each of 3 times", run.stderr)
         self.fails("the policy ended", "", "--supervise")
         self.refused(2, "evaluate", "--policy", "exec /no/such/program 2> /dev/null", "--json",
                      "--trials", 2, says=["failed in each of 2 trials: the policy ended (exit code"])
