@@ -1,5 +1,7 @@
 #include "capture/episode_copies.hpp"
 
+#include <gtest/gtest.h>
+
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
 #include "tests/temporary_folder.hpp"
