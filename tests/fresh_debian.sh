@@ -1,12 +1,9 @@
 # Sourced: fresh_debian SUITE [PACKAGE ...] makes a Debian by debootstrap in $fresh, and removes it when the shell
-# ends; inside COMMAND ... runs a command in it, as root and with nothing of this machine's environment but what
-# `variables` adds (NAME=VALUE ...); mounted FOLDER PLACE shows it a folder of this machine.
+# ends; inside COMMAND ... runs a command in it, as root and with nothing of this machine's environment.
 #
 # From this machine come only its certificate authorities and its settings of a proxy.
 as_root=()
 if [[ $EUID -ne 0 ]]; then as_root=(sudo); fi
-mounts=(/proc)
-variables=()
 
 fresh_debian() {
   local suite=$1 packages=ca-certificates package authorities
@@ -19,7 +16,7 @@ fresh_debian() {
   "${as_root[@]}" debootstrap --variant=minbase "--include=$packages" "$suite" "$fresh" >"$fresh.log" 2>&1 ||
     { tail -n 20 "$fresh.log" >&2; exit 1; }
   "${as_root[@]}" mount -t proc proc "$fresh/proc"
-  mounted /dev /dev
+  "${as_root[@]}" mount --bind /dev "$fresh/dev"
   "${as_root[@]}" cp -L /etc/resolv.conf "$fresh/etc/resolv.conf"
   grep -lsi proxy /etc/apt/apt.conf.d/* | xargs -r "${as_root[@]}" cp -t "$fresh/etc/apt/apt.conf.d" || true
   for authorities in /etc/ssl/certs /usr/local/share/ca-certificates; do
@@ -29,20 +26,14 @@ fresh_debian() {
   done
 }
 
-mounted() {
-  "${as_root[@]}" mkdir -p "$fresh$2"
-  "${as_root[@]}" mount --bind "$1" "$fresh$2"
-  mounts+=("$2")
-}
-
 remove_fresh_debian() {
   local folder
-  for folder in "${mounts[@]}"; do "${as_root[@]}" umount -l "$fresh$folder" 2>/dev/null || true; done
+  for folder in proc dev; do "${as_root[@]}" umount -l "$fresh/$folder" 2>/dev/null || true; done
   "${as_root[@]}" rm -rf --one-file-system "$fresh" "$fresh.log" # never what is still mounted
 }
 
 inside() {
-  local variable kept=(PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8 "${variables[@]}")
+  local variable kept=(PATH=/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LANG=C.UTF-8)
   for variable in http_proxy https_proxy no_proxy NODE_EXTRA_CA_CERTS PIP_CERT SSL_CERT_FILE REQUESTS_CA_BUNDLE; do
     [[ -z ${!variable:-} ]] || kept+=("$variable=${!variable}")
   done

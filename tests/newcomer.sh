@@ -1,26 +1,16 @@
 #!/usr/bin/env bash
-# newcomer.sh [SUITE [--cached]]: makes a Debian with git and nothing else (debootstrap; SUITE bookworm unless given, or
+# newcomer.sh [SUITE]: makes a Debian with git and nothing else (debootstrap; SUITE bookworm unless given, or
 # trixie), and runs there every command block of README.md of this commit, word for word and in order, from
-# `git clone` to the Python lines. With --cached the compiler's results come from this machine's ccache, where
-# ./ferrule test has just put those of the same sources: packages, README.md and the program are tried, not g++ again.
+# `git clone` to the Python lines.
 set -euo pipefail
 suite=${1:-bookworm}
-[[ $# -le 2 && $suite =~ ^(bookworm|trixie)$ && ${2:---cached} == --cached ]] ||
-  { echo "usage: newcomer.sh [bookworm|trixie [--cached]]" >&2; exit 2; }
+[[ $# -le 1 && $suite =~ ^(bookworm|trixie)$ ]] || { echo "usage: newcomer.sh [bookworm|trixie]" >&2; exit 2; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 . tests/fresh_debian.sh
 say() { printf 'newcomer: %s\n' "$*"; }
 
 say "a bare Debian, $suite"
 fresh_debian "$suite" git
-
-if [[ ${2:-} == --cached ]] && cache=$(ccache --get-config cache_dir 2>/dev/null); then
-  say "with the ccache of this machine"
-  mounted "$cache" /root/.cache/ccache
-  # ccache tells -Werror from none: warnings are errors, as where these results were made.
-  echo 'set(FERRULE_WERROR ON CACHE BOOL "")' | "${as_root[@]}" tee "$fresh/root/warnings.cmake" >/dev/null
-  variables+=(CMAKE_TOOLCHAIN_FILE=/root/warnings.cmake CCACHE_READONLY=1)
-fi
 
 # The address in README.md leads to this commit.
 address=$(sed -n 's/^git clone \([^ ]*\).*/\1/p' README.md | head -n 1)
