@@ -135,16 +135,15 @@ std::string names_in_words(const Json& keys) {
 
 // "126 um: in 199 of 200 ...; 0.19 dB mated (grade C), 24 s, 28.6 uN".
 std::string in_short(const Json& row) {
-  const auto number = [](const Json& of, const char* key, const char* format) {
-    return number_or("-", format, number_at(of, key));
+  const auto number = [&](const char* key, const char* format) {
+    return number_or("-", format, number_at(row, key));
   };
   const Json mated = row.value("mated", Json());
   const bool pairs = mated.is_object() && mated.at("pairs") > 0;
   std::string text = pairs ? fmt::format("{:.3g} dB mated ({})", number_at(mated, "mean_dB"),
                                          grade_in_words(mated.at("grade")))
-                           : number(row, "loss_dB", "{:.3g} dB with an ideal partner");
-  text +=
-      ", " + number(row, "time_s", "{:.3g} s") + ", " + number(row, "peak_force_uN", "{:.3g} uN");
+                           : number("loss_dB", "{:.3g} dB with an ideal partner");
+  text += ", " + number("time_s", "{:.3g} s") + ", " + number("peak_force_uN", "{:.3g} uN");
   return row.contains("price") ? text + ", price " + row["price"].dump() : text;
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <set>
 
 #include "app/varied_plots.hpp"
 #include "app/verb.hpp"
@@ -143,13 +144,13 @@ void PreferArguments::add_to(CLI::App& verb) {
 }
 
 void PreferArguments::put_into(Json& result) const {
-  for (std::size_t i = 0; i < prices.size(); ++i) {
-    const Price price = price_of(prices[i]);
-    for (std::size_t k = 0; k < i; ++k)
-      if (price_of(prices[k]).key == price.key)
-        throw BadInput("--price " + price.key + ": is there twice");
-    if (i == 0)
-      for (Json& row : result.at("rows")) row.erase("price");
+  if (!prices.empty())
+    for (Json& row : result.at("rows")) row.erase("price");
+  std::set<std::string> priced;
+  for (const std::string& text : prices) {
+    const Price price = price_of(text);
+    if (!priced.insert(price.key).second)
+      throw BadInput("--price " + price.key + ": is there twice");
     add_price(result, price);
   }
   if (!prefer.empty()) result["prefer"] = prefer;

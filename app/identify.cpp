@@ -87,9 +87,8 @@ std::string warning(const Scene& scene, const Identification& found) {
   if (found.fits()) return "";
   return fmt::format(
       "the scene does not explain the forces: what is left of them is {:.1f} times the noise of "
-      "the "
-      "sensor. The scene lacks something, or a number that is held fixed is wrong; values may be "
-      "far off, and the intervals are {:.1f} times wider for it. Not stated in it: {}",
+      "the sensor. The scene lacks something, or a number that is held fixed is wrong; values "
+      "may be far off, and the intervals are {:.1f} times wider for it. Not stated in it: {}",
       found.misfit, found.misfit, fmt::join(not_stated(scene), ", "));
 }
 
@@ -151,8 +150,7 @@ void print(const Chosen& chosen, const Identification& found) {
   });
   fmt::print(
       "{} episodes, {} rows; force difference {:.4g} uN at the start, {:.4g} uN fitted; noise "
-      "alone "
-      "would make {:.4g} uN\n",
+      "alone would make {:.4g} uN\n",
       chosen.recordings.size(), found.rows, 1e6 * found.residual_start, 1e6 * found.residual,
       1e6 * found.noise);
 }

@@ -304,7 +304,7 @@ std::string damage_paragraph(const Result& r) {
         if (best->contains("damage")) all.push_back(best->at("damage"));
   } else if (r.json.contains("damage")) {
     all.push_back(r.json.at("damage"));
-    if (!all[0].contains("limit_uN"))  // before 0.9.2
+    if (!all[0].contains("limit_uN"))  // of an older program
       all[0]["limit_uN"] = r.json["provenance"]["scene"]["document"].at("limits").at("force_uN");
   }
   if (all.empty()) return "";

@@ -102,11 +102,15 @@ Columns<SweptPoint> columns(const std::vector<Swept>& all) {
   return table;
 }
 
+Json keys_of(const std::vector<Swept>& all) {
+  return json_list(all, [](const Swept& s) { return s.key; });
+}
+
 Json to_json(const SweepArguments& a, const std::string& who, const std::vector<Swept>& all,
              const std::vector<SweptPoint>& points) {
   return {{"controller", who},
           {"seed", a.seed},
-          {"keys", json_list(all, [](const Swept& s) { return s.key; })},
+          {"keys", keys_of(all)},
           {"rows", json_list(points, [](const SweptPoint& point) {
              Json row = to_json(point);
              if (!point.price.is_null()) row["price"] = point.price;
@@ -115,7 +119,11 @@ Json to_json(const SweepArguments& a, const std::string& who, const std::vector<
 }
 
 // Of all points, before the first trial. Throws BadInput.
-void put_prices(Json result, const PreferArguments& prefer, std::vector<SweptPoint>& points) {
+void put_prices(const std::vector<Swept>& all, const PreferArguments& prefer,
+                std::vector<SweptPoint>& points) {
+  Json result = {{"keys", keys_of(all)}, {"rows", json_list(points, [](const SweptPoint& point) {
+                                            return Json{{"values", point.values}};
+                                          })}};
   prefer.put_into(result);
   for (std::size_t k = 0; k < points.size(); ++k)
     points[k].price = result.at("rows")[k].value("price", Json());
@@ -139,7 +147,7 @@ int sweep_verb(const SweepArguments& a) {
   expect_place_for(a.plot);
   std::vector<SweptPoint> points = points_of(all, varied);
   const ChosenScene chosen = varied.with({});
-  put_prices(to_json(a, "", all, points), a.prefer, points);
+  put_prices(all, a.prefer, points);
   Provenance provenance = varied.provenance(chosen);
   if (a.output.text()) fmt::print("{}", provenance.head());
   std::fflush(stdout);  // the trials take long

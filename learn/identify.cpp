@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/statistics.hpp"
 #include "learn/intervals.hpp"
 #include "learn/replays.hpp"
 #include "sim/base/random.hpp"
@@ -237,9 +238,7 @@ double white_noise(const Replays& replays, std::size_t recordings, const VectorX
         changes.push_back(std::abs(residuals[5 * n + i] - residuals[5 * (n - 1) + i]));
   }
   if (changes.empty()) return 0;
-  const auto middle = changes.begin() + static_cast<std::ptrdiff_t>(changes.size() / 2);
-  std::nth_element(changes.begin(), middle, changes.end());
-  return *middle / (0.6745 * std::sqrt(2.0));  // median of |x|, x normal
+  return quantile(changes, 0.5) / (0.6745 * std::sqrt(2.0));  // median of |x|, x normal
 }
 
 // Sets misfit and noise; `all` as of precision_at.

@@ -92,7 +92,7 @@ def _expect_places(a: argparse.Namespace) -> None:
             continue
         if not Path(place).is_dir():
             raise FileTrouble(f"{place}: is there, and no folder")
-        for there in Path(place).iterdir():
+        if there := next(Path(place).iterdir(), None):
             raise FileTrouble(f"{place}: is there, and not empty ({there.name})")
 
 

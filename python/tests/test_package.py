@@ -92,16 +92,20 @@ def test_another_scaling_is_refused_as_the_program_does(law):
     assert len(ferrule.evaluate(controller, "demo", trials=1).outcome) == 1
 
 
-def test_a_stepped_trial_is_the_trial_of_the_campaign(law):
-    evaluation = ferrule.evaluate(law, trials=3, seed=5)
-    controller, simulator = ferrule.load(law), ferrule.Simulator("bench")
-    for trial in range(3):
+# Trial after trial in a simulator of `bench`, period by period.
+def expect_the_same_stepped(controller, evaluation, seed):
+    simulator = ferrule.Simulator("bench")
+    for trial in range(len(evaluation.outcome)):
         controller.reset()
-        observation = simulator.reset(seed=5, trial=trial)
+        observation = simulator.reset(seed=seed, trial=trial)
         while not simulator.ended:
             observation = simulator.step(controller(observation))
         assert simulator.ended == evaluation.outcome[trial]
         assert simulator.summary["peak_force_N"] == evaluation.peak_force_N[trial]
+
+
+def test_a_stepped_trial_is_the_trial_of_the_campaign(law):
+    expect_the_same_stepped(ferrule.load(law), ferrule.evaluate(law, trials=3, seed=5), seed=5)
 
 
 def test_so_it_is_where_parts_and_the_entrance_are_drawn(law):
@@ -211,16 +215,10 @@ def test_controllers_without_a_file_are_those_of_the_program(name):
     found = json.loads(run("evaluate", name, "--scene", "bench", "--trials", 3, "--json").stdout)
     statistics = ferrule.evaluate(name, "bench", trials=3).statistics
     assert statistics["outcomes"] == found["outcomes"]
-    controller, simulator = ferrule.load(name), ferrule.Simulator("bench")
+    controller = ferrule.load(name)
     results = ferrule.evaluate(controller, "bench", trials=3)
     assert results.statistics == statistics
-    for trial in range(3):
-        controller.reset()
-        seen = simulator.reset(seed=7, trial=trial)
-        while not simulator.ended:
-            seen = simulator.step(controller(seen))
-        assert simulator.ended == results.outcome[trial]
-        assert simulator.summary["peak_force_N"] == results.peak_force_N[trial]
+    expect_the_same_stepped(controller, results, seed=7)
     if name != "search":
         assert controller.gains == {} and controller.scene_json is None and np.isnan(controller.residual)
         with pytest.raises(ferrule.BadInput, match="no file"):
