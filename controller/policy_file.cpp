@@ -175,6 +175,9 @@ void read_metrics(JsonFields metrics, PolicyFile& p) {
                          static_cast<int>(entry.integer("best_epoch", 0, INT32_MAX)),
                          entry.number("training_loss", rule::any()),
                          entry.number("held_out_loss", rule::any())});
+    if (!entry.present("rollouts")) return;
+    p.members.back().rollouts = count(entry, "rollouts");
+    p.members.back().inserted = count(entry, "inserted");
   });
   p.residual = metrics.number("residual_m_s", rule::not_negative());
   p.held_out_residual = metrics.number_or_nan("held_out_residual_m_s", rule::not_negative());
@@ -273,11 +276,13 @@ void write_controller(const std::string& file, const PolicyFile& p) {
   for (int i = 0; i < policy.answers(); ++i)
     outputs.push_back(scaled_channel(kPolicyAnswer[static_cast<std::size_t>(i)],
                                      policy.velocity_mean[i], policy.velocity_scale[i]));
-  for (const MemberTraining& m : p.members)
-    training.push_back({{"epochs", m.epochs},
-                        {"best_epoch", m.best_epoch},
-                        {"training_loss", m.training_loss},
-                        {"held_out_loss", m.held_out_loss}});
+  for (const MemberTraining& m : p.members) {
+    Json& entry = training.emplace_back(Json{{"epochs", m.epochs},
+                                             {"best_epoch", m.best_epoch},
+                                             {"training_loss", m.training_loss},
+                                             {"held_out_loss", m.held_out_loss}});
+    if (m.rollouts > 0) entry.update({{"rollouts", m.rollouts}, {"inserted", m.inserted}});
+  }
   for (const DaggerRound& r : p.dagger)
     rounds.push_back({{"trials", r.trials},
                       {"inserted", r.inserted},

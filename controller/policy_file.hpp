@@ -18,6 +18,7 @@ struct MemberTraining {
   int best_epoch = 0;        // whose weights were kept
   double training_loss = 0;  // negative log likelihood per row at the best epoch, scaled velocities
   double held_out_loss = 0;
+  std::size_t rollouts = 0, inserted = 0;  // that chose the epoch: of each epoch tried, of the best
 };
 
 // One round of running the policy, asking the simulated operator and training again.
@@ -37,7 +38,7 @@ struct PolicyFile {
   TrainedOn trained_on;
   std::vector<MemberTraining> members;
   // Root mean square of the velocity error [m/s]. Held out: of each demonstration by the weights
-  // that the others held out chose; NaN where only one was.
+  // that rollouts chose, or the others held out; NaN where only one was, and there were no rollouts.
   double residual = 0, held_out_residual = 0;
   std::vector<DaggerRound> dagger;
 

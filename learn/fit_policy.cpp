@@ -7,6 +7,7 @@
 
 #include "controller/searching_operator.hpp"
 #include "insertion/simulated_operator.hpp"
+#include "learn/choose_weights.hpp"
 #include "learn/policy_rows.hpp"
 #include "learn/relabel.hpp"
 #include "learn/samples.hpp"
@@ -43,11 +44,6 @@ PolicyFit begun(const DemonstrationSet& set, const PolicySettings& settings,
   return fit;
 }
 
-void add_member(Policy& policy, const Weights& weights) {
-  policy.members.push_back(weights.network);
-  if (weights.memory.units() > 0) policy.memories.push_back(weights.memory);
-}
-
 // Of DAgger; of a training without it the only one.
 struct Round {
   PolicyFit fit;
@@ -63,8 +59,9 @@ std::size_t epochs_before(const PolicySettings& settings, std::size_t round) {
 }
 
 // Trains all members anew on the round's rows, which the policy's scales are of.
-void train_members(Round& now, const std::vector<PolicyRows>& test, const PolicySettings& settings,
-                   std::size_t round, const PolicyProgress& progress) {
+void train_members(Round& now, const std::vector<PolicyRows>& test, const DemonstrationSet& set,
+                   const PolicySettings& settings, std::size_t round,
+                   const PolicyProgress& progress) {
   auto& [fit, train, chosen_without] = now;
   PolicyFile& f = fit.file;
   const auto epochs = static_cast<std::size_t>(settings.training.epochs);
@@ -79,12 +76,23 @@ void train_members(Round& now, const std::vector<PolicyRows>& test, const Policy
     const std::size_t before = epochs_before(settings, round) + m * epochs;
     bool stopped = false;
     const auto told = [&](std::size_t epoch, const Epoch& e) {
-      stopped = progress && !progress(before + epoch, e);
+      stopped |= progress && !progress(before + epoch, e);
       return !stopped;
     };
     const std::uint64_t seed = settings.network_seed.value_or(settings.seed) + m;
-    const TrainedNetwork trained =
+    TrainedNetwork trained =
         train_network(train_scaled, test_scaled, settings.training, seed, told);
+    TriedWeights best;
+    if (settings.rollouts > 0 && !stopped)
+      best = choose_weights(trained.snapshots, f.policy, set.undrawn_documents, settings.rollouts,
+                            seed, [&] {
+                              return told(trained.curve.size(), {NAN, NAN});
+                            });
+    if (best.tried) {  // without a word of those held out
+      trained.weights = best.tried->weights;
+      trained.best = best.tried->epochs - 1;
+      trained.chosen_without.assign(test.size(), trained.weights);
+    }
     f.trained_on.partial |= stopped;
     if (stopped && m > 0) return;
     if (trained.weights.network.empty())
@@ -94,7 +102,8 @@ void train_members(Round& now, const std::vector<PolicyRows>& test, const Policy
       add_member(chosen_without[e], trained.chosen_without[e]);
     f.members.push_back({static_cast<int>(trained.curve.size()), static_cast<int>(trained.best + 1),
                          trained.curve[trained.best].training_loss,
-                         trained.curve[trained.best].held_out_loss});
+                         trained.curve[trained.best].held_out_loss,
+                         best.tried ? settings.rollouts : 0, best.inserted});
     fit.curves.push_back(trained.curve);
     if (stopped) return;
   }
@@ -152,6 +161,10 @@ std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
     text += fmt::format("{:<8} {:>7} {:>6} {:>14.4f} {:>14.4f}\n", m + 1, f.members[m].epochs,
                         f.members[m].best_epoch, f.members[m].training_loss,
                         f.members[m].held_out_loss);
+  for (const MemberTraining& m : f.members)
+    if (m.rollouts > 0)
+      text += fmt::format("epoch {} chosen by rollouts: {} of {} inserted\n", m.best_epoch,
+                          m.inserted, m.rollouts);
   for (const DaggerRound& r : f.dagger)
     text += fmt::format("round: {} of {} inserted, {} rows added, held-out loss then {:.4f}\n",
                         r.inserted, r.trials, r.rows, r.held_out_loss);
@@ -165,9 +178,9 @@ std::string text_of(const PolicyFile& f, std::size_t unsuccessful) {
                       f.trained_on.held_out.size(), unsuccessful, f.trained_on.rows);
   text += fmt::format("velocity residual {:.4g} mm/s, ", 1e3 * f.residual);
   if (std::isnan(f.held_out_residual)) return text + "held out unknown: one chose the epoch\n";
-  return text +
-         fmt::format("held out {:.4g} mm/s (hand), each by the weights that the others chose\n",
-                     1e3 * f.held_out_residual);
+  const bool by_rollouts = f.members.front().rollouts > 0;
+  return text + fmt::format("held out {:.4g} mm/s (hand){}\n", 1e3 * f.held_out_residual,
+                            by_rollouts ? "" : ", each by the weights that the others chose");
 }
 
 Learned learn_policy(const DemonstrationSet& set, const LearnerSettings& chosen,
@@ -204,9 +217,9 @@ PolicySettings memory_settings() {
   s.spacing = 0.02;
   s.training.memory = 64;
   s.training.hidden = {64};
-  s.training.epochs = 200;
-  s.training.patience = 40;
+  s.training.epochs = s.training.patience = 150;
   s.training.learning_rate = 3e-3;
+  s.rollouts = 200;
   return s;
 }
 
@@ -230,7 +243,7 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
     if (round > 0) f.dagger.back().rows = rows - f.trained_on.rows;
     f.trained_on.rows = rows;
     set_scales(f.policy, now.train);
-    train_members(now, test, settings, round, progress);
+    train_members(now, test, set, settings, round, progress);
     if (f.trained_on.partial && round > 0) break;
     for (const MemberTraining& m : f.members)
       if (round > 0)

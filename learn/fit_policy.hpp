@@ -7,6 +7,8 @@
 // answered exactly. About a fifth of the demonstrations is held out, whole, and decides which
 // epoch's weights are kept. The held-out error is another thing: each of them is predicted by the
 // weights of the epoch that the others of them would have chosen, which knew nothing of it.
+// Of one with a memory rollouts decide (learn/choose_weights.hpp): how well it predicts says little
+// of how often it inserts, as what it does now decides what it remembers next.
 //
 // DAgger (Ross et al. 2011), for simulated operators: each round lets the policy insert in new
 // starts, asks the simulated operator what it would have done in every state met
@@ -23,7 +25,8 @@ struct PolicySettings {
   int samples = 3;          // of the past
   double spacing = 0.04;    // between them [s]; of one with a memory between its answers
   std::size_t dagger_rounds = 0;
-  std::uint64_t seed = 1;  // of the split, of the members and of the trials of DAgger
+  std::size_t rollouts = 0;  // of each of the weights among which they choose; 0: they do not
+  std::uint64_t seed = 1;    // of the split, of the members and of the trials of DAgger
   std::optional<std::uint64_t> network_seed{};  // of the members, apart from the others
 };
 

@@ -29,9 +29,10 @@ struct TrainingSettings {
   double weight_decay = 1e-4;          // decoupled, of AdamW (Loshchilov and Hutter 2019)
   double input_noise = 0.05;           // standard deviation added to scaled inputs, each batch anew
   // Of networks with a memory; the others have none.
-  int memory = 0;    // units
-  int window = 500;  // rows that an error is traced back through
-  int together = 8;  // episodes of a step
+  int memory = 0;             // units
+  double motion_noise = 0.2;  // as input_noise, of what tells where the hand is
+  int window = 500;           // rows that an error is traced back through
+  int together = 8;           // episodes of a step
 };
 
 // Losses are negative log likelihoods per row, without the constant:
@@ -45,6 +46,12 @@ struct Weights {
   Gru memory{};  // what it remembers by; empty: it does not
 };
 
+// What a training had come to.
+struct Snapshot {
+  std::size_t epochs;  // by then
+  Weights weights;
+};
+
 struct TrainedNetwork {
   Weights weights;           // of the best epoch by held-out loss
   std::vector<Epoch> curve;  // one per epoch
@@ -52,6 +59,7 @@ struct TrainedNetwork {
   // For each demonstration that was held out, those of the best epoch by the loss of the others:
   // weights that it can grade, as it did not choose them. None where only one was held out.
   std::vector<Weights> chosen_without{};
+  std::vector<Snapshot> snapshots{};  // after each tenth of the epochs
 };
 
 // `progress` is called after each step and each epoch with how many epochs are whole, and the losses
@@ -64,8 +72,10 @@ using TrainingProgress = std::function<bool(std::size_t epoch, const Epoch&)>;
 // FileTrouble if libtorch cannot be loaded.
 //
 // One with a memory learns from demonstrations as they went: each step goes through a window of some
-// of them, and what they left in the memory goes on into the next window. The noise is added to the
-// wrench alone, as a motion is known. The norm of a step's gradient is cut to 1.
+// of them, and what they left in the memory goes on into the next window. The norm of a step's
+// gradient is cut to 1. Who sees where the hand was sees how fast it went, and the easiest answer is
+// to go on as before: one that slows then stops (Wen et al. 2020, "Fighting copycat agents"). The
+// noise of the motion hides the last steps, and leaves where the hand is.
 TrainedNetwork train_network(const std::vector<TrainingRows>& training,
                              const std::vector<TrainingRows>& held_out,
                              const TrainingSettings& settings, std::uint64_t seed,

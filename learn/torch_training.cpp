@@ -15,6 +15,8 @@ namespace {
 
 using torch::Tensor;
 
+constexpr int kSnapshots = 10;  // of a training of all epochs
+
 struct Perceptron {
   std::vector<Tensor> weights, biases;
 
@@ -120,6 +122,8 @@ TrainedNetwork trained(const std::vector<Tensor>& parameters, const TrainingSett
         .lr(settings.learning_rate * 0.5 * (1 + std::cos(std::numbers::pi * along)));
     const Losses now = epoch(optimiser, go_on);
     result.curve.push_back(last = now.mean);
+    if (kSnapshots * (n + 1) / settings.epochs > kSnapshots * n / settings.epochs)
+      result.snapshots.push_back({result.curve.size(), weights()});
     go_on();
     if (best.better(now.mean.held_out_loss, weights)) result.best = result.curve.size() - 1;
     if (now.held_out.size() > 1) without.resize(now.held_out.size());
@@ -189,7 +193,7 @@ struct Memory {
         gru(torch::nn::GRUOptions(train.x.size(2), chosen.memory)),
         perceptron(chosen.memory, chosen.hidden, train.v.size(2)),
         parameters(perceptron.parameters()),
-        noise(torch::zeros({train.x.size(2)})),
+        noise(torch::full({train.x.size(2)}, settings.motion_noise)),
         varies((train.v.abs().amax({0, 1}) > 0).to(torch::kFloat32)) {
     for (const Tensor& each : gru->parameters()) parameters.push_back(each);
     noise.narrow(0, 0, kWrenchChannels).fill_(settings.input_noise);

@@ -64,7 +64,7 @@ inline PolicyFile random_policy_file() {
   f.trained_on.held_out = {{"b.h5", "a9993e364706816aba3e25717850c26c9cd0d89d"}};
   f.trained_on.rows = 1234;
   f.reaction_time = 0.17;
-  f.members = {{30, 20, -1.5, -1.25}, {31, 25, -1.5, -1.0}};
+  f.members = {{30, 20, -1.5, -1.25}, {31, 25, -1.5, -1.0, 200, 199}};
   f.dagger = {{10, 9, 500, -1.125}};
   return f;
 }

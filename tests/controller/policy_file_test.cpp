@@ -38,6 +38,9 @@ TEST(PolicyFile, IsReadBackExactly) {
   EXPECT_EQ(back.policy.spacing, 4);
   EXPECT_EQ(back.trained_on.held_out[0].sha1, file.trained_on.held_out[0].sha1);
   EXPECT_EQ(back.members[1].best_epoch, 25);
+  EXPECT_EQ(back.members[0].rollouts, 0u);
+  EXPECT_EQ(back.members[1].rollouts, 200u);
+  EXPECT_EQ(back.members[1].inserted, 199u);
   EXPECT_EQ(back.dagger[0].held_out_loss, -1.125);
   write_controller(folder / "d.json", back);
   EXPECT_EQ(read_text(weights_of(folder / "c.json")), read_text(weights_of(folder / "d.json")));

@@ -244,6 +244,7 @@ TEST(FitPolicyInSeconds, WithAMemoryAnswersWhatWasFeltLongAgo) {
   settings.training.memory = 16;
   settings.training.hidden = {16};
   settings.training.epochs = 100;
+  settings.rollouts = 0;  // there is no scene to insert in
   const PolicyFile fitted = fit_policy(demonstrations_by_memory(40, 1), settings, {}).file;
   const PolicyFile forgets = fit_policy(demonstrations_by_memory(10, 1), quick(), {}).file;
   ASSERT_EQ(fitted.policy.answers(), kTwist);
