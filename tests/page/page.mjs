@@ -468,15 +468,111 @@ check('live: the gamepad that was moved first drives, if its layout is known', a
   assert.deepEqual(amiss, []);
 });
 
+// Sticks on odd axes, up is positive, one does not rest at 0; triggers rest at -1, which the browser does not know before
+// something is moved; a hat; and a keyboard that says that it is a gamepad.
+const kOldPad = `
+  const made = (index, id, axes) => ({connected: true, id, index, mapping: '', timestamp: 0, axes,
+    buttons: Array.from({length: 12}, () => ({pressed: false, touched: false, value: 0}))});
+  const pads = [made(0, 'keyboard', []), made(1, 'old; pad=(1)', [0, 0, 0, 0.03, 0.02, 0, 1.2857])];
+  globalThis.testPads = pads;
+  navigator.getGamepads = () => pads;`;
+
+check('live: a gamepad of unknown layout is asked for its sticks and buttons, and drives then and later', async () => {
+  const servers = [await view('--scene', 'demo', ...kStraight, '--out', join(folder, 'assigned')), await view('--scene', 'demo', '--out', join(folder, 'later'))];
+  const {page, amiss} = await open(servers[0].address, {script: kOldPad});
+  await ready(page);
+  /** @param {string} input @param {number} x @param {number} [pad] */
+  const set = (input, x, pad = 1) => page.evaluate(([name, value, index]) => {
+    const {axes, buttons} = globalThis.testPads[index], i = Number(name.slice(1));
+    if (index === 1 && axes[2] === 0) axes[2] = axes[5] = -1;
+    if (name[0] === 'a') axes[i] = value;
+    else buttons[i] = {pressed: value > 0.1, touched: value > 0.1, value};
+  }, /** @type {const} */ ([input, x, pad]));
+  const velocity = async () => {
+    await pause(100);
+    return page.evaluate(() => globalThis.ferrule.hand.velocity().map((x) => Math.round(100 * x) / 100 + 0));
+  };
+  const step = (/** @type {number} */ n) => page.waitForFunction((text) => document.querySelector('#assign-step').textContent.startsWith(text), `${n} of 5`);
+  const said = (/** @type {RegExp} */ text, where = '#said') => page.waitForFunction(([selector, wanted]) => new RegExp(wanted).test(document.querySelector(selector).textContent), [where, text.source]);
+  /** Moves it a little, all the way, and lets go. @param {string} input @param {number} x @param {number} rest @param {number} [pad] */
+  const move = async (input, x, rest, pad = 1) => {
+    for (const part of [0.3, 1, 1, 0.4, 0]) {
+      await set(input, rest + part * (x - rest), pad);
+      await pause(part === 1 ? 400 : 50);  // held for a while
+    }
+  };
+  assert.equal(await page.locator('#assign-open').isVisible(), false);
+  await move('a3', 1, 0.03);
+  await said(/^The gamepad "old; pad=\(1\)" is not used/);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  // By keys alone; Escape leaves it as it was.
+  await page.locator('#assign-open').focus();
+  await page.keyboard.press('Enter');
+  await step(1);
+  assert.deepEqual(await violations(page), []);
+  await page.screenshot({path: join(pictures, 'assign.png')});
+  await page.keyboard.press('Escape');
+  await move('a3', 1, 0.03);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  await page.keyboard.press('Enter');
+  await step(1);
+  await move('b4', 1, 0, 0);
+  await said(/^That was a button/, '#assign-note');
+  await move('a3', 1, 0.03);
+  await step(2);
+  await move('a3', -1, 0.03);
+  await said(/^That does something else/, '#assign-note');
+  await move('a6', -1, 1.2857);
+  await move('a4', 0.9, 0.02);
+  await step(3);
+  await move('b4', 1, 0, 0);
+  await move('a5', 1, -1);
+  await step(4);
+  await move('a2', 1, -1);
+  await step(5);
+  await move('b3', 1, 0);
+  await said(/^The gamepad .* drives/);
+  assert.equal(await page.locator('#assign').isVisible(), false);
+  /** Every stick and trigger does what it was assigned to. */
+  const drives = async () => {
+    assert.deepEqual(await velocity(), [0, 0, 0]);
+    for (const [input, x, rest, expected] of /** @type {const} */ ([
+      ['a3', 1, 0.03, [0, 0, -1]], ['a3', -1, 0.03, [0, 0, 1]], ['a4', 0.9, 0.02, [0, 1, 0]], ['a4', -0.9, 0.02, [0, -1, 0]],
+      ['a5', 1, -1, [-1, 0, 0]], ['a2', 1, -1, [1, 0, 0]], ['a5', -0.9, -1, [0, 0, 0]]])) {
+      await set(input, x);
+      assert.deepEqual(await velocity(), expected, input);
+      await set(input, rest);
+    }
+    assert.deepEqual(await velocity(), [0, 0, 0]);
+    await set('b3', 1);
+    await page.waitForFunction(() => globalThis.ferrule.session.running);
+    await set('b3', 0);
+  };
+  await drives();
+  // In the next window, which has another port, too, where a trigger that nobody touched reads half of its way.
+  await page.goto(servers[1].address);
+  await ready(page);
+  await set('a3', 0.03);
+  await page.evaluate(() => { globalThis.testPads[1].axes[5] = 0; });
+  await move('a3', 1, 0.03);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  await set('a5', -1);
+  await drives();
+  assert.ok(await page.locator('#assign-open').isVisible());
+  await page.close();
+  for (const server of servers) await server.end();
+  assert.deepEqual(amiss, []);
+});
+
 check('live: inserts by a gamepad alone', async () => {
   const out = join(folder, 'gamepad');
   const server = await view('--scene', 'demo', '--seed', '6', '--out', out);
   const {page, amiss} = await open(server.address, {script: kGamepad});
   await ready(page);
   const press = () => page.evaluate(async () => {
-    globalThis.testPad.buttons[0].pressed = true;
+    globalThis.testPad.buttons[0] = {pressed: true, touched: true, value: 1};
     await new Promise((done) => setTimeout(done, 300));
-    globalThis.testPad.buttons[0].pressed = false;
+    globalThis.testPad.buttons[0] = {pressed: false, touched: false, value: 0};
   });
   await press();
   await page.waitForFunction(() => globalThis.ferrule.session.running);
