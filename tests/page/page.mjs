@@ -753,6 +753,31 @@ check('an exported file replays from disk, and a name in it stays text', async (
   assert.deepEqual(amiss, []);
 });
 
+check('pages and reports have their own style, and none that a text could bring in', async () => {
+  const sweep = join(folder, 'sweep.json'), report = join(folder, 'answers.html'), exported = join(folder, 'styled.html');
+  writeFileSync(sweep, ferrule('sweep', 'constant-velocity', 'limits.force_uN=45,80', '--scene', 'bench', '--trials', '20', '--json'));
+  ferrule('report', sweep, '--out', report);
+  ferrule('view', join(episodes, 'episode_0001.h5'), '--export', exported);
+  const server = await view('--scene', 'demo', '--out', join(folder, 'styled'));
+  for (const address of [server.address, 'file://' + exported, 'file://' + report]) {
+    const {page, amiss} = await open(address);
+    assert.deepEqual(amiss, []);
+    const colour = await page.evaluate(() => {
+      document.body.insertAdjacentHTML('beforeend', '<style>#brought { color: red; }</style><p id="brought" style="color: red">text</p>');
+      return getComputedStyle(document.querySelector('#brought')).color;
+    });
+    assert.notEqual(colour, 'rgb(255, 0, 0)');
+    assert.equal(amiss.filter((text) => text.includes('violates the following Content Security Policy')).length, amiss.length);
+    if (address.endsWith(report)) {
+      assert.ok(await page.locator('.bar').evaluateAll((bars) => bars.length > 0 && bars.every((bar) => bar.getBoundingClientRect().width > 100 &&
+          getComputedStyle(bar.querySelector('rect')).fill === 'rgb(86, 180, 233)')));
+      assert.ok(await page.locator('img').evaluateAll((all) => all.every((image) => /** @type {HTMLImageElement} */ (image).naturalWidth > 0)));
+    }
+    await page.close();
+  }
+  await server.end();
+});
+
 check('a folder opens with what can be read, and says what cannot', async () => {
   const mixed = join(folder, 'mixed');
   mkdirSync(mixed);
