@@ -9,6 +9,7 @@
 #include "app/html.hpp"
 #include "capture/episode.hpp"
 #include "controller/campaign_table.hpp"
+#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -83,7 +84,7 @@ void write_report(const CompareArguments& a, const Scene& scene, const Demonstra
     rings.emplace_back(who, e.rings);
     table += to_text(who, e.alone);
   }
-  std::string html = html_head("ferrule: ways to insert", replay_scripts()) +
+  std::string html = html_head("ferrule: ways to insert", built_page().value_or("")) +
                      "<h1>Ways to insert, on the same trials</h1>\n" +
                      replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) +
                      "</pre>\n" + figure(misalignment_plot(rings), "") + to_html(forces) +

@@ -16,6 +16,7 @@
 #include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
+#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -168,7 +169,7 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   if (all.size() > 1)
     if (const auto comparison = compare_shared(all[0].results, all[1].results))
       text += to_text(*comparison);
-  write_text(a.report, html_head("ferrule: trials", replay_scripts()) + "<h1>Trials of " +
+  write_text(a.report, html_head("ferrule: trials", built_page().value_or("")) + "<h1>Trials of " +
                            escaped(all[0].name) + "</h1>\n" +
                            replay_section("trials that failed", runs, maps) + "<pre>" +
                            escaped(text) + "</pre>\n" + to_html(forces) + "<p>" +

@@ -83,11 +83,6 @@ NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
           history};
 }
 
-std::string replay_scripts() {
-  const std::optional<std::string> page = built_page();
-  return page ? scripts_of(*page) : "";
-}
-
 std::string replay_section(const std::string& title, const std::vector<ReplayRun>& runs,
                            const std::vector<TrialMap>& maps) {
   const std::optional<std::string> page = built_page();

@@ -26,8 +26,6 @@ void add_failures(const Scene& scene, std::uint64_t seed, const TestedController
 NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
                               const TestedController& tested);
 
-// The scripts of such a replay, for html_head(). Throws FileTrouble.
-std::string replay_scripts();
 // A replay within a report: HTML with all that it needs, or where the page of the window was not
 // built what is missing. `title` is what it shows. Throws FileTrouble.
 std::string replay_section(const std::string& title, const std::vector<ReplayRun>& runs,

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/algorithm/string/replace.hpp>
 #include <cctype>
 #include <cerrno>
 #include <cmath>
@@ -125,7 +126,7 @@ std::string draw_svg(const Plot& plot) {
   ::close(ends[0]);
   if (gnuplot.wait() != 0 || svg.find("</svg>") == svg.npos)
     throw FileTrouble("gnuplot could not draw the plot (is the package gnuplot-nox installed?)");
-  return svg;
+  return boost::replace_all_copy(svg, "]]>", "]]&gt;");  // all that it does not escape of a name
 }
 
 void write_svg(const std::string& file, const Plot& plot) {

@@ -103,8 +103,8 @@ std::string shown(const char* format, const Json& value) {
 std::string bar(const Json& rate, const Json& low, const Json& high) {
   if (!rate.is_number()) return "";
   return fmt::format(
-      "<span class=bar><i style=\"left:{:.2f}%;width:{:.2f}%\"></i><b "
-      "style=\"left:{:.2f}%\"></b></span>",
+      "<svg class=bar aria-hidden=true><rect x=\"{0:.2f}%\" width=\"{1:.2f}%\" height=\"100%\"/>"
+      "<line x1=\"{2:.2f}%\" x2=\"{2:.2f}%\" y2=\"100%\"/></svg>",
       100 * low.get<double>(), 100 * (high.get<double>() - low.get<double>()),
       100 * rate.get<double>());
 }

@@ -26,12 +26,16 @@ std::string load_page() {
   return *std::move(page);
 }
 
-std::string scripts_of(const std::string& page) {
-  static const std::string policy = "http-equiv=\"Content-Security-Policy\"", key = "script-src ";
-  const std::size_t meta = page.find(policy), end = page.find('>', meta);
-  const std::size_t begin = page.find(key, meta);
-  if (meta == page.npos || begin == page.npos || begin > end) return "";
-  return page.substr(begin + key.size(), page.find_first_of(";\"", begin) - begin - key.size());
+std::string policy_of(const std::string& page) {
+  static const std::string meta = "<meta http-equiv=\"Content-Security-Policy\" content=\"";
+  const std::size_t at = page.find(meta), begin = at + meta.size();
+  return at == page.npos ? "default-src 'none'" : page.substr(begin, page.find('"', begin) - begin);
+}
+
+std::string sources_of(const std::string& page, const std::string& kind) {
+  const std::string policy = policy_of(page);
+  const std::size_t at = policy.find(kind + ' '), begin = at + kind.size() + 1;
+  return at == policy.npos ? "" : policy.substr(begin, policy.find(';', begin) - begin);
 }
 
 std::string self_contained(const std::string& page, const Json& recorded) {

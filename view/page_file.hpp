@@ -16,9 +16,10 @@ std::optional<std::string> built_page();
 std::string load_page();
 extern const char* const kNoPage;
 
-// The sources of the scripts of `page` ('sha256-...'), as its own Content-Security-Policy has them;
-// empty where it has none.
-std::string scripts_of(const std::string& page);
+// The Content-Security-Policy that `page` itself has; where it has none, one that allows nothing.
+std::string policy_of(const std::string& page);
+// What that policy names for `kind`, "script-src" or "style-src": 'sha256-...'; empty for none.
+std::string sources_of(const std::string& page, const std::string& kind);
 
 // `page` with what it is to replay (view/recorded.hpp) inside, needing nothing beside it; or with
 // kServed, which has it ask the program for that; or with Session::first_picture, to begin with.

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 
 #include <array>
+#include <boost/algorithm/string/replace.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/thread_pool.hpp>
@@ -93,14 +94,11 @@ std::string file_of(std::string_view query) {
   return file;
 }
 
-// The scripts that the page itself says it has, styles, sockets to this server, and nothing else;
-// 'self' is that of a page at [::1], for which a policy has no name.
-std::string content_policy(std::uint16_t port, const std::string& scripts) {
-  return fmt::format(
-      "default-src 'none'; script-src {1}; style-src 'unsafe-inline'; img-src data: blob:; "
-      "font-src data:; worker-src blob:; connect-src 'self' ws://127.0.0.1:{0} ws://localhost:{0}; "
-      "base-uri 'none'; form-action 'none'; frame-ancestors 'none'",
-      port, scripts.empty() ? "'none'" : scripts);
+// The page's own policy, with sockets to this server alone ('self' is that of a page at [::1], for
+// which a policy has no name), and in no frame, which a page cannot say of itself.
+std::string served_policy(const std::string& page, std::uint16_t port) {
+  return boost::replace_all_copy(policy_of(page), ":*", fmt::format(":{}", port)) +
+         "; frame-ancestors 'none'";
 }
 
 Response respond(const Request& request, http::status status, std::string body,
@@ -317,7 +315,7 @@ class Server::Work::Connection : public std::enable_shared_from_this<Connection>
     if (path == "/recorded") return recorded(file_of(query));
     if (path == "/") {
       std::string html = work_.served_.page();
-      const std::string policy = content_policy(work_.port_, scripts_of(html));
+      const std::string policy = served_policy(html, work_.port_);
       Response page =
           respond(request, http::status::ok, std::move(html), "text/html; charset=utf-8");
       page.set("Content-Security-Policy", policy);

@@ -31,7 +31,9 @@ std::string printable(const std::string& text, std::size_t most) {
     // C0, DEL, and C1, which UTF-8 spells c2 80 to c2 9f: terminals act on them.
     const bool control =
         byte(0) < 0x20 || byte(0) == 0x7f || (length == 2 && byte(0) == 0xc2 && byte(1) < 0xa0);
-    const bool as_it_is = length > 0 && !control;
+    // U+FFFE and U+FFFF, which are no characters: no XML can have them.
+    const bool none = length == 3 && byte(0) == 0xef && byte(1) == 0xbf && byte(2) > 0xbd;
+    const bool as_it_is = length > 0 && !control && !none;
     const std::size_t bytes = std::max<std::size_t>(length, 1);
     if (as_it_is) shown += text.substr(at, bytes);
     for (std::size_t i = 0; i < bytes && !as_it_is; ++i) {

@@ -33,6 +33,12 @@ const row = (page, ...names) => page.evaluate((wanted) => {
   return Object.fromEntries(wanted.map((name) => [name, read(name)]));
 }, names);
 
+/** Until what the page has is on the screen. @param {Page} page */
+const painted = (page) => page.evaluate(() => new Promise((done) => { requestAnimationFrame(() => requestAnimationFrame(done)); }));
+
+/** 3-D comes after the first picture. @param {import('playwright-core').Frame | Page} page */
+const solid = (page) => page.waitForFunction(() => globalThis.ferrule.drawn.solid > 0);
+
 /** @param {number} ms */
 const pause = (ms) => new Promise((done) => setTimeout(done, ms));
 
@@ -84,6 +90,7 @@ check('live: draws, moves with the simulation, inserts by arrow keys alone, lose
   const server = await view('--scene', 'demo', '--seed', '5', '--out', out);
   const {page, amiss} = await open(server.address);
   await ready(page);
+  await solid(page);
   for (const canvas of ['#solid', '#side', '#axis']) assert.ok(await coloursOf(page, canvas) > 20, `${canvas} is uniform`);
   const held = new Set();
   const hold = async (/** @type {string} */ key, /** @type {boolean} */ on) => {
@@ -111,6 +118,7 @@ check('live: draws, moves with the simulation, inserts by arrow keys alone, lose
   await hold('ArrowUp', true);
   await page.waitForFunction((y) => globalThis.ferrule.live.newest.read(0)('tip_y_um') > y + 2, start.tip_y_um);
   await hold('ArrowUp', false);
+  await painted(page);
   assert.ok(!before.equals(await page.locator('#side').screenshot()), 'the fibre on the screen moved');
   await page.reload();
   held.clear();
@@ -257,11 +265,17 @@ check('live: a cue says which way to correct, and nothing is shown as a negative
   await page.screenshot({path: join(pictures, 'cue.png')});
   await page.keyboard.press('Enter');
   await page.waitForFunction(() => globalThis.ferrule.session.running);
-  /** @type {Set<string>} */
-  const labels = new Set();
+  // Whatever a picture says of it.
+  await page.evaluate(() => {
+    globalThis.labels = new Set();
+    const look = () => {
+      globalThis.labels.add(document.querySelectorAll('#numbers .number')[1].textContent);
+      requestAnimationFrame(look);
+    };
+    look();
+  });
   const away = async () => {
     const {way_y_um: y, way_z_um: z} = await row(page, 'way_y_um', 'way_z_um');
-    labels.add(await page.locator('#numbers .number').nth(1).innerText());
     return [y, z];
   };
   // Who goes where it says comes to the axis.
@@ -277,10 +291,10 @@ check('live: a cue says which way to correct, and nothing is shown as a negative
   await page.keyboard.down('w');
   await page.waitForFunction(() => globalThis.ferrule.live.newest.read(0)('depth_um') > 3);
   await page.keyboard.down('ArrowUp');  // against the wall
-  while (await page.evaluate(() => globalThis.ferrule.session.running)) await away();
+  await page.waitForFunction(() => !globalThis.ferrule.session.running);
   await page.keyboard.up('ArrowUp');
   await page.keyboard.up('w');
-  const shown = [...labels].join(' ').replaceAll('\n', ' ');
+  const shown = (await page.evaluate(() => [...globalThis.labels])).join(' ');
   for (const label of ['beside the bore by', 'clearance', 'contact, pressed in by']) assert.ok(shown.includes(label), shown);
   assert.ok(!/[\u2212-]\d/.test(shown), shown);
   await page.close();
@@ -357,6 +371,8 @@ check('live: each try has its own curves', async () => {
     await page.waitForFunction(() => !globalThis.ferrule.session.running && !globalThis.ferrule.session.rests);
     const file = await page.evaluate(() => globalThis.ferrule.session.saved);
     const {rows} = JSON.parse(ferrule('replay', join(folder, 'tries', file), '--verify', '--json'));
+    await page.waitForFunction((n) => globalThis.ferrule.live.history.rows >= n && globalThis.ferrule.batch === globalThis.ferrule.live.batches, rows);
+    await painted(page);
     const kept = await page.evaluate(() => {
       const {history} = globalThis.ferrule.live, times = history.column('t_s', 0, 1);
       return {rows: history.rows, first: times[0], rises: times.every((t, i) => i === 0 || t > times[i - 1])};
@@ -459,12 +475,108 @@ check('live: the gamepad that was moved first drives, if its layout is known', a
   assert.deepEqual(await velocity(), [0, 0, 0]);
   assert.equal(await running(), false);
   await set((pads) => { pads[2].buttons[9] = {pressed: false, touched: false, value: 0}; pads[2].axes[0] = 0; });
-  await pause(100);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
   await set((pads) => { pads[2].buttons[9] = {pressed: true, touched: true, value: 1}; pads[2].axes[0] = -1; });
   await page.waitForFunction(() => globalThis.ferrule.session.running);
   assert.deepEqual(await velocity(), [0, 0, 1]);
   await page.close();
   await server.end();
+  assert.deepEqual(amiss, []);
+});
+
+// Sticks on odd axes, up is positive, one does not rest at 0; triggers rest at -1, which the browser does not know before
+// something is moved; a hat; and a keyboard that says that it is a gamepad.
+const kOldPad = `
+  const made = (index, id, axes) => ({connected: true, id, index, mapping: '', timestamp: 0, axes,
+    buttons: Array.from({length: 12}, () => ({pressed: false, touched: false, value: 0}))});
+  const pads = [made(0, 'keyboard', []), made(1, 'old; pad=(1)', [0, 0, 0, 0.03, 0.02, 0, 1.2857])];
+  globalThis.testPads = pads;
+  navigator.getGamepads = () => pads;`;
+
+check('live: a gamepad of unknown layout is asked for its sticks and buttons, and drives then and later', async () => {
+  const servers = [await view('--scene', 'demo', ...kStraight, '--out', join(folder, 'assigned')), await view('--scene', 'demo', '--out', join(folder, 'later'))];
+  const {page, amiss} = await open(servers[0].address, {script: kOldPad});
+  await ready(page);
+  /** @param {string} input @param {number} x @param {number} [pad] */
+  const set = (input, x, pad = 1) => page.evaluate(([name, value, index]) => {
+    const {axes, buttons} = globalThis.testPads[index], i = Number(name.slice(1));
+    if (index === 1 && axes[2] === 0) axes[2] = axes[5] = -1;
+    if (name[0] === 'a') axes[i] = value;
+    else buttons[i] = {pressed: value > 0.1, touched: value > 0.1, value};
+    return new Promise((done) => { setTimeout(done, 40); });  // the page has looked
+  }, /** @type {const} */ ([input, x, pad]));
+  const velocity = async () => {
+    await pause(100);
+    return page.evaluate(() => globalThis.ferrule.hand.velocity().map((x) => Math.round(100 * x) / 100 + 0));
+  };
+  const step = (/** @type {number} */ n) => page.waitForFunction((text) => document.querySelector('#assign-step').textContent.startsWith(text), `${n} of 5`);
+  const said = (/** @type {RegExp} */ text, where = '#said') => page.waitForFunction(([selector, wanted]) => new RegExp(wanted).test(document.querySelector(selector).textContent), [where, text.source]);
+  /** Moves it a little, all the way, and lets go. @param {string} input @param {number} x @param {number} rest @param {number} [pad] */
+  const move = async (input, x, rest, pad = 1) => {
+    for (const part of [0.3, 1, 0.4, 0]) {
+      await set(input, rest + part * (x - rest), pad);
+      if (part === 1) await pause(400);  // held for a while
+    }
+  };
+  assert.equal(await page.locator('#assign-open').isVisible(), false);
+  await move('a3', 1, 0.03);
+  await said(/^The gamepad "old; pad=\(1\)" is not used/);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  // By keys alone; Escape leaves it as it was.
+  await page.locator('#assign-open').focus();
+  await page.keyboard.press('Enter');
+  await step(1);
+  assert.deepEqual(await violations(page), []);
+  await page.screenshot({path: join(pictures, 'assign.png')});
+  await page.keyboard.press('Escape');
+  await move('a3', 1, 0.03);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  await page.keyboard.press('Enter');
+  await step(1);
+  await move('b4', 1, 0, 0);
+  await said(/^That was a button/, '#assign-note');
+  await move('a3', 1, 0.03);
+  await step(2);
+  await move('a3', -1, 0.03);
+  await said(/^That does something else/, '#assign-note');
+  await move('a6', -1, 1.2857);
+  await move('a4', 0.9, 0.02);
+  await step(3);
+  await move('b4', 1, 0, 0);
+  await move('a5', 1, -1);
+  await step(4);
+  await move('a2', 1, -1);
+  await step(5);
+  await move('b3', 1, 0);
+  await said(/^The gamepad .* drives/);
+  assert.equal(await page.locator('#assign').isVisible(), false);
+  /** Every stick and trigger does what it was assigned to. */
+  const drives = async () => {
+    assert.deepEqual(await velocity(), [0, 0, 0]);
+    for (const [input, x, rest, expected] of /** @type {const} */ ([
+      ['a3', 1, 0.03, [0, 0, -1]], ['a3', -1, 0.03, [0, 0, 1]], ['a4', 0.9, 0.02, [0, 1, 0]], ['a4', -0.9, 0.02, [0, -1, 0]],
+      ['a5', 1, -1, [-1, 0, 0]], ['a2', 1, -1, [1, 0, 0]], ['a5', -0.9, -1, [0, 0, 0]]])) {
+      await set(input, x);
+      assert.deepEqual(await velocity(), expected, input);
+      await set(input, rest);
+    }
+    assert.deepEqual(await velocity(), [0, 0, 0]);
+    await set('b3', 1);
+    await page.waitForFunction(() => globalThis.ferrule.session.running);
+    await set('b3', 0);
+  };
+  await drives();
+  // In the next window, which has another port, too, where a trigger that nobody touched reads half of its way.
+  await page.goto(servers[1].address);
+  await ready(page);
+  await page.evaluate(() => { globalThis.testPads[1].axes[2] = -1; });
+  await move('a3', 1, 0.03);
+  assert.deepEqual(await velocity(), [0, 0, 0]);
+  await set('a5', -1);
+  await drives();
+  assert.ok(await page.locator('#assign-open').isVisible());
+  await page.close();
+  for (const server of servers) await server.end();
   assert.deepEqual(amiss, []);
 });
 
@@ -474,9 +586,9 @@ check('live: inserts by a gamepad alone', async () => {
   const {page, amiss} = await open(server.address, {script: kGamepad});
   await ready(page);
   const press = () => page.evaluate(async () => {
-    globalThis.testPad.buttons[0].pressed = true;
+    globalThis.testPad.buttons[0] = {pressed: true, touched: true, value: 1};
     await new Promise((done) => setTimeout(done, 300));
-    globalThis.testPad.buttons[0].pressed = false;
+    globalThis.testPad.buttons[0] = {pressed: false, touched: false, value: 0};
   });
   await press();
   await page.waitForFunction(() => globalThis.ferrule.session.running);
@@ -500,9 +612,10 @@ check('replay: scrubs, jumps to events, lays one episode over another', async ()
   await page.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
   await page.locator('#scrub').fill('3');
   assert.ok(Math.abs((await row(page, 't_s')).t_s - 3) < 0.002);
+  await painted(page);
   const early = await page.locator('#side').screenshot();
   await page.locator('#scrub').fill('12');
-  await pause(200);
+  await painted(page);
   assert.ok(!early.equals(await page.locator('#side').screenshot()));
   // The numbers beside it are those of the row.
   const depth = (await row(page, 'depth_um')).depth_um;
@@ -512,20 +625,21 @@ check('replay: scrubs, jumps to events, lays one episode over another', async ()
   assert.ok(texts.some((text) => text.includes('touches the cone')), texts.join());
   await page.locator('#scrub').fill('0');
   await page.locator('#event-after').click();
+  await painted(page);
   assert.equal((await page.locator('#clock').innerText()).split(' /')[0], texts[0].split(' s')[0]);
   const one = await page.locator('#axis').screenshot();
   await page.locator('#over').selectOption({index: 2});
   await page.waitForFunction(() => globalThis.ferrule.replay.over?.loaded);
-  await pause(300);
+  await painted(page);
   assert.ok(!one.equals(await page.locator('#axis').screenshot()), 'the other is seen');
   // A force's arrow goes and comes; a view alone; a part of time enlarged, and all of it again.
   const arrows = await page.locator('#axis').screenshot();
   await page.locator('#tab-terms').click();
   for (const box of await page.locator('#terms input').all()) await box.uncheck();
-  await pause(200);
+  await painted(page);
   assert.ok(!arrows.equals(await page.locator('#axis').screenshot()), 'arrows went');
   await page.locator('[data-view=strips]').click();
-  await pause(200);
+  await painted(page);
   assert.equal(await page.locator('#axis').isVisible(), false);
   const box = await page.locator('#strip-force').boundingBox(), middle = box.y + box.height / 2;
   await page.mouse.move(box.x + 0.4 * box.width, middle);
@@ -578,7 +692,7 @@ check('a failed trial that is clicked in the map plays and ends with its outcome
   assert.ok(said.startsWith(`ended: ${outcome.replaceAll('_', ' ')}. `), said);
   assert.equal(await frame.evaluate(() => globalThis.ferrule.replay.shown.outcome), outcome);
   assert.deepEqual(await violations(page), []);
-  await pause(1500);
+  await solid(frame);
   await page.screenshot({path: join(pictures, 'report.png')});
   await page.close();
   assert.deepEqual(amiss, []);
@@ -632,10 +746,36 @@ check('an exported file replays from disk, and a name in it stays text', async (
   assert.equal(await page.locator('img').count(), 0);
   assert.ok((await page.locator('#run').innerText()).includes(name));
   await page.locator('#scrub').fill('9');
-  await pause(200);
+  await solid(page);
+  await painted(page);
   for (const canvas of ['#solid', '#side', '#axis']) assert.ok(await coloursOf(page, canvas) > 20, `${canvas} is uniform`);
   await page.close();
   assert.deepEqual(amiss, []);
+});
+
+check('pages and reports have their own style, and none that a text could bring in', async () => {
+  const sweep = join(folder, 'sweep.json'), report = join(folder, 'answers.html'), exported = join(folder, 'styled.html');
+  writeFileSync(sweep, ferrule('sweep', 'constant-velocity', 'limits.force_uN=45,80', '--scene', 'bench', '--trials', '20', '--json'));
+  ferrule('report', sweep, '--out', report);
+  ferrule('view', join(episodes, 'episode_0001.h5'), '--export', exported);
+  const server = await view('--scene', 'demo', '--out', join(folder, 'styled'));
+  for (const address of [server.address, 'file://' + exported, 'file://' + report]) {
+    const {page, amiss} = await open(address);
+    assert.deepEqual(amiss, []);
+    const colour = await page.evaluate(() => {
+      document.body.insertAdjacentHTML('beforeend', '<style>#brought { color: red; }</style><p id="brought" style="color: red">text</p>');
+      return getComputedStyle(document.querySelector('#brought')).color;
+    });
+    assert.notEqual(colour, 'rgb(255, 0, 0)');
+    assert.equal(amiss.filter((text) => text.includes('violates the following Content Security Policy')).length, amiss.length);
+    if (address.endsWith(report)) {
+      assert.ok(await page.locator('.bar').evaluateAll((bars) => bars.length > 0 && bars.every((bar) => bar.getBoundingClientRect().width > 100 &&
+          getComputedStyle(bar.querySelector('rect')).fill === 'rgb(86, 180, 233)')));
+      assert.ok(await page.locator('img').evaluateAll((all) => all.every((image) => /** @type {HTMLImageElement} */ (image).naturalWidth > 0)));
+    }
+    await page.close();
+  }
+  await server.end();
 });
 
 check('a folder opens with what can be read, and says what cannot', async () => {
@@ -667,7 +807,8 @@ if (long) check('pictures at both sizes in both themes', async () => {
       await page.waitForFunction(() => globalThis.ferrule?.replay?.shown?.loaded);
       await page.locator('#scrub').fill('12.4');
       await page.locator('#scrub').blur();
-      await pause(600);
+      await solid(page);
+      await painted(page);
       const cut = await page.evaluate(() => [...document.querySelectorAll('header *, footer *, #numbers *, .gauge-row *')]
           .filter((e) => e instanceof HTMLElement && e.checkVisibility() && (e.getBoundingClientRect().right > innerWidth + 1 || e.getBoundingClientRect().bottom > innerHeight + 1)).map((e) => e.outerHTML.slice(0, 80)));
       assert.deepEqual(cut, [], 'nothing is cut off');

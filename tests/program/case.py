@@ -3,7 +3,9 @@
 usage: GROUP.py PROGRAM SOURCE_FOLDER BUILD_FOLDER [CLASS.TEST ...]
 """
 
+import base64
 import glob
+import hashlib
 import json
 import os
 import re
@@ -51,6 +53,17 @@ class Case(unittest.TestCase):
         self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
         for text in says:
             self.assertIn(text, run.stderr)
+
+    def styled_by_its_own(self, html):
+        """The policy of a report allows its own style, by its hash, and no style of what is in it."""
+        policy, style = re.search("<meta http-equiv=\"Content-Security-Policy\" content=\"(default-src 'none';.*?)\">"
+                                  ".*?<style>(.*?)</style>", html, re.DOTALL).groups()
+        digest = base64.b64encode(hashlib.sha256(style.encode()).digest()).decode()
+        self.assertIn(f"style-src 'sha256-{digest}'", policy)  # the new hash, where the style was changed
+        self.assertNotIn("unsafe-inline", policy)
+        own = re.sub('srcdoc=".*?"', "", html, flags=re.DOTALL)
+        self.assertEqual(own.count("<style"), 1)
+        self.assertNotRegex(own, r"<[^>]*\sstyle=")
 
     def forces_in_report(self, file):
         """The table of which force acted when: name of the runs -> force -> column -> text."""

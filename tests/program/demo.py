@@ -17,6 +17,7 @@ class Demo(Case):
         html = open(out + "/report.html").read()
         for text in ("95 % interval", "yield_y", "force_limit", "McNemar"):
             self.assertIn(text, html)
+        self.styled_by_its_own(html)
         self.assertNotRegex(html, r"(src|href)=\"(?!data:)")
         self.assertEqual(html.count("<figure>"), 5)
         self.assertEqual([name.split()[-2] for name in self.forces_in_report(out + "/report.html")],

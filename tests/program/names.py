@@ -1,9 +1,11 @@
 """Files and names as other systems and libraries make them."""
 
 import csv
+import glob
 import json
 import os
 import shutil
+from xml.etree import ElementTree
 
 import h5py
 
@@ -209,6 +211,36 @@ class Controllers(Case):
         found = [json.loads(self.done("evaluate", name, "--scene", "bench", "--trials", 2, "--json", cwd=self.folder).stdout)
                  ["peak_force_uN"] for name in ("spiral", "tuned_by_hand")]
         self.assertEqual(*found)
+
+
+class Plots(Case):
+    """A drawing is XML, and says every name as it is."""
+
+    NAMES = ("a]]>b", "]]>" * 33, "<b>&amp;</b> & \"quotes\" 'and' `others`", "x" * 100,
+             "gr\u00f6\u00dfe \u4e2d \U0001f600", "%d $0 {/Bold x}_2^3 \\n \\", "no \uffff character")
+
+    def texts(self, file):
+        return ["".join(text.itertext()) for text in ElementTree.parse(file).iter("{http://www.w3.org/2000/svg}text")]
+
+    def test_a_scene_may_have_any_name(self):
+        with open(SOURCE + "/data/scenes/paper.json") as file:
+            scene = json.load(file)
+        for name in self.NAMES:
+            scene["name"] = name
+            with open(self.path("scene.json"), "w") as file:
+                json.dump(scene, file)
+            self.done("forces", "--scene", self.path("scene.json"), "--gap-nm", "1:9:9", "--plot", self.path("plot.svg"))
+            shown = name.replace("\uffff", "\\xef\\xbf\\xbf")
+            self.assertTrue([text for text in self.texts(self.path("plot.svg")) if shown in text], name[:40])
+
+    def test_a_controller_may_have_any_name(self):
+        self.done("record", "--scene", "demo", *QUICK, "--episodes", 3, "--out", self.path("episodes"))
+        for name in ("a]]>b", "<b>&amp; ", "'\"`\n\u4e2d", "x" * 200):
+            shutil.copy(SOURCE + "/data/controllers/tuned_by_hand.json", self.path(name))
+            self.done("compare", self.path("episodes"), "./" + name, "--learners", "linear", "--trials", 2, "--plot",
+                      "plots", cwd=self.folder)
+            for plot in glob.glob(self.path("plots/*.svg")):
+                self.texts(plot)
 
 
 main()

@@ -173,21 +173,23 @@ TEST_F(ServerTest, AnotherPortOrNameIsToldWhereTheWindowIs) {
   }
 }
 
-// Only what the page says of itself.
-TEST(Server, ThePolicyHasTheScriptsOfThePage) {
-  for (const std::string scripts : {"'sha256-AbC+/0='", ""}) {
-    const std::string meta =
-        "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src " +
-        scripts + "; img-src data:\">";
+// Only what the page says of itself, with this server's port, and in no frame.
+TEST(Server, ThePolicyIsThatOfThePage) {
+  const std::string meta =
+      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src "
+      "'sha256-AbC+/0='; style-src 'sha256-d='; connect-src 'self' ws://localhost:*\">";
+  for (const bool has : {true, false}) {
     const Server server(
-        0, {[&] { return (scripts.empty() ? "" : meta) + "<script>script-src 'unsafe-inline';"; },
-            {},
-            {},
-            {}});
+        0, {[&] { return (has ? meta : "") + "<script>script-src 'unsafe-inline';"; }, {}, {}, {}});
     const Socket socket(server.port());
     socket.say("GET /" + token_of(server) + "/ HTTP/1.1\r\nHost: " + host_of(server) + "\r\n\r\n");
     const std::string answer = socket.hear(), head = answer.substr(0, answer.find("\r\n\r\n"));
-    EXPECT_NE(head.find("script-src " + (scripts.empty() ? "'none'" : scripts) + ";"), head.npos)
+    const std::string own =
+        "script-src 'sha256-AbC+/0='; style-src 'sha256-d='; connect-src 'self' ws://localhost:" +
+        std::to_string(server.port()) + "; ";
+    EXPECT_NE(head.find("Content-Security-Policy: default-src 'none'; " + (has ? own : "") +
+                        "frame-ancestors 'none'\r\n"),
+              head.npos)
         << head;
   }
 }

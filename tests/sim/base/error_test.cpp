@@ -22,6 +22,8 @@ TEST(Printable, KeepsTextAndTellsTheBytesOfWhatIsNone) {
             "\\xff\\xba"
             "e\\xe3t\\xc0\\xaf\\xed\\xa0\\x80");
   EXPECT_EQ(printable("a\xc2", 100), "a\\xc2");
+  EXPECT_EQ(printable("\xef\xbf\xbd\xef\xbf\xbf", 100),
+            "\xef\xbf\xbd\\xef\\xbf\\xbf");  // U+FFFD, U+FFFF
 }
 
 TEST(Printable, LeavesOutTheMiddleOfWhatIsLong) {

@@ -8,7 +8,7 @@ import {Pads} from './pads.js';
 const kRamp = 0.7;        // a key comes to full deflection in so many seconds ...
 const kTap = 0.12;        // ... from this: a tap is a small move
 const kDrag = 110;        // pixels of drag for full deflection
-const kDeadZone = 0.12;   // of a stick
+const kDeadZone = 0.12;   // of a stick or trigger
 const kWheelLast = 140;   // a notch of the wheel pushes so long [ms]
 
 export class Hand {
@@ -26,7 +26,7 @@ export class Hand {
     this.drag = [0, 0, 0];
     this.wheel = {share: 0, until: 0};
     this.slow = false;
-    this.pressed = false;  // of the gamepad, A or Start
+    this.pressed = false;  // of the gamepad, what starts
     addEventListener('keydown', (event) => this.key(event, true));
     addEventListener('keyup', (event) => this.key(event, false));
     addEventListener('blur', () => this.letGo());
@@ -106,10 +106,10 @@ export class Hand {
     return v;
   }
 
-  /** Whether A or Start of the gamepad went down since the last time: it starts and stops. */
+  /** Whether what starts and stops went down on the gamepad since the last time. */
   started() {
     const pad = this.pads.own(), before = this.pressed;
-    this.pressed = pad !== null && [0, 9].some((i) => this.pads.pressed(pad, i));
+    this.pressed = pad !== null && this.pads.share(pad, 'start') > 0.5;
     return this.pressed && !before;
   }
 
@@ -117,9 +117,8 @@ export class Hand {
   pad() {
     const pad = this.pads.own();
     if (!pad) return null;
-    const trigger = (/** @type {number} */ i) => Math.max(0, this.pads.button(pad, i) - kDeadZone) / (1 - kDeadZone);
-    const stick = (/** @type {number} */ i) => dead(this.pads.axis(pad, i));
-    return [trigger(6) - trigger(7) + stick(3), -stick(1), -stick(0)];
+    const along = (/** @type {import('./pads.js').Way} */ to, /** @type {import('./pads.js').Way} */ back) => this.pads.share(pad, to, live) - this.pads.share(pad, back, live);
+    return [along('out', 'in'), along('up', 'down'), along('left', 'right')];
   }
 
   /** Contact force felt in the gamepad. @param {number} share of the limit */
@@ -165,8 +164,8 @@ function shaped(x) {
   return Math.sign(x) * size ** 1.6;
 }
 
-/** @param {number} x */
-function dead(x) {
-  const size = (Math.abs(x) - kDeadZone) / (1 - kDeadZone);
-  return size > 0 ? shaped(Math.sign(x) * size) : 0;
+/** Without the dead zone of a stick or trigger; a stick is fine near the middle. @param {number} x @param {string} input */
+function live(x, input) {
+  const size = Math.max(0, x - kDeadZone) / (1 - kDeadZone);
+  return input.startsWith('a') ? shaped(size) : size;
 }

@@ -1,4 +1,5 @@
 // The page: live where the program serves it, a replay where it has something recorded.
+import {Assignment} from './assignment.js';
 import {AxisView} from './axis_view.js';
 import {byId, fixed} from './format.js';
 import {Hand, typing} from './hand.js';
@@ -63,8 +64,9 @@ class Page {
     this.before = performance.now();
     this.frames = {count: 0, since: performance.now(), rate: NaN, states: NaN};
     this.drawn = {first: 0, solid: 0};  // when there was something to see [ms since the page was asked for]
-    this.hand = new Hand(() => this.live?.open === true, () => this.live?.hand(this.hand.velocity()),
-        (text) => { byId('said', HTMLElement).textContent = text; });
+    const say = (/** @type {string} */ text) => { byId('said', HTMLElement).textContent = text; };
+    this.hand = new Hand(() => this.live?.open === true, () => this.live?.hand(this.hand.velocity()), say);
+    this.assignment = new Assignment(this.hand.pads, say);
     this.wire();
   }
 
@@ -262,6 +264,7 @@ class Page {
     live.begin(picture);
     // Not with the pictures: where they are slow the hand is not silent.
     setInterval(() => {
+      this.assignment.look();
       if (this.hand.started()) session.toggle();
       live.hand(this.hand.velocity());
     }, kHandPeriod);
