@@ -78,7 +78,7 @@ class Map {
     const auto stopped = [&] {
       return interrupted() || (!shared_trials() && seconds() > a_.seconds);
     };
-    for (auto nodes = grid_.next(); !nodes.empty() && !stopped(); nodes = grid_.next()) {
+    for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
       const int before = cells();
       const bool look = before == 0 && !shared_trials();
       for (const std::size_t trials : {look ? std::min(kLook, a_.trials) : a_.trials, a_.trials}) {
@@ -86,9 +86,10 @@ class Map {
         std::erase_if(nodes, [&](const Node& node) { return whole(node); });
         open_ = !nodes.empty();
         line_ = reached();
-        if (cells() > before && !whole()) tell_so_far(seconds());
+        if (cells() > before && !whole() && !stopped()) tell_so_far(seconds());
         if (!open_ || stopped()) break;
       }
+      if (stopped()) return;
     }
   }
 
@@ -299,8 +300,8 @@ void tell(const MapArguments& a, const Map& map) {
       [](const Point* p, const Point* q) { return p->results.size() < q->results.size(); });
   const std::size_t from = (*fewest)->results.size(), to = (*most)->results.size();
   fmt::print(
-      "beside the line {} points are not decided, by {} trials each: there it may run a little "
-      "elsewhere\n",
+      "points beside the line that are not decided: {}, by {} trials each; there it may run a "
+      "little elsewhere\n",
       open.size(), from == to ? fmt::format("{}", to) : fmt::format("{} to {}", from, to));
 }
 
