@@ -331,7 +331,7 @@ Answer of_map(const Json& result) {
     a.lines.push_back(fmt::format(
         "The line between is known to 1/{:.0f} of either range; each point beside it was decided "
         "with a chance of error of at most 5 %{}.",
-        1 / width, open == 0 ? "" : fmt::format(", but for {} that are too close to tell", open)));
+        1 / width, open == 0 ? "" : fmt::format(", but for {} that are not decided", open)));
   if (result.value("ended_by", "") == "time")
     a.lines.push_back(
         fmt::format("The time that was given ended it; with more it goes on to 1/{:.0f}.",

@@ -86,10 +86,11 @@ std::vector<std::string> not_stated(const Scene& scene) {
 std::string warning(const Scene& scene, const Identification& found) {
   if (found.fits()) return "";
   return fmt::format(
-      "the scene does not explain the forces: what is left of them is {:.1f} times the noise of "
-      "the sensor. The scene lacks something, or a number that is held fixed is wrong; values "
-      "may be far off, and the intervals are {:.1f} times wider for it. Not stated in it: {}",
-      found.misfit, found.misfit, fmt::join(not_stated(scene), ", "));
+      "the scene does not explain the forces: what is left of them is {:.2f} times the noise of "
+      "the sensor, which by itself hardly exceeds {:.2f}. The scene lacks something, or a number "
+      "that is held fixed is wrong; values "
+      "may be far off, and the intervals are {:.2f} times wider for it. Not stated in it: {}",
+      found.misfit, found.misfit_limit, found.misfit, fmt::join(not_stated(scene), ", "));
 }
 
 Json to_json(const IdentifyArguments& a, const Chosen& chosen, const Identification& found) {
@@ -115,6 +116,7 @@ Json to_json(const IdentifyArguments& a, const Chosen& chosen, const Identificat
           {"residual_uN", 1e6 * found.residual},
           {"noise_uN", 1e6 * found.noise},
           {"misfit", number_or_null(found.misfit)},
+          {"misfit_limit", number_or_null(found.misfit_limit)},
           {"fits", found.fits()},
           {"warning", found.fits() ? Json() : Json(warning(chosen.scene.scene, found))},
           {"not_stated", not_stated(chosen.scene.scene)}};

@@ -28,13 +28,15 @@ struct ImproveArguments {
 struct SceneTried {
   Scene scene;
   CampaignSummary before;
+  std::vector<TrialResult> trials_before;
   std::optional<CampaignSummary> after{};  // empty: it was stopped
+  std::optional<Comparison> change{};      // after minus before, in the same trials
 };
 
 std::vector<SceneTried> all_scenes(const ImproveArguments& a, const Scene& chosen) {
-  std::vector<SceneTried> all = {{chosen, {}}};
+  std::vector<SceneTried> all = {{chosen, {}, {}}};
   for (const std::string& name : a.also)
-    all.push_back({planned_with_progress(load_scene(name)), {}});
+    all.push_back({planned_with_progress(load_scene(name)), {}, {}});
   return all;
 }
 
@@ -88,6 +90,77 @@ void tell(const ControllerFile& before, const ControllerFile& after) {
                gain(after, i));
 }
 
+// Does a 95 % interval say of which sign it is?
+bool shows(const Interval& interval) {
+  return interval.low > 0 || interval.high < 0;
+}
+
+// A change of which the trials say the sign or do not, and its text.
+struct Change {
+  bool shown;
+  std::string text;
+};
+
+std::vector<Change> changes_of(const Comparison& c) {
+  const auto change = [](const char* what, const char* unit, int digits, double scale, double value,
+                         const Interval& in) {
+    if (!std::isfinite(in.low)) return Change{false, fmt::format("{} (too few trials)", what)};
+    return Change{shows(in),
+                  fmt::format("{} {:+.{}f} {} (95 %: {:+.{}f} to {:+.{}f})", what, scale * value,
+                              digits, unit, scale * in.low, digits, scale * in.high, digits)};
+  };
+  return {change("inserted", "points", 1, 100, c.difference, c.interval),
+          change("time", "s", 2, 1, c.time.median, c.time.interval),
+          change("peak force", "uN", 2, 1e6, c.peak_force.median, c.peak_force.interval)};
+}
+
+Json to_json(const Comparison& c) {
+  Json json;
+  add_json(c, json);
+  json["told_apart"] = {{"success", shows(c.interval)},
+                        {"time", shows(c.time.interval)},
+                        {"peak_force", shows(c.peak_force.interval)}};
+  return json;
+}
+
+// "bench: after minus before: time -9.2 s (...); these trials tell no change of: inserted ..."
+std::string in_words(const Comparison& change) {
+  std::string shown, open;
+  for (const Change& each : changes_of(change)) {
+    std::string& text = each.shown ? shown : open;
+    text += (text.empty() ? "" : ", ") + each.text;
+  }
+  if (shown.empty()) return "these trials do not tell it from before: " + open;
+  return "after minus before: " + shown + (open.empty() ? "" : "; not told apart: " + open);
+}
+
+const ImproveCentre* runner_up(const Improved& improved) {
+  const ImproveCentre* least = nullptr;
+  for (const ImproveCentre& centre : improved.choice)
+    if (!centre.chosen && (!least || centre.objective < least->objective)) least = &centre;
+  return least;
+}
+
+// What it was chosen from, and whether the trials that chose it tell it from the others.
+std::string choice_in_words(const Improved& improved) {
+  const ImproveCentre* next = runner_up(improved);
+  if (!next) return "";
+  const auto alike =
+      std::count_if(improved.choice.begin(), improved.choice.end(),
+                    [](const ImproveCentre& c) { return !c.chosen && !(c.above_chosen.low > 0); });
+  const bool same = std::any_of(improved.choice.begin(), improved.choice.end(),
+                                [](const ImproveCentre& c) { return c.before && c.chosen; });
+  return fmt::format(
+      "{}chosen of {} by {} trials each in each scene, which {}: the objective of the next, {}, is "
+      "{:.3g} to {:.3g} more (95 %)\n",
+      same ? "nothing better was found, the gains are as before; " : "", improved.choice.size(),
+      ImproveCentre::kTrials,
+      alike > 0 ? fmt::format("do not tell it from {} of the others", alike)
+                : "tell it from all others",
+      next->before ? "the controller before" : "a centre of the search", next->above_chosen.low,
+      next->above_chosen.high);
+}
+
 void show(const ImproveArguments& a, const ControllerFile& before, const ControllerFile& after,
           const Improved& improved, const std::vector<SceneTried>& tried,
           const Provenance& provenance) {
@@ -104,9 +177,18 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
     json["scenes"] = json_list(tried, [](const SceneTried& each) {
       Json row = {{"scene", each.scene.name}, {"before", short_row(to_json(each.before))}};
       if (each.after) row["after"] = short_row(to_json(*each.after));
+      if (each.change) row["change"] = to_json(*each.change);
       return row;
     });
-    for (const char* when : {"before", "after"})
+    json["choice"] = json_list(improved.choice, [](const ImproveCentre& c) {
+      return Json{{"before", c.before},
+                  {"chosen", c.chosen},
+                  {"objective", number_or_null(c.objective)},
+                  {"more_low", number_or_null(c.above_chosen.low)},
+                  {"more_high", number_or_null(c.above_chosen.high)},
+                  {"told_apart", c.above_chosen.low > 0}};
+    });
+    for (const char* when : {"before", "after", "change"})
       if (const auto& first = json["scenes"][0]; first.contains(when)) json[when] = first[when];
     print_json(std::move(json), provenance);
   } else {
@@ -117,6 +199,9 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
       if (each.after) told.push_back({"", "after", *each.after});
     }
     print_table(columns(), told);
+    for (const SceneTried& each : tried)
+      if (each.change) fmt::print("{}: {}\n", printable(each.scene.name), in_words(*each.change));
+    fmt::print("{}", choice_in_words(improved));
     fmt::print(
         "after {} trials; these are others: seed {}; time: of the inserted; peak force: of all\n"
         "wrote {}\n{}",
@@ -124,10 +209,10 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
   }
 }
 
-CampaignSummary in_unseen_trials(const ImproveArguments& a, const ControllerFile& controller,
-                                 const Scene& scene) {
-  return summarise(run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads, {},
-                                interrupted, {}, a.settings.shared));
+std::vector<TrialResult> in_unseen_trials(const ImproveArguments& a,
+                                          const ControllerFile& controller, const Scene& scene) {
+  return run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads, {},
+                      interrupted, {}, a.settings.shared);
 }
 
 // How the controller inserts before, and what its trials cost in units of that.
@@ -138,7 +223,8 @@ std::vector<ImproveTask> measure_before(const ImproveArguments& a, const Control
   };
   std::vector<ImproveTask> tasks;
   for (SceneTried& each : tried) {
-    each.before = in_unseen_trials(a, before, each.scene);
+    each.trials_before = in_unseen_trials(a, before, each.scene);
+    each.before = summarise(each.trials_before);
     end_if_interrupted();
     Objective objective;
     if (counts("time")) objective.time = each.before.time.median;
@@ -186,9 +272,10 @@ int improve_verb(ImproveArguments a) {
   const ControllerFile after = as_improved(before, tried, improved);
   if (!runs_a_shard()) write_controller(a.out, after);
   for (SceneTried& each : tried) {
-    const CampaignSummary summary = in_unseen_trials(a, after, each.scene);
+    const std::vector<TrialResult> trials = in_unseen_trials(a, after, each.scene);
     if (interrupted()) break;
-    each.after = summary;
+    each.after = summarise(trials);
+    each.change = compare_shared(trials, each.trials_before);
   }
   show(a, before, after, improved, tried, provenance);
   return interrupted() ? kInterrupted : kDone;

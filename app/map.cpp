@@ -66,8 +66,9 @@ class Map {
     refuse_beyond();
   }
 
-  // As far as Ctrl-C and the time let it go: with all points that are whole. Shards, and who merges
-  // them, take all the time that the line takes, as all must come to the same.
+  // As far as Ctrl-C and the time let it go: with all points that are whole. It looks at the
+  // coarsest ones with few trials before, so that there is a line early. Shards, and who merges them,
+  // take all the time that the line takes, as all must come to the same.
   void run() {
     using Clock = std::chrono::steady_clock;
     const auto begin = Clock::now();
@@ -78,20 +79,16 @@ class Map {
       return interrupted() || (!shared_trials() && seconds() > a_.seconds);
     };
     for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
-      std::vector<Point*> wanted;
-      for (const Node& node : nodes) wanted.push_back(&(points_[node] = point(node)));
-      ferrule::run(a_, varied_, stopping_, wanted, stopped);
-      for (const Node& node : nodes) {
-        const Point& p = points_[node];
-        if (stopped() && p.scene && !stopping_.whole(p.results, a_.trials))
-          points_.erase(node);
-        else
-          grid_.set(node,
-                    p.summary.successes > 0 ? p.summary.success_rate - a_.target : -a_.target);
-      }
       const int before = cells();
-      line_ = reached();
-      if (cells() > before && !whole()) tell_so_far(seconds());
+      const bool look = before == 0 && !shared_trials();
+      for (const std::size_t trials : {look ? std::min(kLook, a_.trials) : a_.trials, a_.trials}) {
+        run(nodes, trials, stopped);
+        std::erase_if(nodes, [&](const Node& node) { return whole(node); });
+        open_ = !nodes.empty();
+        line_ = reached();
+        if (cells() > before && !whole() && !stopped()) tell_so_far(seconds());
+        if (!open_ || stopped()) break;
+      }
       if (stopped()) return;
     }
   }
@@ -101,7 +98,7 @@ class Map {
   int asked_cells() const { return grid_.cells(); }
   // To how many parts of either range the line is known; 0: not even to kCoarsest.
   int cells() const { return line_ ? line_->cells() : 0; }
-  bool whole() const { return cells() == asked_cells(); }
+  bool whole() const { return cells() == asked_cells() && !open_; }
   // In units of the keys.
   std::vector<RefinedGrid::Line> contour() const {
     if (!line_) return {};
@@ -121,15 +118,15 @@ class Map {
     return side * side;
   }
   // Points beside the contour of which the target is neither shown nor refuted.
-  std::size_t undecided() const {
-    std::size_t count = 0;
+  std::vector<const Point*> undecided() const {
+    std::vector<const Point*> all;
     if (line_)
       for (const auto& [x, y] : line_->beside_contour()) {
         const int size = asked_cells() / cells();
         const Point& p = points_.at({size * x, size * y});
-        count += p.scene && p.summary.target->kind == Verdict::undecided;
+        if (p.scene && p.summary.target->kind == Verdict::undecided) all.push_back(&p);
       }
-    return count;
+    return all;
   }
   std::size_t decided(Verdict::Kind kind) const {
     return static_cast<std::size_t>(
@@ -139,6 +136,30 @@ class Map {
   }
 
  private:
+  static constexpr std::size_t kLook = 30;  // trials
+
+  // All of them that are not cut short.
+  void run(const std::vector<Node>& nodes, std::size_t trials,
+           const std::function<bool()>& stopped) {
+    VariedArguments arguments = a_;
+    arguments.trials = trials;
+    Points tried;
+    std::vector<Point*> wanted;
+    for (const Node& node : nodes) wanted.push_back(&(tried[node] = point(node)));
+    ferrule::run(arguments, varied_, stopping_, wanted, stopped);
+    for (auto& [node, p] : tried) {
+      if (p.scene && !stopping_.whole(p.results, trials)) continue;
+      grid_.set(node, p.summary.successes > 0 ? p.summary.success_rate - a_.target : -a_.target);
+      points_[node] = std::move(p);
+    }
+  }
+
+  bool whole(const Node& node) const {
+    const auto found = points_.find(node);
+    return found != points_.end() &&
+           (!found->second.scene || stopping_.whole(found->second.results, a_.trials));
+  }
+
   std::string setting(std::size_t i, const std::string& value) const {
     return axes_[i].key + "=" + value;
   }
@@ -193,6 +214,7 @@ class Map {
   std::array<Axis, 2> axes_;
   RefinedGrid grid_;
   std::optional<RefinedGrid> line_;  // as fine as it is known
+  bool open_ = true;                 // points are left that were only looked at, or cut short
   Points points_;
 };
 
@@ -225,7 +247,7 @@ Json to_json(const MapArguments& a, const std::string& who, const Map& map) {
           {"rows", rows},
           {"contour", contour},
           {"contour_begins", begins},
-          {"undecided", map.undecided()},
+          {"undecided", map.undecided().size()},
           {"trials", map.trials()},
           {"uniform_grid_points", map.uniform_points()},
           {"uniform_grid_trials", map.uniform_points() * a.trials}};
@@ -271,11 +293,16 @@ void tell(const MapArguments& a, const Map& map) {
       "{}{}{} trials at {} points: {:.1f} % of the {} at {} points of a uniform grid as fine\n",
       fineness(a, map), map.whole() ? "; " : "\n", map.trials(), map.points().size(), 100 * share,
       map.uniform_points() * a.trials, map.uniform_points());
-  if (const std::size_t count = map.undecided(); count > 0)
-    fmt::print(
-        "beside the line {} points are too close to {:g} % for {} trials to tell: there it may "
-        "run a little elsewhere\n",
-        count, 100 * a.target, a.trials);
+  const std::vector<const Point*> open = map.undecided();
+  if (open.empty()) return;
+  const auto [fewest, most] = std::minmax_element(
+      open.begin(), open.end(),
+      [](const Point* p, const Point* q) { return p->results.size() < q->results.size(); });
+  const std::size_t from = (*fewest)->results.size(), to = (*most)->results.size();
+  fmt::print(
+      "points beside the line that are not decided: {}, by {} trials each; there it may run a "
+      "little elsewhere\n",
+      open.size(), from == to ? fmt::format("{}", to) : fmt::format("{} to {}", from, to));
 }
 
 int map_verb(const MapArguments& a) {

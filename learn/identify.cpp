@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
 #include "controller/statistics.hpp"
@@ -25,6 +26,7 @@ constexpr double kJump = 0.5 * kForceHuber;  // of the second difference: no der
 constexpr double kRange = SceneNumber::kRange;
 constexpr double kGood = 2e-3;            // of the force limit, to which the fit is good
 constexpr double kLeftOut = 0.01;         // of the rows, those that differ most
+constexpr double kFalseAlarm = 1e-3;      // of the noise alone, to exceed the limit
 constexpr double kNoChange = 1e-6;        // change of force, of the force limit
 constexpr double kReplaceable = 0.99;     // correlation of two that stand for each other
 constexpr std::size_t kRandomPoints = 6;  // per parameter
@@ -241,14 +243,18 @@ double white_noise(const Replays& replays, std::size_t recordings, const VectorX
   return quantile(changes, 0.5) / (0.6745 * std::sqrt(2.0));  // median of |x|, x normal
 }
 
-// Sets misfit and noise; `all` as of precision_at.
+// Sets misfit, its limit, and noise; `all` as of precision_at.
 void hold_against_noise(const Replays& replays, std::size_t recordings, const Scene& scene,
                         const MatrixXd& all, Identification& result) {
   VectorXd sigma = replays.sensor_noise() / replays.unit();
+  const double white =
+      std::hypot(scene.sensor.noise, scene.sensor.resolution / std::sqrt(12.0)) / replays.unit();
+  const VectorXd lasting = sigma.array().square() - white * white;  // 0 of an ideal sensor
   if (sigma.isZero(0)) sigma.setConstant(white_noise(replays, recordings, all.col(0)));
   sigma = sigma.array().square() + kGood * kGood;  // squared
   result.noise = replays.unit() * std::sqrt(3 * sigma.mean());
   std::vector<double> squares;
+  double correlated = 0;  // sum of rho^2 over all pairs of rows
   for (std::size_t r = 0; r < recordings; ++r) {
     const auto [first, count] = replays.rows_of(r);
     std::vector<Eigen::Index> smooth;
@@ -261,16 +267,28 @@ void hold_against_noise(const Replays& replays, std::size_t recordings, const Sc
     if (scene.sensor.biased())
       for (const Eigen::Index n : smooth)
         bias += all.block<3, 1>(5 * n, 0) / static_cast<double>(smooth.size());
-    for (const Eigen::Index n : smooth)
+    double shares = 0;
+    for (const Eigen::Index n : smooth) {
       squares.push_back((all.block<3, 1>(5 * n, 0) - bias).squaredNorm() / sigma[n]);
+      const double share = lasting[n] / sigma[n];
+      shares += share;
+      correlated += 1 - share * share;
+    }
+    correlated += shares * shares;
   }
+  const double independent = static_cast<double>(squares.size()) / correlated;  // of each row
   std::sort(squares.begin(), squares.end());
   squares.resize(static_cast<std::size_t>((1 - kLeftOut) * static_cast<double>(squares.size())));
   double sum = 0;
   for (const double square : squares) sum += square;
   const double freedom =
       3 * static_cast<double>(squares.size()) - static_cast<double>(result.parameters.size());
-  result.misfit = freedom > 0 ? std::sqrt(sum / freedom) : NAN;
+  result.misfit = result.misfit_limit = NAN;
+  if (!(freedom > 0)) return;
+  result.misfit = std::sqrt(sum / freedom);
+  const boost::math::chi_squared noise(independent * freedom);
+  result.misfit_limit =
+      std::sqrt(boost::math::quantile(complement(noise, kFalseAlarm)) / (independent * freedom));
 }
 
 double force_difference(const Replays& replays, const VectorXd& x) {

@@ -27,9 +27,16 @@
 // over the rows that do not jump, without the hundredth of them that differ most (a jump that comes
 // a moment earlier or later); b is the mean over an episode where the sensor has a bias, otherwise
 // 0. Where the sensor is ideal, sigma is the white noise of the recordings themselves, from
-// differences of one row to the next. It is 1 where only noise is left. Beyond kMisfit the scene
-// lacks something, or a number that was held fixed is wrong: the intervals, which know nothing of
-// that, are wider by this factor (as the Particle Data Group scales errors by sqrt(chi^2/(N - 1))).
+// differences of one row to the next. It is 1 where only noise is left. Where it is more than
+// noise makes it once in a thousand times, the scene lacks something, or a number that was held
+// fixed is wrong: the intervals, which know nothing of that, are wider by this factor (as the
+// Particle Data Group scales errors by sqrt(chi^2/(N - 1))).
+//
+// That limit is the 99.9 % quantile of sqrt(chi^2/n) with n degrees of freedom: those above, but
+// fewer where the sensor's errors last (walk, drift, vibration, gain, cross-talk). Of two rows of an
+// episode, of which s_i and s_j are the lasting shares of the variance, the errors then have the
+// correlation rho = sqrt(s_i s_j), and the variance of the sum grows from the number of rows to the
+// sum of rho^2 over all pairs.
 #pragma once
 
 #include <functional>
@@ -52,8 +59,6 @@ struct IdentifiedParameter {
   double low, high;               // 95 % interval; NaN where it is not bounded
 };
 
-inline constexpr double kMisfit = 1.5;
-
 struct Identification {
   std::vector<IdentifiedParameter> parameters;
   // Of the errors of the estimates: near 1 or -1 where one parameter can replace the other. 0 where
@@ -61,10 +66,10 @@ struct Identification {
   Eigen::MatrixXd correlation;
   double residual_start, residual;  // root mean square of the force difference [N]
   double noise;                     // of it, what sigma alone would make [N]
-  double misfit;                    // [-]; NaN of too few rows
+  double misfit, misfit_limit;      // [-]; NaN of too few rows
   std::size_t rows;                 // compared
 
-  bool fits() const { return !(misfit > kMisfit); }
+  bool fits() const { return !(misfit > misfit_limit); }
   bool partial = false;  // stopped before the fit was whole
 };
 

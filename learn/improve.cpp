@@ -14,8 +14,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr double kFirstSpread = 0.3;
-constexpr double kNarrow = 0.02;      // what trials of so many cannot tell apart
-constexpr std::size_t kChoice = 200;  // trials of each centre in the end, in each task
+constexpr double kNarrow = 0.02;  // what trials of so many cannot tell apart
 
 // Of the trials of generation `n`; those of a campaign with `seed` itself are never among them.
 std::uint64_t seed_of_generation(std::uint64_t seed, std::uint64_t n) {
@@ -34,11 +33,55 @@ auto& network_number(AnyPolicy& policy, std::size_t i) {
 // A generation of so many candidates, and then the choice between the centres, its own among them.
 std::size_t trials_of(int candidates, std::size_t centres, std::size_t tasks,
                       const ImproveSettings& settings) {
-  return tasks *
-         (static_cast<std::size_t>(candidates) * settings.trials_each + (centres + 1) * kChoice);
+  return tasks * (static_cast<std::size_t>(candidates) * settings.trials_each +
+                  (centres + 1) * ImproveCentre::kTrials);
+}
+
+// Of the candidates, each in all tasks: the results of the first one's tasks, then of the next one's.
+using Results = std::vector<std::vector<TrialResult>>;
+
+// The mean objective of each candidate.
+std::vector<double> objectives(const Results& results, const std::vector<ImproveTask>& tasks) {
+  std::vector<double> values(results.size() / tasks.size(), 0);
+  for (std::size_t i = 0; i < results.size(); ++i)
+    values[i / tasks.size()] +=
+        tasks[i % tasks.size()].objective.of(results[i]) / static_cast<double>(tasks.size());
+  return values;
+}
+
+// The trials' parts of the objective of candidate a minus that of b, which is their mean. What is
+// drawn is the same in all tasks, so that a trial's differences there go together.
+VectorXd objective_differences(const Results& results, const std::vector<ImproveTask>& tasks,
+                               std::size_t a, std::size_t b) {
+  VectorXd all = VectorXd::Zero(static_cast<Index>(results.front().size()));
+  for (std::size_t t = 0; t < tasks.size(); ++t) {
+    const auto& in_a = results[a * tasks.size() + t];
+    const auto& in_b = results[b * tasks.size() + t];
+    const auto feasible = [](const TrialResult& r) { return r.outcome != Outcome::infeasible; };
+    const auto count = std::count_if(in_a.begin(), in_a.end(), feasible);
+    const double part = static_cast<double>(all.size()) / static_cast<double>(count);
+    for (std::size_t k = 0; k < in_a.size(); ++k)
+      if (feasible(in_a[k]))
+        all[static_cast<Index>(k)] +=
+            part * (tasks[t].objective.of(in_a[k]) - tasks[t].objective.of(in_b[k]));
+  }
+  return all / static_cast<double>(tasks.size());
+}
+
+Interval interval_of_mean(const VectorXd& values) {
+  const double mean = values.mean(), n = static_cast<double>(values.size());
+  const double half =
+      1.959963984540054 * std::sqrt((values.array() - mean).square().sum() / (n - 1) / n);
+  return {mean - half, mean + half};
 }
 
 }  // namespace
+
+double Objective::of(const TrialResult& feasible) const {
+  if (feasible.outcome != Outcome::inserted) return kFailure;
+  return (time > 0 ? feasible.summary.time / time : 0) +
+         (force > 0 ? feasible.summary.peak_force / force : 0);
+}
 
 double Objective::of(const std::vector<TrialResult>& results) const {
   double sum = 0;
@@ -46,12 +89,7 @@ double Objective::of(const std::vector<TrialResult>& results) const {
   for (const TrialResult& trial : results) {
     if (trial.outcome == Outcome::infeasible) continue;
     ++feasible;
-    if (trial.outcome != Outcome::inserted) {
-      sum += kFailure;
-      continue;
-    }
-    if (time > 0) sum += trial.summary.time / time;
-    if (force > 0) sum += trial.summary.peak_force / force;
+    sum += of(trial);
   }
   return feasible > 0 ? sum / static_cast<double>(feasible) : NAN;
 }
@@ -111,24 +149,22 @@ Improved improve(const ControllerFile& controller, const std::vector<ImproveTask
   const std::vector<std::size_t> free = free_gains(controller);
   const auto n = static_cast<Index>(free.size());
   std::uint64_t generation = 0;
-  Improved done{controller, {}};
-  // The mean objective of each candidate, in the same trials; empty where it was stopped.
-  const auto judge = [&](const std::vector<VectorXd>& candidates, std::size_t trials) {
+  Improved done{controller, {}, {}};
+  // All candidates in the same trials; empty where it was stopped.
+  const auto tried = [&](const std::vector<VectorXd>& candidates, std::size_t trials) {
     std::vector<Campaign> campaigns;
     for (const VectorXd& x : candidates) {
       const MakeController make = maker(with_gains(controller, free, x));
       for (const ImproveTask& task : tasks) campaigns.push_back({task.scene, make});
     }
-    const auto results = run_campaigns(campaigns, seed_of_generation(settings.seed, generation++),
-                                       trials, settings.threads, {}, stop, settings.shared);
-    std::vector<double> values(candidates.size(), 0);
-    for (std::size_t i = 0; i < results.size(); ++i) {
-      done.trials += results[i].size();
-      if (results[i].size() < trials) return std::vector<double>{};
-      const Objective& objective = tasks[i % tasks.size()].objective;
-      values[i / tasks.size()] += objective.of(results[i]) / static_cast<double>(tasks.size());
+    Results results = run_campaigns(campaigns, seed_of_generation(settings.seed, generation++),
+                                    trials, settings.threads, {}, stop, settings.shared);
+    bool whole = true;
+    for (const std::vector<TrialResult>& each : results) {
+      done.trials += each.size();
+      whole &= each.size() == trials;
     }
-    return values;
+    return whole ? results : Results{};
   };
 
   std::vector<VectorXd> centres = {VectorXd::Zero(n)};
@@ -144,7 +180,7 @@ Improved improve(const ControllerFile& controller, const std::vector<ImproveTask
       const Eigen::MatrixXd& candidates = search.ask();
       std::vector<VectorXd> all;
       for (Index k = 0; k < candidates.cols(); ++k) all.emplace_back(candidates.col(k));
-      const std::vector<double> values = judge(all, settings.trials_each);
+      const std::vector<double> values = objectives(tried(all, settings.trials_each), tasks);
       stopped = values.empty();
       if (stopped) break;
       search.tell(Eigen::Map<const VectorXd>(values.data(), static_cast<Index>(values.size())));
@@ -155,12 +191,17 @@ Improved improve(const ControllerFile& controller, const std::vector<ImproveTask
     centres.push_back(search.mean());
     ++done.restarts;
   }
-  // Without them, where it was stopped: the centre of the last.
-  const std::vector<double> values = stopped ? std::vector<double>{} : judge(centres, kChoice);
-  const auto best = values.empty()
-                        ? static_cast<std::ptrdiff_t>(centres.size()) - 1
-                        : std::min_element(values.begin(), values.end()) - values.begin();
-  done.controller = with_gains(controller, free, centres[static_cast<std::size_t>(best)]);
+  std::size_t chosen = centres.size() - 1;  // where it was stopped
+  if (const Results results = stopped ? Results{} : tried(centres, ImproveCentre::kTrials);
+      !results.empty()) {
+    const std::vector<double> values = objectives(results, tasks);
+    chosen =
+        static_cast<std::size_t>(std::min_element(values.begin(), values.end()) - values.begin());
+    for (std::size_t i = 0; i < centres.size(); ++i)
+      done.choice.push_back({i == 0, i == chosen, values[i],
+                             interval_of_mean(objective_differences(results, tasks, i, chosen))});
+  }
+  done.controller = with_gains(controller, free, centres[chosen]);
   return done;
 }
 

@@ -16,6 +16,7 @@ struct Objective {
   static constexpr double kFailure = 10;
   double time = 0, force = 0;  // medians before [s, N]; 0: it does not matter
 
+  double of(const TrialResult& feasible) const;
   // Mean over the trials that are feasible; NaN without any.
   double of(const std::vector<TrialResult>& results) const;
 };
@@ -55,9 +56,23 @@ struct ImproveRow {
   double spread;       // largest standard deviation of the logarithms of the gains
 };
 
+// One of those among which it chose in the end: the controller as it was, and the centre of each
+// distribution.
+struct ImproveCentre {
+  static constexpr std::size_t kTrials = 200;  // of each, in each task
+
+  bool before, chosen;
+  double objective;  // mean over the tasks
+  // How much more that is than the chosen one's in the same trials: 95 % interval of the mean of the
+  // differences, as if normal. The chosen one is the best of several in these trials: where an
+  // interval has 0, they do not tell the two apart.
+  Interval above_chosen;
+};
+
 struct Improved {
   ControllerFile controller;
   std::vector<ImproveRow> rows;
+  std::vector<ImproveCentre> choice;  // empty where it was stopped before
   std::size_t trials = 0, restarts = 0;
 };
 

@@ -150,7 +150,7 @@ TEST(Identify, AParameterBeyondItsBoundIsSaidToBeThere) {
 
 // Forces of a scene, with the noise that its sensor is said to have.
 Scene with_sensor(std::vector<std::string> settings) {
-  settings.emplace_back("sensor.noise_uN=0.02");
+  settings.insert(settings.begin(), "sensor.noise_uN=0.02");
   return without_wells(std::move(settings));
 }
 
@@ -176,6 +176,50 @@ TEST(Identify, AModelThatHasItAllFitsWhateverTheSensor) {
         data[k].wrench.col(1).array() += k % 2 == 0 ? 1e-7 : -1e-7;
     const Identification i = identify(data, start, {kBore}, 1);
     EXPECT_TRUE(i.fits()) << sensor << " " << noise << ": " << i.misfit;
+  }
+}
+
+// As the scene's sensor reads them.
+std::vector<Recording> sensed(const Scene& scene, std::uint64_t seed) {
+  std::vector<Recording> all = recordings(scene, 0, seed);
+  for (std::uint64_t trial = 1; trial <= all.size(); ++trial) {
+    ForceSensor sensor(scene.sensor, seed + 100, trial);
+    Recording& one = all[trial - 1];
+    for (Eigen::Index n = 0; n < one.wrench.rows(); ++n)
+      one.wrench.row(n) = sensor.read(one.wrench.row(n).transpose(), one.period).transpose();
+  }
+  return all;
+}
+
+// Nothing is fitted here: what is left is noise. Errors that last are fewer independent ones.
+TEST(Identify, NoiseAloneStaysBelowItsLimit) {
+  const auto held = [](const char* sensor, std::uint64_t seed) {
+    const Scene scene = with_sensor({"sensor.noise_uN=0.05", sensor});
+    return identify(sensed(scene, seed), scene, {"ferrule.length_mm"}, seed);
+  };
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    const Identification white = held("sensor.resolution_uN=0.01", seed);
+    EXPECT_LT(white.misfit, white.misfit_limit) << seed;
+    EXPECT_GT(white.misfit, 0.8) << seed;
+    const double freedom = 3 * static_cast<double>(white.rows);
+    EXPECT_CLOSE(white.misfit_limit, 1 + 3.09 / std::sqrt(2 * freedom), 3e-3);
+    for (const char* lasting : {"sensor.bias_walk_uN_sqrt_s=0.05", "sensor.gain_error=0.1"}) {
+      const Identification i = held(lasting, seed);
+      EXPECT_LT(i.misfit, i.misfit_limit) << lasting << " " << seed;
+      EXPECT_GT(i.misfit_limit, 1.05) << lasting << " " << seed;
+    }
+  }
+}
+
+// By less than half of the noise.
+TEST(Identify, ANumberThatIsHeldAtAWrongValueIsFound) {
+  for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+    const auto data = sensed(with_sensor({"sensor.noise_uN=0.05"}), seed);
+    const Identification i =
+        identify(data, with_sensor({"sensor.noise_uN=0.05", "laws.friction.burgers_nm=0.45"}),
+                 {"ferrule.length_mm"}, seed);
+    EXPECT_FALSE(i.fits()) << seed << ": " << i.misfit << ", " << i.misfit_limit;
+    EXPECT_LT(i.misfit, 1.5) << seed;
   }
 }
 

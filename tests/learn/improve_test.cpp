@@ -89,6 +89,21 @@ TEST(ImproveInSeconds, InsertsSoonerInTrialsThatItHasNotSeen) {
   EXPECT_LE(improved.trials, settings.trials);
   EXPECT_LT(cost(improved.controller), 0.8 * cost(before));
 
+  // What chose it tells it from where it began.
+  ASSERT_GE(improved.choice.size(), 2U);
+  EXPECT_TRUE(improved.choice.front().before);
+  EXPECT_GT(improved.choice.front().above_chosen.low, 0.2);
+  int chosen = 0;
+  for (const ImproveCentre& centre : improved.choice) {
+    EXPECT_LE(centre.above_chosen.low, centre.above_chosen.high);
+    EXPECT_GE(centre.above_chosen.low + centre.above_chosen.high, 0);
+    if (!centre.chosen) continue;
+    ++chosen;
+    EXPECT_EQ(centre.above_chosen.low, 0);
+    EXPECT_EQ(centre.above_chosen.high, 0);
+  }
+  EXPECT_EQ(chosen, 1);
+
   // The same with one thread.
   settings.threads = 1;
   const Improved again = improve(before, {{&scene, {.time = 1}}}, settings);
@@ -105,6 +120,10 @@ TEST(ImproveInSeconds, TheSameSceneTwiceIsThatScene) {
   EXPECT_EQ(twice.trials, 2 * once.trials);
   for (const std::size_t i : free_gains(before))
     EXPECT_EQ(gain(once.controller, i), gain(twice.controller, i));
+  // Trials that are the same twice say no more than once.
+  ASSERT_EQ(once.choice.size(), twice.choice.size());
+  for (std::size_t i = 0; i < once.choice.size(); ++i)
+    EXPECT_CLOSE(once.choice[i].above_chosen.low, twice.choice[i].above_chosen.low, 1e-12);
 }
 
 TEST(Improve, KeepsTheBestWhereItIsStopped) {

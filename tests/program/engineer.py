@@ -132,8 +132,8 @@ class Engineer(Case):
         self.assertEqual(process.returncode, 130)
         result = json.loads(told)
         self.assertIn("points", result["provenance"]["partial"])
-        for row in result["rows"]:
-            self.assertTrue(row["trials"] == 3000 or row["target"]["verdict"] != "undecided", row)
+        for row in result["rows"]:  # 30: it was only looked at
+            self.assertTrue(row["trials"] in (30, 3000) or row["target"]["verdict"] != "undecided", row)
 
     # The answer that report prints of a map of these rows, (x, y, verdict, success rate), and lines.
     def answer_of_map(self, rows, lines):
@@ -226,7 +226,8 @@ class Engineer(Case):
         for seconds in (2, 4, 8, 16, 32):  # whatever the machine does besides, one of them knows a line
             result = self.json_of(*finer, "--time", f"{seconds}s")
             self.assertEqual(result["ended_by"], "time")
-            if result["width"] is not None and result["contour"]:
+            looked_at = [row for row in result["rows"] if row["target"]["verdict"] == "undecided" and row["trials"] < 60]
+            if result["contour"] and not looked_at:
                 break
         self.assertEqual(result["asked_width"], 1 / 512)
         self.assertGreater(result["width"], 1 / 512)
@@ -245,6 +246,21 @@ class Engineer(Case):
             json.dump(result, out)
         self.assertIn("The time that was given ended it", self.done(
             "report", self.path("m.json"), "--out", self.path("m.html")).stdout)
+
+    # All points of the coarsest grid are looked at before any is decided.
+    def test_a_map_has_a_line_early(self):
+        process = subprocess.Popen([PROGRAM, *map(str, self.MAP[:-6]), "--target", "0.7", "--trials", "3000", "--json"],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                                   preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))
+        self.addCleanup(process.kill)
+        self.assertRegex(process.stderr.readline(), "after [0-9]+ s known to 1/4: 70 % along ")
+        process.send_signal(signal.SIGINT)
+        result = json.loads(process.communicate(timeout=60)[0])
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(result["ended_by"], "interrupt")
+        self.assertTrue(result["contour"])
+        self.assertEqual(result["width"], 1 / 4)
+        self.assertIn(30, [row["trials"] for row in result["rows"]])
 
     def test_a_map_without_time_says_what_it_knows(self):
         words = [*self.MAP[:-4], "--target", 0.7, "--time", "0.001"]

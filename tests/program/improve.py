@@ -25,10 +25,19 @@ class Improve(Case):
                                          "--json").stdout)
             self.assertEqual(alone["time_s"]["median"], row["time_s"])
             self.assertEqual(alone["success_rate"], row["success_rate"])
+        change, told = result["change"], result["change"]["told_apart"]
+        self.assertLess(change["time_difference_s"]["high"], 0)
+        self.assertTrue(told["time"])
+        self.assertEqual(told["success"], change["difference_low"] > 0 or change["difference_high"] < 0)
+        self.assertEqual(sum(centre["chosen"] for centre in result["choice"]), 1)
+        self.assertEqual([centre["before"] for centre in result["choice"]],
+                         [True] + (len(result["choice"]) - 1) * [False])
         text = self.done("improve", out, "--set", "limits.time_s=50", "--trials", 1000, "--trials-each", 4,
                          "--unseen", 5, "--objective", "success", "--out", self.path("again.json")).stdout
         self.assertIn("cruise_speed", text)
-        self.assertIn("before", text)
+        self.assertIn("these trials do not tell it from before", text)
+        self.assertIn("time (too few trials)", text)
+        self.assertRegex(text, "chosen of [0-9]+ by 200 trials each in each scene, which (do not )?tell it from ")
 
     def test_a_search_keeps_the_sizes_of_its_parts(self):
         out = self.path("better.json")
