@@ -84,7 +84,7 @@ std::string c_header(const SearchFile& file, const std::string& origin) {
       "static const ferrule_numbers ferrule_gain = {{\n",
       kSearchInC);
   for (std::size_t i = 0; i < kSearchGains.size(); ++i)
-    body += fmt::format("    {:#.17g}, /* {}, {} [{}] */\n", file.gains[i], kSearchGains[i].name,
+    body += fmt::format("    .{} = {:#.17g}, /* {} [{}] */\n", kSearchGains[i].name, file.gains[i],
                         kSearchGains[i].symbol, kSearchGains[i].unit);
   body += R"(};
 

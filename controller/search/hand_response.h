@@ -33,7 +33,6 @@ static inline void ferrule_hand_moved(ferrule_hand* h, double way, double time, 
   const double measured_time = 0.25;  // so long it is measured [s]
   const double measured_delays = 5;   // and at least so many times its delay
   const double most_gain = 2;         // or its inverse: what moves less is held back
-  double reached;
   if (h->measured) return;
   if (time >= 2 * h->last.time) {
     h->before = h->last;
@@ -41,7 +40,7 @@ static inline void ferrule_hand_moved(ferrule_hand* h, double way, double time, 
     h->last.way = way;
   }
   if (!(way > h->before.way && time > h->before.time)) return;
-  reached = (way - h->before.way) / (time - h->before.time);
+  const double reached = (way - h->before.way) / (time - h->before.time);
   h->delay = ferrule_max(0, time - way / reached);
   h->measured = time > ferrule_max(measured_time, measured_delays * h->delay);
   if (h->measured) h->gain = ferrule_clamp(reached / speed, 1 / most_gain, most_gain);

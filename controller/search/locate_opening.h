@@ -172,22 +172,20 @@ static inline ferrule_opening ferrule_locate_opening(const ferrule_axes* touches
         ferrule_times(distances[guess / 8] * discs.fibre, ferrule_eighth(guess % 8));
     const ferrule_v2 axis = ferrule_sum(touches[count - 1].across, aside);
     double at[FERRULE_UNKNOWNS] = {0, axis.y, axis.z, 0, 0, 0};
-    double damping = 1e-3;
-    ferrule_squares squares;
     // The face where the touches on average have it.
     for (int k = 0; k < count; ++k)
       at[0] += (touches[k].x -
                 ferrule_rests(discs, touches[k].about, ferrule_difference(touches[k].across, axis))
                     .ahead) /
                count;
-    squares = ferrule_squares_at(at, touches, count, discs, errors);
+    ferrule_squares squares = ferrule_squares_at(at, touches, count, discs, errors);
+    double damping = 1e-3;
     for (int n = 1; n < evaluations; ++n) {
-      double step[FERRULE_UNKNOWNS], there[FERRULE_UNKNOWNS], gained;
-      ferrule_squares tried;
+      double step[FERRULE_UNKNOWNS], there[FERRULE_UNKNOWNS];
       ferrule_step(&squares, damping, step);
       for (int i = 0; i < FERRULE_UNKNOWNS; ++i) there[i] = at[i] + step[i];
-      tried = ferrule_squares_at(there, touches, count, discs, errors);
-      gained = squares.sum - tried.sum;
+      const ferrule_squares tried = ferrule_squares_at(there, touches, count, discs, errors);
+      const double gained = squares.sum - tried.sum;
       damping *= gained > 0 ? 0.1 : 10;
       if (!(gained > 0)) continue;
       for (int i = 0; i < FERRULE_UNKNOWNS; ++i) at[i] = there[i];

@@ -50,6 +50,7 @@ typedef enum {
   FERRULE_STRAIGHTEN
 } ferrule_phase;
 
+// As kSearchGains (controller/search_law.hpp).
 typedef struct {
   double approach_speed, touch_speed, insert_speed;                // v_a, v_t, v_i [m/s]
   double tilt_rate;                                                // w [rad/s]
@@ -362,12 +363,10 @@ static inline ferrule_axes ferrule_touch(ferrule_search* s, const ferrule_observ
   // What the mean may be wrong by.
   const double error =
       first ? ferrule_force_error * felt : ferrule_height_error(s->n.fibre_radius) * s->stiffness;
-  double f;
-  ferrule_axes touch = o->displacement;
   if (rested < s->hand.delay + ferrule_settling * s->n.hold_time) return ferrule_along(0);
   s->sum += o->wrench.x;
   ++s->read;
-  f = s->sum / s->read;
+  const double f = s->sum / s->read;
   if (rested < s->hand.delay + s->n.hold_time || s->noise.x > s->read * error * error)
     return ferrule_along(0);
   if (!ferrule_late(s) && sideways > ferrule_slides * f && f > 0.5 * felt)
@@ -381,6 +380,7 @@ static inline ferrule_axes ferrule_touch(ferrule_search* s, const ferrule_observ
   if (first && !(f < ferrule_released * s->rest_force)) return ferrule_begin(s, FERRULE_RELEASE, o);
   if (first) s->stiffness = (s->rest_force - f) / (x - s->rest_at);
   if (!first && f < 0.5 * felt) return ferrule_begin(s, FERRULE_LOWER, o);
+  ferrule_axes touch = o->displacement;
   touch.x = x + f / s->stiffness;
   ferrule_rested(&s->touches, touch, o->height);
   return ferrule_begin(s, FERRULE_LIFT, o);
@@ -416,29 +416,29 @@ static inline ferrule_axes ferrule_move(ferrule_search* s, const ferrule_observe
 
 static inline ferrule_axes ferrule_lower(ferrule_search* s, const ferrule_observed* o) {
   const double x = o->displacement.x;
-  double clear = ferrule_highest_rest(&s->touches) + ferrule_clear * s->n.lift, braking;
   if (o->wrench.x > ferrule_felt_force(s)) return ferrule_begin(s, FERRULE_TOUCH, o);
   if (x + s->smooth.x / s->stiffness < ferrule_lowest_rest(&s->touches) - s->n.lift)
     return ferrule_begin(s, o->height < -s->n.lift ? FERRULE_INSERT : FERRULE_APPROACH, o);
+  double clear = ferrule_highest_rest(&s->touches) + ferrule_clear * s->n.lift;
   if (ferrule_late(s)) clear += ferrule_further * ferrule_climb(&s->touches);
-  braking = (x - clear) / ferrule_max(ferrule_brake_time, ferrule_brake_lags * s->hand.delay);
+  const double braking =
+      (x - clear) / ferrule_max(ferrule_brake_time, ferrule_brake_lags * s->hand.delay);
   return ferrule_along(-ferrule_clamp(braking, ferrule_touching(s), s->n.insert_speed));
 }
 
 static inline ferrule_axes ferrule_insert(ferrule_search* s, const ferrule_observed* o) {
   const double look = ferrule_max(ferrule_look_every, ferrule_look_lags * s->hand.delay);
   const double x = o->displacement.x;
-  ferrule_axes push = o->wrench, v = ferrule_along(0);
-  double pressed;
   if (o->time - s->since >= look) {
     const bool held_up = s->from.x - x < ferrule_held_up * ferrule_inserting(s) * look;
     const bool shallow = s->touches.begun && o->height - s->entrance > -s->n.near_entrance &&
                          x > ferrule_lowest_rest(&s->touches) - ferrule_shallow * s->n.lift;
     ferrule_begin(s, !held_up ? FERRULE_INSERT : shallow ? FERRULE_TOUCH : FERRULE_BACK_OFF, o);
   }
+  ferrule_axes push = o->wrench;
   push.x = ferrule_max(0, push.x);  // what pulls is no reason to stop
-  pressed = ferrule_square(push) / (s->push * s->push);
-  v.x = -ferrule_inserting(s) * ferrule_max(0, 1 - pressed);
+  const double pressed = ferrule_square(push) / (s->push * s->push);
+  ferrule_axes v = ferrule_along(-ferrule_inserting(s) * ferrule_max(0, 1 - pressed));
   v.across = ferrule_times(s->n.yield, o->wrench.across);
   v.about =
       ferrule_tilted_to(s, s->straight, ferrule_max(ferrule_goal_time(s), ferrule_tilt_time), o);
@@ -525,9 +525,8 @@ static inline ferrule_axes ferrule_phase_command(ferrule_search* s, const ferrul
 
 // Once per period, from the start on: the velocity until the next.
 static inline ferrule_axes ferrule_search_command(ferrule_search* s, ferrule_observed o) {
-  ferrule_axes v;
   o.wrench = ferrule_plus(o.wrench, -1, s->tare);
   s->smooth = ferrule_plus(s->smooth, ferrule_smoothing, ferrule_plus(o.wrench, -1, s->smooth));
-  v = ferrule_phase_command(s, &o);
-  return ferrule_axes_over(v, s->hand.gain);
+  const ferrule_axes meant = ferrule_phase_command(s, &o);  // which may measure the gain
+  return ferrule_axes_over(meant, s->hand.gain);
 }

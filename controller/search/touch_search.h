@@ -128,13 +128,11 @@ static inline void ferrule_locate(ferrule_touches* t) {
   const double off = mouth ? ferrule_play(t, t->height) : t->n.bore_radius - r;
   const ferrule_discs discs = {r, r + off};
   const ferrule_touch_errors errors = {ferrule_height_error(r), r, 0.02, mouth ? 0.01 : 0.7};
-  ferrule_v2 e;
-  double far;
   t->opening = ferrule_locate_opening(t->touches, t->count, discs, errors);
   t->located = true;
   // What rests is not within the opening.
-  e = ferrule_difference(t->touches[t->count - 1].across, t->opening.axis);
-  far = ferrule_norm(e);
+  const ferrule_v2 e = ferrule_difference(t->touches[t->count - 1].across, t->opening.axis);
+  const double far = ferrule_norm(e);
   if (far < t->opening.clearance && far > 0)
     t->opening.axis = ferrule_difference(t->touches[t->count - 1].across,
                                          ferrule_times(t->opening.clearance / far, e));
@@ -143,12 +141,11 @@ static inline void ferrule_locate(ferrule_touches* t) {
 static inline void ferrule_leave_edge(ferrule_touches* t) {
   const double off_axis = ferrule_play(t, t->height);
   ferrule_v2 caught = {0, 0};
-  double size;
   for (int k = t->first + 1; k < t->count; ++k)
     caught = ferrule_sum(
         caught, ferrule_times(t->touches[k].x - t->touches[t->first].x, t->touches[k].about));
   t->count = t->first;
-  size = ferrule_norm(caught);
+  const double size = ferrule_norm(caught);
   if (!(size > 0)) return;
   caught = ferrule_over(caught, size);
   if (t->edges == 1 || !(t->step < off_axis)) t->step = off_axis;
