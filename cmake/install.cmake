@@ -9,7 +9,7 @@ foreach(library IN LISTS FERRULE_LIBRARIES)
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT libraries)
   if(NOT library STREQUAL base) # its headers are those of sim/base
     install(DIRECTORY ${library}/ DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/ferrule/${library}
-      COMPONENT libraries FILES_MATCHING PATTERN "*.hpp")
+      COMPONENT libraries FILES_MATCHING PATTERN "*.hpp" PATTERN "*.h")
   endif()
   install(EXPORT ferrule_${library} NAMESPACE ferrule:: FILE ferrule-${library}.cmake
     DESTINATION ${FERRULE_CMAKE_DIR} COMPONENT libraries)

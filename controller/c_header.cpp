@@ -7,6 +7,9 @@
 #include "controller/c_text.hpp"
 
 namespace ferrule {
+
+extern const std::string_view kSearchInC;  // the files of controller/search, by CMakeLists.txt
+
 namespace {
 
 // The velocities of a law, g being its gains.
@@ -75,8 +78,36 @@ static inline void ferrule_start(ferrule_state* s) { s->unused = 0; }
   return framed(origin, file.trained_on, "", body);
 }
 
-std::string c_header(const SearchFile&, const std::string& origin) {
-  throw BadInput(origin + ": a search by touch has no C header: laws and policies have");
+std::string c_header(const SearchFile& file, const std::string& origin) {
+  std::string body = fmt::format(
+      "#include <stdbool.h>\n#include <string.h>\n\n{}\n"
+      "static const ferrule_numbers ferrule_gain = {{\n",
+      kSearchInC);
+  for (std::size_t i = 0; i < kSearchGains.size(); ++i)
+    body += fmt::format("    .{} = {:#.17g}, /* {} [{}] */\n", kSearchGains[i].name, file.gains[i],
+                        kSearchGains[i].symbol, kSearchGains[i].unit);
+  body += R"(};
+
+typedef ferrule_search ferrule_state;
+
+static inline void ferrule_start(ferrule_state* s) { ferrule_search_start(s, &ferrule_gain, 0, 0); }
+
+)" + command_head(true) +
+          R"(  const ferrule_observed o = {
+      {wrench[0], {wrench[1], wrench[2]}, {wrench[3], wrench[4]}},
+      {displacement[0], {displacement[1], displacement[2]}, {displacement[3], displacement[4]}},
+      height,
+      time};
+  const ferrule_axes v = ferrule_search_command(s, o);
+  (void)depth;
+  velocity[0] = v.x;
+  velocity[1] = v.across.y;
+  velocity[2] = v.across.z;
+  velocity[3] = v.about.y;
+  velocity[4] = v.about.z;
+}
+)";
+  return framed(origin, file.trained_on, " of 1 ms", body, true);
 }
 
 std::string c_header(const ControllerFile& controller, const std::string& origin) {

@@ -1,4 +1,4 @@
-// A controller as one C header, for a machine's own controller: C99, no dependencies but math.h, no
+// A controller as one C header, for a machine's own controller: C99, no dependencies but the C library, no
 // allocation. It has the same functions for every kind of controller:
 //
 //   void ferrule_start(ferrule_state* s);           before the start
@@ -6,8 +6,8 @@
 //                        double velocity[5]);       once per period
 //
 // with the arguments of Controller::command, in the hand's world and SI units: the wrench, then the
-// scalars of kObservation (controller/observation.hpp). A policy with a memory also takes, before
-// the velocity, `const double displacement[5], double height`.
+// scalars of kObservation (controller/observation.hpp). A search, and a policy with a memory, also
+// take, before the velocity, `const double displacement[5], double height`.
 #pragma once
 
 #include <string>

@@ -41,15 +41,15 @@ std::string arguments_told(bool remembers) {
          "[rad/s]\n";
 }
 
-// By how much, and within which limits it was trained; files of before do not state it.
+// By how much, and within which limits it was trained, where its file states them.
 std::string scaling_told(const TrainedOn& trained) {
   if (!trained.scaling) return {};
-  return fmt::format(
-      ":\n"
-      "     motions by {:.17g}, forces by {:.17g};\n"
-      "     trained at up to {:g} um/s and {:g} uN, both of the tip",
-      trained.scaling->motion, trained.scaling->force, 1e6 * trained.speed_limit,
-      1e6 * trained.force_limit);
+  std::string text = fmt::format(":\n     motions by {:.17g}, forces by {:.17g}",
+                                 trained.scaling->motion, trained.scaling->force);
+  if (trained.speed_limit > 0)
+    text += fmt::format(";\n     trained at up to {:g} um/s and {:g} uN, both of the tip",
+                        1e6 * trained.speed_limit, 1e6 * trained.force_limit);
+  return text;
 }
 
 std::string list(const double* values, std::size_t count) {

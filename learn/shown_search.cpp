@@ -50,7 +50,7 @@ class PhaseReader {
       if (phase == "move") move(k);
       if (phase == "insert") insert(k);
       if (phase == "straighten")
-        push_ = SearchLaw::harder(push_, search_.gains[search_gain::push_force]);
+        push_ = ferrule_harder(push_, search_.gains[search_gain::push_force]);
     }
     slow_down();
     return found_;

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include "controller/c_header.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/statistics.hpp"
 #include "controller/stepped_trial.hpp"
@@ -189,10 +188,6 @@ TEST(SearchFile, IsReadBackExactlyAndBrokenOnesAreRefusedWithTheirKey) {
   says("/gains/mouth_radius/value", 0.01, "at most mouth_radius");
   says("/gains/surprise", 1, "unknown key");
   says("/metrics", 1, "unknown key");
-}
-
-TEST(SearchFile, HasNoCHeaderAndSaysSo) {
-  EXPECT_THROW(c_header(read_controller(shipped()), "search.json"), BadInput);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 import copy
+import csv
 import glob
 import hashlib
 import json
@@ -337,6 +338,58 @@ int main(void) {
         # In single precision, with another hyperbolic tangent.
         self.by_header(self.file, tolerance=1e-5)
         self.by_header(self.gru, motion=True, tolerance=1e-5)
+
+    # The search has thresholds: only the same bits go the same way to the end.
+    def test_the_header_of_a_search_inserts_bit_for_bit_as_the_search(self):
+        source, program = self.path("s.c"), self.path("s")
+        self.done("export", "search", "--header", self.path("s.h"))
+        with open(source, "w") as out:
+            out.write('''#include "s.h"
+#include <stdio.h>
+#include <stdlib.h>
+static void read(const char* line, const char* key, int count, double* x) {
+  char* at = strchr(strstr(line, key) + strlen(key), ':') + 1;
+  for (int i = 0; i < count; ++i) {
+    at += strspn(at, " [,");
+    x[i] = strtod(at, &at);
+  }
+}
+int main(void) {
+  ferrule_state s;
+  char line[4096];
+  while (fgets(line, sizeof line, stdin)) {
+    double wrench[5], depth, time, displacement[5], height, v[5];
+    if (strstr(line, "reset")) {
+      ferrule_start(&s);
+      puts("{}");
+    } else {
+      read(line, "wrench", 5, wrench);
+      read(line, "depth", 1, &depth);
+      read(line, "time", 1, &time);
+      read(line, "displacement", 5, displacement);
+      read(line, "height", 1, &height);
+      ferrule_command(&s, wrench, depth, time, displacement, height, v);
+      printf("{\\"velocity\\": [%.17g, %.17g, %.17g, %.17g, %.17g]}\\n", v[0], v[1], v[2], v[3], v[4]);
+    }
+    fflush(stdout);
+  }
+  return 0;
+}
+''')
+        subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Wshadow",
+                        "-Werror", "-O1", source, "-o", program, "-lm"], check=True)
+        # Bench touches its cone; d the front face; b has late hands, e a start beside the cone.
+        for scene in ("bench", "ladder/d", "ladder/b", "ladder/e"):
+            tables = []
+            for name, controller in (("own", ["search"]), ("exported", ["--policy", program])):
+                out = self.path(name + ".csv")
+                self.done("evaluate", *controller, "--scene", scene, "--trials", 4, "--trials-out", out)
+                with open(out) as file:
+                    tables.append([{key: row[key] for key in ("trial", "outcome", "time_s", "depth_um",
+                                                              "peak_force_uN", "tilt_mrad")}
+                                   for row in csv.DictReader(file)])
+            self.assertEqual(len(tables[0]), 4)
+            self.assertEqual(*tables)
 
     def test_rounds_of_dagger(self):
         self.needs_torch()

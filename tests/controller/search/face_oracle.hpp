@@ -1,21 +1,22 @@
 // Where a flat end rests on a face with a round opening, by trying points: the reference for
-// controller/locate_opening and controller/touch_search.
+// controller/search/locate_opening.h and touch_search.h.
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <random>
 
-#include "controller/locate_opening.hpp"
+#include "controller/search/locate_opening.h"
 
 namespace ferrule::testing {
 
 // How far the lowest of the supported points is ahead of the disc's centre [m]: of points of the
 // disc's rim outside the opening, and of the opening's edge under the disc. -infinity where there
 // is none.
-inline double rest_height_by_trial(const Discs& discs, const Eigen::Vector2d& slope,
+inline double rest_height_by_trial(const ferrule_discs& discs, const Eigen::Vector2d& slope,
                                    const Eigen::Vector2d& e) {
   constexpr int kPoints = 40000;
   double highest = -std::numeric_limits<double>::infinity();
