@@ -8,7 +8,6 @@ import os
 import re
 import subprocess
 import sys
-import unittest
 
 from case import PROGRAM, Case, main
 from documented import NOT_PRINTED, PAGES, Page, Ran, findings, read
@@ -17,7 +16,8 @@ LONG = bool(os.environ.get("FERRULE_LONG"))
 
 # How many trials and the like are enough here, of what would take more than some seconds. What is printed stays what a
 # reader runs, and FERRULE_LONG=1 runs it. The numbers beside a command that is cut are not compared.
-DEAR = r"^(./ferrule (?:evaluate (?:search|tuned|improved|remembers|--baseline searching)|compare|sensitivity|map|sweep)\S*"
+SLOW = "search|tuned|improved|remembers|--baseline searching"
+DEAR = rf"^(./ferrule (?:evaluate (?:{SLOW})|compare|sensitivity|map|sweep)\S*"
 CUTS = [(DEAR + r"(?= |$)(?!.*--trials).*?)( > \S+)?$", r"\1 --trials 4\2"), (DEAR + r".*--trials) \d+", r"\1 4"),
         (r"^(./ferrule evaluate (?!controller.json|.*chosen).*--trials) [1-9]\d{3,}\b", r"\1 4"),
         (r"^(./ferrule improve .*)--trials \d+", r"\1--trials 1000 --unseen 20"),
@@ -73,22 +73,6 @@ class Results(Commands):
 
 
 class Documents(Commands):
-    # Uncut: the first page claims what its main job and its demo print.
-    @unittest.skipUnless(LONG, "takes a minute: ./ferrule test --long")
-    def test_numbers_of_the_result(self):
-        os.symlink(PROGRAM, self.path("ferrule"))
-        text = read("README.md")
-        job = [command.text for command in Page(text[text.index("## The main job"):]).commands]
-        evaluation = next(k for k, command in enumerate(job) if command.startswith("./ferrule evaluate"))
-        printed = ""
-        for command in ["./ferrule demo"] + job[:evaluation + 1]:
-            printed += self.run_in_folder("sh", command + " 2>&1").out
-        claimed = re.search(r"\*\*The result\.\*\*(.*?)Into a bore", text, re.S).group(1)
-        counts = re.findall(r"\d+ of \d+", " ".join(claimed.split()))
-        self.assertGreater(len(counts), 3)
-        for count in counts:
-            self.assertIn(f": {count} inserted", printed)
-
     def test_every_rule_is_needed(self):
         commands = [command.text for page in PAGES for command in Page(read(page)).commands]
         self.assertGreater(len(commands), 300)
