@@ -53,6 +53,17 @@ int legend_height(const Plot& plot) {
   return long_names(plot) ? 20 * static_cast<int>(names) : 0;
 }
 
+bool is_drawn(const Axes& axes, double x, double y) {
+  return std::isfinite(x) && std::isfinite(y) && (!axes.log_x || x > 0) && (!axes.log_y || y > 0);
+}
+
+bool has_no_point(const Axes& axes) {
+  for (const Series& series : axes.series)
+    for (std::size_t k = 0; k < series.x.size(); ++k)
+      if (is_drawn(axes, series.x[k], series.y[k])) return false;
+  return true;
+}
+
 std::string script(const Plot& plot) {
   const int panels = static_cast<int>(plot.panels.size());
   const bool legend_below = long_names(plot);
@@ -77,9 +88,7 @@ std::string script(const Plot& plot) {
       s += fmt::format("$d{}_{} << EOD\n", p, i);
       for (std::size_t k = 0; k < series.x.size(); ++k) {
         const double x = series.x[k], y = series.y[k];
-        const bool drawn = std::isfinite(x) && std::isfinite(y) && (!axes.log_x || x > 0) &&
-                           (!axes.log_y || y > 0);
-        s += drawn ? fmt::format("{} {}\n", x, y) : std::string("\n");
+        s += is_drawn(axes, x, y) ? fmt::format("{} {}\n", x, y) : std::string("\n");
       }
       s += "EOD\n";
       const char* colour = kColours[i % kColours.size()];
@@ -105,7 +114,9 @@ std::string script(const Plot& plot) {
 
 }  // namespace
 
-std::string draw_svg(const Plot& plot) {
+std::string draw_svg(Plot plot) {
+  std::erase_if(plot.panels, has_no_point);  // which gnuplot refuses
+  if (plot.panels.empty()) throw FileTrouble("there is nothing to draw: the plot has no point");
   const std::string text = script(plot);
   const int in = ::memfd_create("plot", MFD_CLOEXEC);
   int ends[2] = {-1, -1};

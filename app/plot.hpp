@@ -27,8 +27,9 @@ struct Plot {
   bool equal_scales = false;            // one unit is as long on x as on y
 };
 
-// Throws FileTrouble if gnuplot is not there or refuses.
-std::string draw_svg(const Plot& plot);
+// Without the panels that have no point. Throws FileTrouble if none has one, or if gnuplot is not
+// there or refuses.
+std::string draw_svg(Plot plot);
 void write_svg(const std::string& file, const Plot& plot);
 // And says so on stderr.
 void write_plot(const std::string& file, const Plot& plot);

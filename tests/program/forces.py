@@ -143,6 +143,13 @@ class Forces(Case):
         self.refused(2, *FORCES, "--gap-nm", "1:9:9", "--plot", self.path("plot.png"), says=["--plot", ".svg"])
         self.assertFalse(os.path.exists(self.path("plot.png")))
 
+    def test_panels_without_a_point_are_left_out(self):
+        file = self.path("plot.svg")
+        self.done("sweep", "constant-velocity", "ferrule.bore_diameter_um=126,127", "--scene", "bench", "--set",
+                  "start.lateral_mean_um=[150,0]", "--trials", 3, "--plot", file)  # beside the cone: nothing goes in
+        self.assertIn("inserted", open(file).read())
+        self.assertNotIn("mated", open(file).read())
+
     def test_corrected_forms_are_those_of_the_literature(self):
         lengths = 100e-6
         run = self.done(*FORCES, "--form", "corrected", "--set",

@@ -152,43 +152,6 @@ class Usage(Case):
             process.stderr.close()
             self.assertEqual(process.wait(), 141, arguments)
 
-    # The start script in a clone where nothing is built, with these scripts in place of programs.
-    def start(self, *arguments, tools, **environment):
-        for folder in ("bin", "clone"):
-            os.mkdir(self.path(folder))
-        shutil.copy(SOURCE + "/ferrule", self.path("clone"))
-        for name, script in tools.items():
-            with open(self.path("bin/" + name), "w") as out:
-                out.write("#!/bin/bash\n" + script)
-            os.chmod(self.path("bin/" + name), 0o755)
-        run = subprocess.run([self.path("clone/ferrule"), *arguments], capture_output=True, text=True,
-                             cwd=self.folder, env={**os.environ, **environment,
-                                                   "PATH": self.path("bin") + ":" + os.environ["PATH"]})
-        self.assertEqual(run.returncode, 3, run.stderr)
-        self.assertEqual(run.stdout, "")
-        return run
-
-    def test_the_start_script_says_how_it_is_used_before_it_builds(self):
-        run = self.start("fit", "--help", tools={"dpkg-query": "exit 1"}, FERRULE_NO_INSTALL="1")
-        self.assertTrue(run.stderr.startswith("usage: ./ferrule VERB"), run.stderr)
-
-    def test_the_start_script_waits_for_another_apt(self):
-        apt = 'echo "$*" >>calls; [[ $* != *update* || $(grep -c update calls) -gt 1 ]] && exit 0\n' \
-              'echo "E: Could not get lock /var/lib/apt/lists/lock"; exit 100\n'
-        run = self.start("demo", tools={"dpkg-query": "exit 1", "cmake": "exit 1", "sudo": '"$@"',
-                                        "apt-get": apt})
-        self.assertIn("waiting for another apt", run.stderr)
-        calls = open(self.path("calls")).read().splitlines()
-        self.assertEqual(["update" in call for call in calls[:3]], [True, True, False])
-        self.assertIn("DPkg::Lock::Timeout", calls[2])
-
-    def test_the_start_script_names_missing_packages(self):
-        run = self.start("demo", tools={"dpkg-query": "echo installed g++; exit 1"},
-                         FERRULE_NO_INSTALL="1")
-        self.assertIn("missing packages:", run.stderr)
-        self.assertIn("libceres-dev", run.stderr)
-        self.assertNotIn("g++", run.stderr)
-
 
 if __name__ == "__main__":
     main()
