@@ -216,7 +216,7 @@ TEST(Identify, ANumberThatIsHeldAtAWrongValueIsFound) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     const auto data = sensed(with_sensor({"sensor.noise_uN=0.05"}), seed);
     const Identification i =
-        identify(data, with_sensor({"sensor.noise_uN=0.05", "laws.friction.burgers_nm=0.45"}),
+        identify(data, with_sensor({"sensor.noise_uN=0.05", "laws.friction.burgers_nm=1.3"}),
                  {"ferrule.length_mm"}, seed);
     EXPECT_FALSE(i.fits()) << seed << ": " << i.misfit << ", " << i.misfit_limit;
     EXPECT_LT(i.misfit, 1.5) << seed;

@@ -26,7 +26,7 @@ TEST(Improve, AFailureCostsTenInsertionsAndTheInfeasibleCountsForNobody) {
   EXPECT_DOUBLE_EQ((Objective{.time = 16, .force = 4e-6}.of(trials)), (0.5 + 0.5 + 10) / 2);
   EXPECT_DOUBLE_EQ((Objective{.time = 16}.of(trials)), (0.5 + 10) / 2);
   EXPECT_DOUBLE_EQ(Objective{}.of(trials), 5);
-  EXPECT_TRUE(std::isnan(Objective{}.of({trials[2]})));
+  EXPECT_TRUE(std::isnan(Objective{}.of(std::vector{trials[2]})));
 }
 
 TEST(Improve, ChangesTheGainsThatTheControllerHas) {

@@ -183,7 +183,8 @@ TEST(Server, ThePolicyIsThatOfThePage) {
         0, {[&] { return (has ? meta : "") + "<script>script-src 'unsafe-inline';"; }, {}, {}, {}});
     const Socket socket(server.port());
     socket.say("GET /" + token_of(server) + "/ HTTP/1.1\r\nHost: " + host_of(server) + "\r\n\r\n");
-    const std::string answer = socket.hear(), head = answer.substr(0, answer.find("\r\n\r\n"));
+    const std::string answer = socket.hear();
+    const std::string head = answer.substr(0, answer.find("\r\n\r\n") + 2);
     const std::string own =
         "script-src 'sha256-AbC+/0='; style-src 'sha256-d='; connect-src 'self' ws://localhost:" +
         std::to_string(server.port()) + "; ";
