@@ -107,14 +107,10 @@ def ways(_: Result, compared: Result) -> str:
         d = row["against_operator"][what]
         return "-" if d["low"] is None else f"{d['median']:+.2f} ({d['low']:+.2f} to {d['high']:+.2f})"
 
-    def again(row: Result) -> str:
-        counts = sorted(r["successes"] for r in compared["by_seeds"] if r["controller"] == row["controller"])
-        return f"{counts[0]}, {counts[len(counts) // 2]}" if counts else ""
-
     return markdown(
-        columns("controller | inserted | 95 % interval | recorded again: worst, median | time | against the operator"
+        columns("controller | inserted | 95 % interval | time | against the operator"
                 " | peak force | against the operator"),
-        [[r["controller"], inserted(r), interval(r), again(r), time(r), against(r, "time_difference_s"),
+        [[r["controller"], inserted(r), interval(r), time(r), against(r, "time_difference_s"),
           force(r), against(r, "peak_force_difference_uN")] for r in compared["rows"]])
 
 

@@ -15,8 +15,8 @@ class Table(NamedTuple):
 
 TWENTY = "./ferrule record --scene bench --episodes 20 --skill 0.8 --seed 1 --out bench-episodes"
 FIVE = "./ferrule record --scene bench --episodes 5 --skill 0.8 --seed 1 --out five"
-COMPARE = "./ferrule compare bench-episodes --scene bench --seeds 1..5 --plot compared"
-QUICK_COMPARE = "./ferrule compare five --learners linear,torch --seeds 1..2 --trials 10"
+COMPARE = "./ferrule compare bench-episodes --scene bench --plot compared"
+QUICK_COMPARE = "./ferrule compare five --learners linear,torch --trials 10"
 SEEDS = "--learners insertion,torch,dagger --seeds 1..5"
 QUICK_SEEDS = "./ferrule compare five --learners linear --seeds 1..2 --trials 4"
 OTHERS = "--trials 200 --learners insertion,dagger --transfer tight,sticky,sloppy,epoxy --seed 8"
