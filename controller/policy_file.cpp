@@ -240,6 +240,15 @@ std::string read_weights(const std::string& file) {
   return read_text(file);
 }
 
+Json to_json(const MemberTraining& m) {
+  Json entry = {{"epochs", m.epochs},
+                {"best_epoch", m.best_epoch},
+                {"training_loss", m.training_loss},
+                {"held_out_loss", m.held_out_loss}};
+  if (m.rollouts > 0) entry.update({{"rollouts", m.rollouts}, {"inserted", m.inserted}});
+  return entry;
+}
+
 }  // namespace
 
 std::string weights_file(const std::string& file, const std::string& hash) {
@@ -276,13 +285,7 @@ void write_controller(const std::string& file, const PolicyFile& p) {
   for (int i = 0; i < policy.answers(); ++i)
     outputs.push_back(scaled_channel(kPolicyAnswer[static_cast<std::size_t>(i)],
                                      policy.velocity_mean[i], policy.velocity_scale[i]));
-  for (const MemberTraining& m : p.members) {
-    Json& entry = training.emplace_back(Json{{"epochs", m.epochs},
-                                             {"best_epoch", m.best_epoch},
-                                             {"training_loss", m.training_loss},
-                                             {"held_out_loss", m.held_out_loss}});
-    if (m.rollouts > 0) entry.update({{"rollouts", m.rollouts}, {"inserted", m.inserted}});
-  }
+  for (const MemberTraining& m : p.members) training.push_back(to_json(m));
   for (const DaggerRound& r : p.dagger)
     rounds.push_back({{"trials", r.trials},
                       {"inserted", r.inserted},

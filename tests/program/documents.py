@@ -37,6 +37,7 @@ LEFT_OUT = [
      "needs learners of PyPI: ./ferrule test --long"),
     (r"\b(data/controllers|examples/policy)", "is for the folder of a clone, as its document says"),
     (r"^./ferrule bench\b", "minutes: bench.py runs its parts"),
+    (r"\bremembers\.json", "minutes: policies.py fits one to fewer episodes"),
     (r"^./ferrule (-|$)", "installs and builds nothing: start.py"),
 ]
 
