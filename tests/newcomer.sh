@@ -22,7 +22,8 @@ address=$(sed -n 's/^git clone \([^ ]*\).*/\1/p' README.md | head -n 1)
 	directory = *
 GIT
 
-# README.md's blocks as one script: the shell's as they are, Python's through the environment that README.md makes.
+# README.md's blocks as one script: the shell's as they are, Python's through the environment that README.md makes, and
+# none that quotes output.
 blocks() {
   awk '
     /^```/ {
@@ -33,7 +34,7 @@ blocks() {
       next
     }
     inside && language == "" { sub(/^\.\/ferrule view/, "until_it_serves &") }
-    inside' README.md
+    inside && language != "text"' README.md
 }
 {
   cat <<'SCRIPT'
