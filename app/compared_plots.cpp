@@ -9,7 +9,6 @@
 #include "app/html.hpp"
 #include "capture/episode.hpp"
 #include "controller/campaign_table.hpp"
-#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -84,11 +83,10 @@ void write_report(const CompareArguments& a, const Scene& scene, const Demonstra
     rings.emplace_back(who, e.rings);
     table += to_text(who, e.alone);
   }
-  std::string html = html_head("ferrule: ways to insert", built_page().value_or("")) +
-                     "<h1>Ways to insert, on the same trials</h1>\n" +
-                     replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) +
-                     "</pre>\n" + figure(misalignment_plot(rings), "") + to_html(forces) +
-                     maps_drawn;
+  std::string html =
+      replay_head("ferrule: ways to insert") + "<h1>Ways to insert, on the same trials</h1>\n" +
+      replay_section("trials that failed", runs, maps) + "<pre>" + escaped(table) + "</pre>\n" +
+      figure(misalignment_plot(rings), "") + to_html(forces) + maps_drawn;
   if (!found.learning.empty()) html += figure(learning_plot(found.learning), "");
   for (const auto& [rung, controllers] : decided_by_rung(found.ladder))
     html += figure(rung_plot(rung, controllers), "");

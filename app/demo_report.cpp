@@ -13,7 +13,6 @@
 #include "app/verb.hpp"
 #include "controller/campaign_table.hpp"
 #include "sim/scene/draw.hpp"
-#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -267,11 +266,11 @@ std::string commands_section(const DemoReport& r) {
 
 void write_report(const std::string& file, const DemoReport& r) {
   const CampaignSummary learned = summarise(r.learned), baseline = summarise(r.baseline);
-  write_text(file, html_head("ferrule: demo report", built_page().value_or("")) +
-                       summary_section(r, learned, baseline) + replays_section(r) +
-                       inputs_section(r) + forces_section(*r.scene) + demonstrations_section(r) +
-                       law_section(r.fit) + trials_section(r, learned, baseline) +
-                       acting_section(r) + commands_section(r) + "</body></html>\n");
+  write_text(file, replay_head("ferrule: demo report") + summary_section(r, learned, baseline) +
+                       replays_section(r) + inputs_section(r) + forces_section(*r.scene) +
+                       demonstrations_section(r) + law_section(r.fit) +
+                       trials_section(r, learned, baseline) + acting_section(r) +
+                       commands_section(r) + "</body></html>\n");
 }
 
 Json report_json(const DemoReport& r) {

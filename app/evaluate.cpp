@@ -16,7 +16,6 @@
 #include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "view/page_file.hpp"
 
 namespace ferrule {
 namespace {
@@ -169,9 +168,8 @@ void write_report(const EvaluateArguments& a, const Scene& scene, const std::vec
   if (all.size() > 1)
     if (const auto comparison = compare_shared(all[0].results, all[1].results))
       text += to_text(*comparison);
-  write_text(a.report, html_head("ferrule: trials", built_page().value_or("")) + "<h1>Trials of " +
-                           escaped(all[0].name) + "</h1>\n" +
-                           replay_section("trials that failed", runs, maps) + "<pre>" +
+  write_text(a.report, replay_head("ferrule: trials") + "<h1>Trials of " + escaped(all[0].name) +
+                           "</h1>\n" + replay_section("trials that failed", runs, maps) + "<pre>" +
                            escaped(text) + "</pre>\n" + to_html(forces) + "<p>" +
                            escaped(provenance.head()) + "</p>\n<p>" + escaped(provenance.foot()) +
                            "</p>\n</body></html>\n");

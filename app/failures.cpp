@@ -83,6 +83,10 @@ NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
           history};
 }
 
+std::string replay_head(const std::string& title) {
+  return html_head(title, built_page().value_or(""));
+}
+
 std::string replay_section(const std::string& title, const std::vector<ReplayRun>& runs,
                            const std::vector<TrialMap>& maps) {
   const std::optional<std::string> page = built_page();

@@ -26,6 +26,8 @@ void add_failures(const Scene& scene, std::uint64_t seed, const TestedController
 NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
                               const TestedController& tested);
 
+// The beginning of a page with a replay_section (html_head).
+std::string replay_head(const std::string& title);
 // A replay within a report: HTML with all that it needs, or where the page of the window was not
 // built what is missing. `title` is what it shows. Throws FileTrouble.
 std::string replay_section(const std::string& title, const std::vector<ReplayRun>& runs,

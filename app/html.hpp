@@ -11,8 +11,7 @@ namespace ferrule {
 // Text as HTML shows it, between tags and in attributes in double quotes.
 std::string escaped(const std::string& text);
 // The beginning of a page, up to what is in its body. The page loads nothing, and runs no script
-// and has no style but its own and those of `framed`, a page that it holds in frames: where it holds
-// replays, built_page() (view/page_file.hpp).
+// and has no style but its own and those of `framed`, a page that it holds in frames.
 std::string html_head(const std::string& title, const std::string& framed = "");
 // A table. Headings, titles and cells are HTML. On a narrow screen every row is a list of its
 // cells, each beside its heading.

@@ -88,8 +88,9 @@ std::string warning(const Scene& scene, const Identification& found) {
   return fmt::format(
       "the scene does not explain the forces: what is left of them is {:.2f} times the noise of "
       "the sensor, which by itself hardly exceeds {:.2f}. The scene lacks something, or a number "
-      "that is held fixed is wrong; values "
-      "may be far off, and the intervals are {:.2f} times wider for it. Not stated in it: {}",
+      "that is held fixed is wrong; values may be far off, and the intervals are {:.2f} times "
+      "wider "
+      "for it. Not stated in it: {}",
       found.misfit, found.misfit_limit, found.misfit, fmt::join(not_stated(scene), ", "));
 }
 

@@ -123,7 +123,7 @@ Json to_json(const Comparison& c) {
   return json;
 }
 
-// "bench: after minus before: time -9.2 s (...); these trials tell no change of: inserted ..."
+// "after minus before: time -9.2 s (...); not told apart: inserted ..."
 std::string in_words(const Comparison& change) {
   std::string shown, open;
   for (const Change& each : changes_of(change)) {
@@ -148,13 +148,11 @@ std::string choice_in_words(const Improved& improved) {
   const auto alike =
       std::count_if(improved.choice.begin(), improved.choice.end(),
                     [](const ImproveCentre& c) { return !c.chosen && !(c.above_chosen.low > 0); });
-  const bool same = std::any_of(improved.choice.begin(), improved.choice.end(),
-                                [](const ImproveCentre& c) { return c.before && c.chosen; });
   return fmt::format(
       "{}chosen of {} by {} trials each in each scene, which {}: the objective of the next, {}, is "
       "{:.3g} to {:.3g} more (95 %)\n",
-      same ? "nothing better was found, the gains are as before; " : "", improved.choice.size(),
-      ImproveCentre::kTrials,
+      improved.choice.front().chosen ? "nothing better was found, the gains are as before; " : "",
+      improved.choice.size(), ImproveCentre::kTrials,
       alike > 0 ? fmt::format("do not tell it from {} of the others", alike)
                 : "tell it from all others",
       next->before ? "the controller before" : "a centre of the search", next->above_chosen.low,

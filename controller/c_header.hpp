@@ -1,5 +1,5 @@
-// A controller as one C header, for a machine's own controller: C99, no dependencies but the C library, no
-// allocation. It has the same functions for every kind of controller:
+// A controller as one C header, for a machine's own controller: C99, no dependencies but the C
+// library, no allocation. It has the same functions for every kind of controller:
 //
 //   void ferrule_start(ferrule_state* s);           before the start
 //   void ferrule_command(ferrule_state* s, const double wrench[5], double depth, double time,

@@ -329,7 +329,7 @@ Comparison compare(const std::vector<TrialResult>& a, const std::vector<TrialRes
   const double count_a = static_cast<double>(only_a), count_b = static_cast<double>(only_b);
   // Bonett and Price 2012: Wald's interval with one discordant pair added on either side.
   const double p_a = (count_a + 1) / (n + 2), p_b = (count_b + 1) / (n + 2), d = p_a - p_b;
-  const double half = 1.959963984540054 * std::sqrt((p_a + p_b - d * d) / (n + 2));
+  const double half = two_sided_z() * std::sqrt((p_a + p_b - d * d) / (n + 2));
   const auto paired = [](const std::vector<double>& differences) {
     return PairedMedian{quantile(differences, 0.5), median_interval(differences)};
   };

@@ -43,7 +43,7 @@ double half_interval(const std::vector<PairLoss>& pairs, std::size_t connectors,
   }
   for (const double each : sums) sum += each * each;
   const double n = static_cast<double>(connectors), count = static_cast<double>(pairs.size());
-  constexpr double z = 1.959963984540054;
+  const double z = two_sided_z();
   const double t = z + (z * z * z + z) / (4 * (n - 1));  // Student's, to 1 % from n = 10 on
   return t * std::sqrt(std::max(0.0, sum) * n / (n - 1)) / count;
 }

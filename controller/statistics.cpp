@@ -10,11 +10,6 @@ namespace ferrule {
 
 namespace {
 
-// Of a standard normal variable, that 97.5 % do not exceed.
-double two_sided_z() {
-  return boost::math::quantile(boost::math::normal(), 0.975);
-}
-
 // tail/point; where the point is too unlikely for a double, what that goes to on its side.
 double evidence(double tail, double point, bool on_its_side) {
   if (point > 0) return tail / point;
@@ -22,6 +17,10 @@ double evidence(double tail, double point, bool on_its_side) {
 }
 
 }  // namespace
+
+double two_sided_z() {
+  return boost::math::quantile(boost::math::normal(), 0.975);
+}
 
 Interval wilson(std::size_t successes, std::size_t trials) {
   const double z = two_sided_z();

@@ -11,6 +11,10 @@ struct Interval {
   double low, high;
 };
 
+// Of a standard normal variable, what 97.5 % do not exceed: half a 95 % interval is so many standard
+// deviations.
+double two_sided_z();
+
 // 95 % Wilson interval of a success rate (Wilson 1927). 0 <= successes <= trials, trials > 0.
 Interval wilson(std::size_t successes, std::size_t trials);
 

@@ -1,5 +1,6 @@
 #include "learn/choose_weights.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <mutex>
 
@@ -15,13 +16,13 @@ void add_member(Policy& policy, const Weights& weights) {
 }
 
 TriedWeights choose_weights(const std::vector<Snapshot>& snapshots, Policy policy,
-                            const std::vector<Json>& documents, std::size_t rollouts,
+                            const std::vector<Json>& scenes, std::size_t rollouts,
                             std::uint64_t seed, const std::function<bool()>& go_on) {
   // Those of a campaign with `seed` itself are never among them.
   const std::uint64_t trials_seed = RandomStream(seed, 0, "rollouts").bits() >> 1;
-  std::vector<Scene> scenes;
-  for (std::size_t k = 0; k < std::min(rollouts, documents.size()); ++k)
-    scenes.push_back(parse_scene(documents[k], "a scene of the episodes"));
+  std::vector<Scene> parsed;
+  for (std::size_t k = 0; k < std::min(rollouts, scenes.size()); ++k)
+    parsed.push_back(parse_scene(scenes[k], "a scene of the episodes"));
   std::mutex asking;
   const auto stop = [&] {
     const std::lock_guard lock(asking);
@@ -35,10 +36,10 @@ TriedWeights choose_weights(const std::vector<Snapshot>& snapshots, Policy polic
     add_member(policy, snapshot.weights);
     std::size_t inserted = 0;
     double time = 0;
-    for (std::size_t k = 0; k < scenes.size(); ++k)
+    for (std::size_t k = 0; k < parsed.size(); ++k)
       for (const TrialResult& trial : run_campaign(
-               scenes[k], controller_maker(PolicyController(policy)), trials_seed,
-               (rollouts + k) / scenes.size(), 0, [](std::size_t) {}, stop)) {
+               parsed[k], controller_maker(PolicyController(policy)), trials_seed,
+               (rollouts + k) / parsed.size(), 0, [](std::size_t) {}, stop)) {
         inserted += trial.outcome == Outcome::inserted;
         time += trial.summary.time;
       }

@@ -11,6 +11,7 @@
 
 namespace ferrule {
 
+// As the last of its members.
 void add_member(Policy& policy, const Weights& weights);
 
 struct TriedWeights {

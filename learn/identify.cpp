@@ -247,8 +247,7 @@ double white_noise(const Replays& replays, std::size_t recordings, const VectorX
 void hold_against_noise(const Replays& replays, std::size_t recordings, const Scene& scene,
                         const MatrixXd& all, Identification& result) {
   VectorXd sigma = replays.sensor_noise() / replays.unit();
-  const double white =
-      std::hypot(scene.sensor.noise, scene.sensor.resolution / std::sqrt(12.0)) / replays.unit();
+  const double white = replays.white_sensor_noise() / replays.unit();
   const VectorXd lasting = sigma.array().square() - white * white;  // 0 of an ideal sensor
   if (sigma.isZero(0)) sigma.setConstant(white_noise(replays, recordings, all.col(0)));
   sigma = sigma.array().square() + kGood * kGood;  // squared

@@ -71,7 +71,7 @@ VectorXd objective_differences(const Results& results, const std::vector<Improve
 Interval interval_of_mean(const VectorXd& values) {
   const double mean = values.mean(), n = static_cast<double>(values.size());
   const double half =
-      1.959963984540054 * std::sqrt((values.array() - mean).square().sum() / (n - 1) / n);
+      two_sided_z() * std::sqrt((values.array() - mean).square().sum() / (n - 1) / n);
   return {mean - half, mean + half};
 }
 

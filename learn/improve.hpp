@@ -72,7 +72,7 @@ struct ImproveCentre {
 struct Improved {
   ControllerFile controller;
   std::vector<ImproveRow> rows;
-  std::vector<ImproveCentre> choice;  // empty where it was stopped before
+  std::vector<ImproveCentre> choice;  // the first as it was; empty where it was stopped before
   std::size_t trials = 0, restarts = 0;
 };
 

@@ -17,6 +17,11 @@ Eigen::Index stride(const Recording& r) {
   return std::max<Eigen::Index>(1, std::lround(kEvery / r.period));
 }
 
+// Standard deviation of what rounding does [N].
+double rounding(const ForceSensorModel& sensor) {
+  return sensor.resolution / std::sqrt(12.0);
+}
+
 }  // namespace
 
 Recording recording(const Episode& episode, const std::string& file) {
@@ -44,6 +49,10 @@ std::pair<Eigen::Index, Eigen::Index> Replays::rows_of(std::size_t recording) co
   return {first_[recording], end - first_[recording]};
 }
 
+double Replays::white_sensor_noise() const {
+  return std::hypot(scene_.sensor.noise, rounding(scene_.sensor));
+}
+
 Eigen::VectorXd Replays::sensor_noise() const {
   ForceSensorModel sensor = scene_.sensor;
   sensor.bias = 0;
@@ -53,10 +62,9 @@ Eigen::VectorXd Replays::sensor_noise() const {
     const auto [first, count] = rows_of(r);
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Index row = k * stride(one);
-      const double rounding = sensor.resolution / std::sqrt(12.0),
-                   force = one.wrench.row(row).head<3>().norm();
-      noise[first + k] =
-          std::hypot(sensor.deviation(force, static_cast<double>(row) * one.period), rounding);
+      const double force = one.wrench.row(row).head<3>().norm();
+      noise[first + k] = std::hypot(sensor.deviation(force, static_cast<double>(row) * one.period),
+                                    rounding(sensor));
     }
   }
   return noise;

@@ -35,6 +35,8 @@ class Replays {
   // Standard deviation of what the scene's sensor adds to a force of each row, but for a bias that
   // lasts [N]; 0: it is ideal.
   Eigen::VectorXd sensor_noise() const;
+  // Of that, what differs from one reading to the next: noise and rounding [N].
+  double white_sensor_noise() const;
 
   // In the steps of the recording, or (fast, forces some nN off) of 10 ms.
   enum Steps { recorded, coarse };

@@ -41,6 +41,7 @@ LEFT_OUT = [
     (r"^./ferrule (-|$)", "installs and builds nothing: start.py"),
 ]
 
+
 def cut(text):
     command, comment = re.fullmatch(r"(.*?)(\s+#.*)?", text).groups("")
     for pattern, enough in CUTS:
