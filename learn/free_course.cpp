@@ -1,10 +1,10 @@
 #include "learn/free_course.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "learn/intervals.hpp"
+#include "learn/normal_equations.hpp"
 
 namespace ferrule {
 namespace {
@@ -86,10 +86,9 @@ FreeCourse free_course(LawKind kind, const std::vector<double>& gains,
       information += rows.back().leftCols(n).transpose() * rows.back().leftCols(n);
       product += rows.back().leftCols(n).transpose() * rows.back().col(n);
     }
-    const VectorXd all = information.completeOrthogonalDecomposition().solve(product),
-                   course = information.bottomRightCorner(hats, hats)
-                                .completeOrthogonalDecomposition()
-                                .solve(product.tail(hats));
+    const VectorXd all = least_squares(information, product),
+                   course =
+                       least_squares(information.bottomRightCorner(hats, hats), product.tail(hats));
     double left = 0, left_by_course = 0;
     std::vector<EpisodeSums> sums;
     for (const MatrixXd& one : rows) {

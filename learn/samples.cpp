@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
+#include "learn/normal_equations.hpp"
 #include "learn/shuffle.hpp"
 
 namespace ferrule {
@@ -39,7 +39,7 @@ double lateral_residual(const std::vector<const Demonstration*>& set, double rea
         n += 1;
       }
     variance += squares - sum * sum / n;
-    residual += squares - product.dot(normal.completeOrthogonalDecomposition().solve(product));
+    residual += squares - product.dot(least_squares(normal, product));
   }
   return variance > 0 ? residual / variance : 0;
 }
