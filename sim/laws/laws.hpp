@@ -44,10 +44,11 @@ enum class Term {
   flow,
   particle
 };
-inline constexpr std::size_t kTerms = 11;
-inline constexpr std::array<const char*, kTerms> kTermNames = {
-    "van_der_waals", "electrostatic", "gravity",  "capillary", "adhesion", "wall",
-    "friction",      "drag",          "meniscus", "flow",      "particle"};
+inline constexpr std::array kTermNames = {"van_der_waals", "electrostatic", "gravity",  "capillary",
+                                          "adhesion",      "wall",          "friction", "drag",
+                                          "meniscus",      "flow",          "particle"};
+inline constexpr std::size_t kTerms = kTermNames.size();
+static_assert(static_cast<std::size_t>(Term::particle) + 1 == kTerms);
 
 // All of them, in order.
 inline constexpr std::array<Term, kTerms> kAllTerms = [] {

@@ -1,5 +1,6 @@
 #include "sim/scene/terms.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/base/units.hpp"
@@ -213,6 +214,9 @@ constexpr std::array<TermInfo, kTerms> kTable = {
     row<&Laws::flow>(Term::flow, "flow ahead", false, read_flow, flow_fidelity),
     row<&Laws::particle>(Term::particle, "particle", false, read_particle, always<kHertz>),
 };
+static_assert(std::equal(kTable.begin(), kTable.end(), kTermNames.begin(),
+                         [](const TermInfo& row, const char* name) { return row.name == name; }),
+              "a row for each term, in their order");
 
 }  // namespace
 
