@@ -115,9 +115,6 @@ std::string figure(const Plot& plot, const std::string& caption) {
     return "<figure>\n" + image(draw_svg(plot), plot.title) + "<figcaption>" + caption +
            "</figcaption></figure>\n";
   } catch (const FileTrouble& trouble) {
-    static bool noted = false;
-    if (!noted) fmt::print(stderr, "note: the page lacks its plots: {}\n", trouble.what());
-    noted = true;
     return "<p class=\"note\">" + escaped(plot.title) + ": " + escaped(trouble.what()) + "</p>\n";
   }
 }

@@ -35,8 +35,7 @@ class HtmlTable {
   std::string rows_;
 };
 
-// A plot over its caption, which is HTML. Where it cannot be drawn, as without gnuplot, the page
-// says so, and a note on stderr.
+// A plot over its caption, which is HTML. Where it has no point, the page says so.
 std::string figure(const Plot& plot, const std::string& caption);
 
 }  // namespace ferrule

@@ -1,4 +1,4 @@
-// Plots as SVG, drawn by gnuplot.
+// Plots as SVG.
 #pragma once
 
 #include <cmath>
@@ -27,8 +27,7 @@ struct Plot {
   bool equal_scales = false;            // one unit is as long on x as on y
 };
 
-// Without the panels that have no point. Throws FileTrouble if none has one, or if gnuplot is not
-// there or refuses.
+// Without the panels that have no point. Throws FileTrouble if none has one.
 std::string draw_svg(Plot plot);
 void write_svg(const std::string& file, const Plot& plot);
 // And says so on stderr.

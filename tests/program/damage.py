@@ -290,7 +290,7 @@ class Damage(Case):
             self.assertNotIn("\nline ", text, arguments)
             self.assertIn("red \\x1b[31m\\x0aline \\xc2\\x9b2J", text, arguments)
 
-    # Whatever a text says to gnuplot or to a reader of SVG, it is drawn as it is.
+    # Whatever a text says to a reader of SVG, it is drawn as it is.
     def test_any_text_can_be_drawn(self):
         scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
         folder, plot, made = self.path("folder"), self.path("plot.svg"), self.path("made")
