@@ -1,18 +1,27 @@
 #!/usr/bin/env bash
-# newcomer.sh [SUITE]: makes a Debian with git and nothing else (debootstrap; SUITE bookworm unless given, or
-# trixie), and runs there every command block of README.md of this commit, word for word and in order, from
-# `git clone` to the Python lines.
+# newcomer.sh [SUITE [CACHE]]: makes a Debian with git, python3-venv and nothing else (debootstrap; SUITE bookworm unless
+# given, or trixie), and runs there every command block of README.md of this commit, word for word and in order, from
+# `pip install` of what ./ferrule wheel has made to the main job. What the same compiler has put into CACHE, a folder of
+# ccache, is not compiled again: then it tests the packages, the start script and the README, and says nothing of how
+# long a first build takes.
 set -euo pipefail
 suite=${1:-bookworm}
-[[ $# -le 1 && $suite =~ ^(bookworm|trixie)$ ]] || { echo "usage: newcomer.sh [bookworm|trixie]" >&2; exit 2; }
+[[ $# -le 2 && $suite =~ ^(bookworm|trixie)$ ]] || { echo "usage: newcomer.sh [bookworm|trixie [CACHE]]" >&2; exit 2; }
+cache=${2:+$(realpath "$2")}
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
+ls build/wheel/ferrule-*.whl >/dev/null || { echo "newcomer: make the wheel first: ./ferrule wheel" >&2; exit 3; }
 . tests/fresh_debian.sh
 say() { printf 'newcomer: %s\n' "$*"; }
 
 say "a bare Debian, $suite"
-fresh_debian "$suite" git
+fresh_debian "$suite" git python3-venv
+if [[ -n $cache ]]; then
+  "${as_root[@]}" mkdir "$fresh/root/.cache"
+  "${as_root[@]}" cp -r --preserve=timestamps "$cache" "$fresh/root/.cache/ccache"
+fi
 
-# The address in README.md leads to this commit.
+# The addresses in README.md lead to this commit, and to its wheel.
+"${as_root[@]}" cp -r build/wheel "$fresh/srv/release"
 address=$(sed -n 's/^git clone \([^ ]*\).*/\1/p' README.md | head -n 1)
 "${as_root[@]}" git clone -q --bare --no-local --depth 1 "file://$PWD" "$fresh/srv/ferrule.git"
 "${as_root[@]}" tee "$fresh/root/.gitconfig" >/dev/null <<GIT
@@ -33,7 +42,7 @@ blocks() {
       if (inside && language == "python") print "env/bin/python - <<\"PYTHON\""
       next
     }
-    inside && language == "" { sub(/^\.\/ferrule view/, "until_it_serves &") }
+    inside && language == "" { sub(/^\.\/ferrule view/, "until_it_serves &"); sub(/^release=.*/, "release=file:///srv/release") }
     inside && language != "text"' README.md
 }
 {
@@ -59,7 +68,7 @@ SCRIPT
   blocks
   cat <<'SCRIPT'
 trap - DEBUG
-for made in ferrule-demo/report.html episodes/episode_0020.h5 controller.json trials.html; do test -s "$made"; done
+for made in ../ferrule-demo/report.html ferrule-demo/report.html episodes/episode_0020.h5 controller.json trials.html; do test -s "$made"; done
 SCRIPT
 } | "${as_root[@]}" tee "$fresh/root/commands.sh" >/dev/null
 

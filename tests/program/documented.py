@@ -18,7 +18,7 @@ PAGES = sorted(page for pattern in ("*.md", "*/*.md", "*/*/README.md")
 # Of the numbers beside commands these are printed by none: what holds by proof, examples, medians of rows, how long it
 # takes here.
 NOT_PRINTED = {
-    "README.md": ["a straight push inserts 274 of 1000", "glibc 2.36", "130 stopped by Ctrl-C", "141 the reader"],
+    "README.md": ["a straight push inserts 274 of 1000", "130 stopped by Ctrl-C", "141 the reader"],
     "capture/README.md": ["The median score of the first ten is 73, that of the others 91"],
     "controller/README.md": ["125.2 to 125.3: 22 of 51 inserted", "449 show 99 %, and 4512 show 99.9 %", "0.99 (0.999)",
                              "IEC 61755-1", "of the free 10 mm", "The 10 uN of", "takes 3.4 kB. A command takes 0.4 us, but up to 2 "
@@ -74,7 +74,9 @@ class Page:
             elif language == "python":
                 self.commands.append(Command("python", code, block))
             elif language in ("", "sh", "bash"):
-                lines = [line for line in code.replace("\\\n", " ").splitlines() if line.startswith("./ferrule ")]
+                lines = [re.sub("^env/bin/ferrule ", "./ferrule ", line)  # where the wheel is installed
+                         for line in code.replace("\\\n", " ").splitlines()]
+                lines = [line for line in lines if line.startswith("./ferrule ")]
                 self.commands += [Command("sh", line, block) for line in lines]
                 last = block if lines else None
         for phrase in excused:
