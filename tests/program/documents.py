@@ -22,14 +22,15 @@ CUTS = [(DEAR + r"(?= |$)(?!.*--trials).*?)( > \S+)?$", r"\1 --trials 4\2"), (DE
         (r"^(./ferrule evaluate (?!controller.json|.*chosen).*--trials) [1-9]\d{3,}\b", r"\1 4"),
         (r"^(./ferrule improve .*)--trials \d+", r"\1--trials 1000 --unseen 20"),
         (r"^(./ferrule improve .*)--also \S+", r"\1"), (r"^(./ferrule improve .*)ladder/f", r"\1ladder/d"),
-        (r"(--ladder .*--trials) 4", r"\1 1"), (r"^(./ferrule compare (?!.*--learners).*)", r"\1 --learners insertion"),
+        (r"(--ladder .*--trials) 4", r"\1 1"), (r"^(./ferrule compare (?!.*--learners).*)", r"\1 --learners linear"),
         (r"--seeds 1\.\.5", "--seeds 1..2"), (r"(--demonstrations) \S+", r"\1 5"),
-        (r"--episodes 100\b", "--episodes 6"), (r"insertion,(torch,)?dagger", "insertion")]
+        (r"(--scene hard --episodes) 100\b", r"\1 2"),
+        (r"--episodes 100\b", "--episodes 6"), (r"insertion,(torch,)?dagger|(?<=--learners )torch", "linear")]
 
 # What is not run, and why.
 LEFT_OUT = [
     (r"^./ferrule .*(VERB|WORD|NAME|\.\.\.)", "stands for a command"),
-    (r"^./ferrule (test|wheel)\b", "tests/newcomer.sh and this suite are that"),
+    (r"^./ferrule (test|wheel|package)\b", "tests/newcomer.sh and this suite are that"),
     (r"^./ferrule view\b(?!.*--export)", "serves until Ctrl-C: view.py, tests/newcomer.sh"),
     (r"^./ferrule (view|score) .*\b(ada|ben)\b", "needs what persons recorded in the window"),
     (r"^./ferrule devices --test$|^./ferrule (record|view) .*--device (?!fake:)", "needs a device, and a hand at it"),

@@ -35,7 +35,7 @@ def options_of(verb):
 
 VERBS = {os.path.basename(f)[:-4] for f in glob.glob(os.path.join(SOURCE, "app/help/*.txt"))} - {"ferrule"}
 STAND_FOR_ONE = {"VERB", "..."}
-OF_THE_START_SCRIPT = {"test": {"--long", "--syntax"}, "wheel": set()}
+OF_THE_START_SCRIPT = {"test": {"--long", "--syntax"}, "wheel": set(), "package": set()}
 
 
 class Names(Case):
@@ -118,6 +118,16 @@ class Names(Case):
                                 count += 1
         self.assertGreater(count, 500)
 
+    def test_every_force_has_a_colour(self):
+        laws = read("sim/laws/laws.hpp").split("kTermNames = {")[1].split("}")[0]
+        forces = re.findall(r'"(\w+)"', laws)
+        self.assertGreater(len(forces), 10)
+        theme = read("view/page/src/theme.js").split("kTerms = [")[1].split("]")[0]
+        self.assertEqual(re.findall(r"'(\w+)'", theme), forces)
+        style = read("view/page/src/style.css")
+        for force in forces:
+            self.assertEqual(style.count(f"--{force.replace('_', '-')}: #"), 3, force)  # dark: chosen, or the system's
+
     def test_options_in_the_text_exist(self):
         known = set(re.findall(r'"(--[a-z-]+)"', read("bench/results.py")))
         known = known.union(*map(options_of, VERBS), *OF_THE_START_SCRIPT.values())
@@ -125,6 +135,34 @@ class Names(Case):
             with self.subTest(page=page):
                 for option in re.findall(r"`(--[a-z][A-Za-z-]*)", prose(page)):
                     self.assertIn(option, known | {"--version"})
+
+
+class BuildTimes(Case):
+    def test_the_table_is_of_nearly_these_sources(self):
+        git = ["git", "-C", SOURCE]
+        commit, = re.findall(r"at commit (\w+) on", read("docs/building.md"))
+        if subprocess.run([*git, "cat-file", "-e", commit + "^{commit}"], capture_output=True).returncode:
+            self.skipTest(f"the history of this clone does not reach back to {commit}")
+        sources, changed = (subprocess.run([*git, *words, "--", "*.cpp", "*.hpp", ":!tests"], capture_output=True, text=True,
+                                           check=True).stdout.splitlines()
+                            for words in (["ls-files"], ["diff", "--name-only", commit]))
+        self.assertGreater(len(sources), 300)
+        self.assertLessEqual(len(changed), len(sources) / 10, "make the table again: bench/build_times.py")
+
+    def test_the_script_makes_it_of_any_build(self):
+        page = self.path("building.md")
+        with open(page, "w") as file:
+            file.write("<!-- build_times -->\n<!-- /build_times -->\n")
+        script = [os.path.join(SOURCE, "bench/build_times.py"), "--into", page, "--build"]
+        wrong = subprocess.run([*script, self.folder], capture_output=True, text=True)
+        self.assertEqual((wrong.returncode, wrong.stderr.count("\n")), (2, 1), wrong.stderr)
+        subprocess.run([*script, BUILD], check=True)
+        with open(page) as file:
+            rows = [line.split("|")[1:-1] for line in file if re.match(r"\|.*\d \|$", line)]
+        self.assertEqual(len(rows), 6)
+        for _, objects, each, together in rows:
+            self.assertGreater(int(objects), 0)
+            self.assertLessEqual(float(together), float(each))
 
 
 # The program in the hands of a mutant. A documented command that it runs must be found not to be as its page says.
