@@ -228,6 +228,15 @@ class Forces(Case):
                      "laws.adhesion.maugis_lambda=101", says=["0.01 to 100"])
         self.refused(2, *FORCES, "--set", "laws.adhesion.maugis_lambda=20", says=["0.12 to 5.8"])
 
+    def test_names_in_a_plot_run_nothing(self):
+        scene = json.load(open(SOURCE + "/data/scenes/paper.json"))
+        for quote in "'\"`":
+            scene["name"] = f"x{quote}; system \"touch {self.path('reached')}\"; # `touch reached`"
+            json.dump(scene, open(self.path("named.json"), "w"))
+            self.done("forces", "--scene", self.path("named.json"), "--gap-nm", "1:9:9", "--plot",
+                      self.path("p.svg"), cwd=self.folder)
+            self.assertFalse(os.path.exists(self.path("reached")))
+
     def test_a_plot_follows_a_link_and_leaves_a_device_a_device(self):
         target, link = self.path("target.svg"), self.path("link.svg")
         open(target, "w").close()
