@@ -1,5 +1,6 @@
 # Sourced: fresh_debian SUITE [PACKAGE ...] makes a Debian by debootstrap in $fresh, and removes it when the shell
-# ends; inside COMMAND ... runs a command in it, as root and with nothing of this machine's environment.
+# ends; inside COMMAND ... runs a command in it, as root and with nothing of this machine's environment. share_cache FOLDER
+# has it use this folder of ccache.
 #
 # From this machine come only its certificate authorities and its settings of a proxy.
 as_root=()
@@ -26,9 +27,16 @@ fresh_debian() {
   done
 }
 
+share_cache() {
+  cache_of_fresh_debian=$1
+  "${as_root[@]}" mkdir -p "$fresh/root/.cache/ccache"
+  "${as_root[@]}" mount --bind "$1" "$fresh/root/.cache/ccache"
+}
+
 remove_fresh_debian() {
   local folder
-  for folder in proc dev; do "${as_root[@]}" umount -l "$fresh/$folder" 2>/dev/null || true; done
+  for folder in proc dev root/.cache/ccache; do "${as_root[@]}" umount -l "$fresh/$folder" 2>/dev/null || true; done
+  [[ -z ${cache_of_fresh_debian:-} ]] || "${as_root[@]}" chown -R "$UID" "$cache_of_fresh_debian" # root wrote to it
   "${as_root[@]}" rm -rf --one-file-system "$fresh" "$fresh.log" # never what is still mounted
 }
 

@@ -15,10 +15,7 @@ say() { printf 'newcomer: %s\n' "$*"; }
 
 say "a bare Debian, $suite"
 fresh_debian "$suite" git python3-venv
-if [[ -n $cache ]]; then
-  "${as_root[@]}" mkdir "$fresh/root/.cache"
-  "${as_root[@]}" cp -r --preserve=timestamps "$cache" "$fresh/root/.cache/ccache"
-fi
+[[ -z $cache ]] || share_cache "$cache"
 
 # The addresses in README.md lead to this commit, and to its wheel.
 "${as_root[@]}" cp -r build/wheel "$fresh/srv/release"
