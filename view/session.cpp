@@ -11,6 +11,7 @@
 #include "controller/trial.hpp"
 #include "insertion/hand_device.hpp"
 #include "sim/scene/draw.hpp"
+#include "view/said.hpp"
 
 namespace ferrule {
 namespace {
@@ -66,12 +67,6 @@ class StillDevice : public Device {
   HandPose pose_;
 };
 
-Json score_json(const Score& score) {
-  Json parts;
-  for (std::size_t i = 0; i < kParts; ++i) parts[kPartNames[i]] = number_or_null(score.parts[i]);
-  return {{"total", number_or_null(score.total)}, {"parts", parts}};
-}
-
 }  // namespace
 
 Session::Session(SessionSettings settings, std::function<void(SharedPayload)> send)
@@ -79,14 +74,8 @@ Session::Session(SessionSettings settings, std::function<void(SharedPayload)> se
   std::error_code none;
   if (fs::is_directory(settings_.out, none))
     for (const std::string& file : episode_files(settings_.out)) unread_.push_back(file);
-  say("hello", {{"protocol", 1},
-                {"scene", scene_json(settings_.scene)},
-                {"columns", frame_columns()},
-                {"phases", kPhases},
-                {"devices", {kBrowser}},
-                {"device", settings_.device ? settings_.device->name : kBrowser},
-                {"folder", settings_.out},
-                {"mode", "live"}});
+  say("hello", hello_json(settings_.scene, settings_.device ? settings_.device->name : kBrowser,
+                          settings_.out));
   prepare(next_episode_number(settings_.out));
   say_episodes();
 }
@@ -318,15 +307,12 @@ void Session::start_try(bool (*stopped)() noexcept) {
   recorder.info().why = timed.end.why;
   recorder.info().loop = loop_json(timed.timing, info.period).dump();
   const std::string file = recorder.finish(timed.end.outcome);
-  Json ended = ended_json(now, timed, info.period);
+  Json ended = ended_json(timed.end, now.trial);
+  ended["loop"] = loop_json(timed.timing, info.period);
   ended["file"] = file_name(file);
   const Measures measures = measure(open_episode(file), scene);
   measure_yardstick();
-  if (yardstick_) {
-    const Score scored = score(measures, *yardstick_);
-    ended["score"] = score_json(scored);
-    ended["hint"] = hint(measures, scored);
-  }
+  if (yardstick_) add_score(ended, measures, score(measures, *yardstick_));
   list(recorder.info(), measures, file, scene);
   ended["what"] = "try";
   say("ended", ended);
@@ -344,25 +330,12 @@ void Session::let_it_insert(bool (*stopped)() noexcept) {
   bool discard = false;
   const TimedEpisode timed = run_shown(
       now, hand, nullptr, 1e-3, [](const RowVector&, const RawCounts&) {}, discard, stopped);
-  Json ended = ended_json(now, timed, 1e-3);
+  Json ended = ended_json(timed.end, now.trial);
+  ended["loop"] = loop_json(timed.timing, 1e-3);
   ended["what"] = "insert";
   ended["controller"] = file_name(controller_file_);
   say("ended", ended);
   if (!stopped()) say_state();
-}
-
-Json Session::ended_json(const Insertion& insertion, const TimedEpisode& timed,
-                         double period) const {
-  const InsertionSummary& summary = timed.end.summary;
-  return {{"outcome", name(timed.end.outcome)},
-          {"why", timed.end.why},
-          {"time_s", summary.task_time()},
-          {"peak_force_uN", 1e6 * summary.peak_force},
-          {"depth_um", 1e6 * summary.depth},
-          {"offset_um", 1e6 * summary.offset},
-          {"tilt_rad", summary.tilt},
-          {"trial", insertion.trial},
-          {"loop", loop_json(timed.timing, period)}};
 }
 
 }  // namespace ferrule

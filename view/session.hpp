@@ -46,8 +46,6 @@ struct SessionSettings {
   std::optional<SessionDevice> device;  // empty: the page is the device `browser`
 };
 
-inline constexpr const char* kBrowser = "browser";  // the device that a page is
-
 class Session {
  public:
   // `send`: to all pages, from any thread. Throws FileTrouble, BadInput.
@@ -102,7 +100,6 @@ class Session {
   void read_one_more();
   void list(const EpisodeInfo& info, const Measures& m, const std::string& file,
             const Scene& scene);
-  Json ended_json(const Insertion& insertion, const TimedEpisode& timed, double period) const;
 
   void show_at_rest(const Insertion& insertion);
   void show(const Frame& frame);

@@ -2,10 +2,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "controller/controller_file.hpp"
 #include "sim/scene/draw.hpp"
+#include "view/said.hpp"
 #include "view/session.hpp"
 
 namespace ferrule {
@@ -112,19 +114,8 @@ void Session::read_one_more() {
 void Session::list(const EpisodeInfo& info, const Measures& m, const std::string& file,
                    const Scene& scene) {
   const bool same = undrawn(scene.document) == undrawn(settings_.scene.document);
-  Json json = {{"file", file_name(file)},
-               {"outcome", name(info.outcome)},
-               {"score", nullptr},
-               {"time_s", m[Part::time]},
-               {"peak_force_uN", 1e6 * m[Part::peak_force]},
-               {"operator", info.operator_},
-               {"trainee", info.trainee},
-               {"date", info.date},
-               {"session", info.session},
-               {"rating", info.rating},
-               {"scene", scene.name},
-               {"same_scene", same}};
-  if (same && yardstick_) json["score"] = number_or_null(score(m, *yardstick_).total);
+  const double scored = same && yardstick_ ? score(m, *yardstick_).total : NAN;
+  Json json = listed_json(file_name(file), info, scene, m, same, scored);
   const std::lock_guard lock(mutex_);
   episodes_.push_back({file, std::move(json)});
   std::sort(episodes_.begin(), episodes_.end(),
