@@ -124,7 +124,7 @@ Json to_json(const Comparison& c) {
 }
 
 // "after minus before: time -9.2 s (...); not told apart: inserted ..."
-std::string in_words(const Comparison& change) {
+std::string change_in_words(const Comparison& change) {
   std::string shown, open;
   for (const Change& each : changes_of(change)) {
     std::string& text = each.shown ? shown : open;
@@ -198,7 +198,8 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
     }
     print_table(columns(), told);
     for (const SceneTried& each : tried)
-      if (each.change) fmt::print("{}: {}\n", printable(each.scene.name), in_words(*each.change));
+      if (each.change)
+        fmt::print("{}: {}\n", printable(each.scene.name), change_in_words(*each.change));
     fmt::print("{}", choice_in_words(improved));
     fmt::print(
         "after {} trials; these are others: seed {}; time: of the inserted; peak force: of all\n"

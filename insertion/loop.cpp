@@ -49,7 +49,7 @@ class Insertion::Grip {
     device_.render(feedback_->feel(t, age, fibre_.relative(), relative));
   }
 
-  void drop_opened() { device_.render(HandWrench::Zero()); }
+  void release() { device_.render(HandWrench::Zero()); }
 
   // Why the hand cannot be trusted; null where it can.
   const char* fault() const noexcept { return feedback_ ? feedback_->fault() : nullptr; }
@@ -134,7 +134,7 @@ const InsertionSummary& Insertion::summary() const noexcept {
 const std::optional<InsertionEnd>& Insertion::feel() {
   Parts& p = *parts_;
   if (!p.now.trusted) {
-    p.grip.drop_opened();
+    p.grip.release();
     return p.ends(Outcome::interrupted, p.grip.fault());
   }
   step_on(p.scene.world, p.settings.scaling.motion_to_tip(p.now.holder),

@@ -1,5 +1,6 @@
 #include "sim/terms/printed_well.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
