@@ -53,6 +53,7 @@ void add_verbs(CLI::App& app, Run& run) {
   add_score(app, run);
   add_replay(app, run);
   add_recover(app, run);
+  add_import(app, run);
   add_export_episodes(app, run);
 }
 

@@ -39,6 +39,7 @@ void add_record(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);
 void add_bench(CLI::App& app, Run& run);
 void add_recover(CLI::App& app, Run& run);
+void add_import(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
 void add_fit(CLI::App& app, Run& run);
 void add_identify(CLI::App& app, Run& run);

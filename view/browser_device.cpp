@@ -9,14 +9,22 @@ namespace ferrule {
 void BrowserHand::say(const HandMessage& message) noexcept {
   const Eigen::Vector3d v(message.velocity.data());
   const double cut = v.allFinite() ? 1 / std::max(1.0, v.norm()) : 0;
-  Said now;
-  for (std::size_t i = 0; i < now.counts.size(); ++i) {
+  std::array<std::int16_t, 3> counts{};
+  for (std::size_t i = 0; i < counts.size(); ++i) {
     const double share = cut > 0 ? cut * message.velocity[i] : 0;
-    now.counts[i] = static_cast<std::int16_t>(std::lround(kFull * share));
+    counts[i] = static_cast<std::int16_t>(std::lround(kFull * share));
   }
-  now.buttons = static_cast<std::uint8_t>(message.buttons & 0xff);
-  now.number = static_cast<std::uint8_t>(said().number + 1);
-  sequence_ = message.sequence;
+  say(counts, static_cast<std::uint8_t>(message.buttons & 0xff), message.sequence);
+}
+
+void BrowserHand::say(const std::array<std::int16_t, 3>& counts, bool button) noexcept {
+  say(counts, static_cast<std::uint8_t>(button), 0);
+}
+
+void BrowserHand::say(const std::array<std::int16_t, 3>& counts, std::uint8_t buttons,
+                      std::uint32_t sequence) noexcept {
+  const Said now{counts, buttons, static_cast<std::uint8_t>(said().number + 1)};
+  sequence_ = sequence;
   said_ = std::bit_cast<std::uint64_t>(now);
 }
 

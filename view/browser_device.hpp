@@ -14,6 +14,8 @@
 
 namespace ferrule {
 
+inline constexpr const char* kBrowser = "browser";  // its name
+
 // What a page said last, from the thread that hears it to the loop's, without locks.
 class BrowserHand {
  public:
@@ -21,6 +23,8 @@ class BrowserHand {
 
   // In one thread.
   void say(const HandMessage& message) noexcept;
+  // These counts, each within +-kFull; `button` is pressed or not.
+  void say(const std::array<std::int16_t, 3>& counts, bool button) noexcept;
 
   struct Said {
     std::array<std::int16_t, 3> counts{};
@@ -33,6 +37,9 @@ class BrowserHand {
   std::uint32_t sequence() const noexcept { return sequence_; }
 
  private:
+  void say(const std::array<std::int16_t, 3>& counts, std::uint8_t buttons,
+           std::uint32_t sequence) noexcept;
+
   std::atomic<std::uint64_t> said_ = 0;
   std::atomic<std::uint32_t> sequence_ = 0;
   static_assert(std::atomic<std::uint64_t>::is_always_lock_free);

@@ -1,13 +1,13 @@
 // A real browser and the program, for the tests of the page.
 import {spawn, spawnSync} from 'node:child_process';
-import {mkdtempSync, rmSync} from 'node:fs';
+import {existsSync, mkdtempSync, rmSync} from 'node:fs';
 import {createRequire} from 'node:module';
 import {tmpdir} from 'node:os';
 import {join, resolve} from 'node:path';
 
 export const [program, build] = process.argv.slice(2, 4).map((path) => resolve(path));
 const installed = createRequire(join(build, 'view/page/'));
-const {chromium} = installed('playwright-core');
+const {chromium, firefox: gecko} = installed('playwright-core');
 export const axe = installed.resolve('axe-core/axe.min.js');
 
 export const folder = mkdtempSync(join(tmpdir(), 'ferrule-page-'));
@@ -52,6 +52,12 @@ export const browser = await chromium.launch({
   args: ['--headless=new', '--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic',
     '--no-first-run', '--disable-background-networking', '--disable-component-update', '--disable-sync'],
 });
+
+/** Firefox as Debian has it; null where it is not installed. @returns {Promise<import('playwright-core').Browser | null>} */
+export async function firefox() {
+  const executablePath = process.env.FERRULE_FIREFOX || '/usr/bin/firefox-esr';
+  return existsSync(executablePath) ? gecko.launch({executablePath, channel: 'moz-firefox'}) : null;
+}
 
 /** A page, and what its console said amiss. @param {string} address @param {{width?: number, height?: number, theme?: 'light' | 'dark', script?: string}} [how] */
 export async function open(address, {width = 1280, height = 720, theme = 'light', script} = {}) {

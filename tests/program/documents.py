@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+import unittest
 
 from case import PROGRAM, Case, main
 from documented import NOT_PRINTED, PAGES, Page, Ran, findings, read
@@ -30,7 +31,8 @@ CUTS = [(DEAR + r"(?= |$)(?!.*--trials).*?)( > \S+)?$", r"\1 --trials 4\2"), (DE
 # What is not run, and why.
 LEFT_OUT = [
     (r"^./ferrule .*(VERB|WORD|NAME|\.\.\.)", "stands for a command"),
-    (r"^./ferrule (test|wheel|package)\b", "tests/newcomer.sh and this suite are that"),
+    (r"^./ferrule (test|wheel|playground|package)\b", "tests/newcomer.sh and this suite are that"),
+    (r"^./ferrule import\b", "needs a try saved in a browser: view.py, tests/page/playground.mjs"),
     (r"^./ferrule view\b(?!.*--export)", "serves until Ctrl-C: view.py, tests/newcomer.sh"),
     (r"^./ferrule (view|score) .*\b(ada|ben)\b", "needs what persons recorded in the window"),
     (r"^./ferrule devices --test$|^./ferrule (record|view) .*--device (?!fake:)", "needs a device, and a hand at it"),
@@ -89,4 +91,7 @@ for name in PAGES:
             lambda self, name=name: self.check(name))
 
 if __name__ == "__main__":
-    main()
+    if sys.argv[4:] == ["--list"]:  # so that several run at once
+        print(*(f"Documents.{name}" for name in unittest.TestLoader().getTestCaseNames(Documents)), sep="\n")
+    else:
+        main()

@@ -35,7 +35,7 @@ def options_of(verb):
 
 VERBS = {os.path.basename(f)[:-4] for f in glob.glob(os.path.join(SOURCE, "app/help/*.txt"))} - {"ferrule"}
 STAND_FOR_ONE = {"VERB", "..."}
-OF_THE_START_SCRIPT = {"test": {"--long", "--syntax"}, "wheel": set(), "package": set()}
+OF_THE_START_SCRIPT = {"test": {"--long", "--compile"}, "wheel": set(), "playground": set(), "package": set()}
 
 
 class Names(Case):

@@ -61,7 +61,7 @@ class Answers(Clone):
                 self.assertEqual(usage.startswith("usage: ./ferrule VERB"), not words)
         said = self.start("evaluate", "search", "--trials", "3", "--help")[1]
         self.assertEqual(said, ferrule("evaluate", "--help").stdout)
-        for word in ("test", "wheel", "package"):
+        for word in ("test", "wheel", "playground", "package"):
             code, said, usage = self.start(word, "--help")
             self.assertEqual((code, said), (0, ""))
             self.assertIn(f"./ferrule {word}", usage)

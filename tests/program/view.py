@@ -1,4 +1,5 @@
 import glob
+import hashlib
 import json
 import os
 import shutil
@@ -11,7 +12,7 @@ import urllib.request
 import h5py
 import numpy
 
-from case import PROGRAM, SOURCE, Case, main
+from case import PROGRAM, SOURCE, Case, ferrule, main
 from websocket import Window
 
 SHORT = ["--scene", "demo", "--set", "start.distance_um=15", "--set", "success.depth_um=12",
@@ -156,6 +157,59 @@ class View(Case):
             self.assertTrue(deepest[0] <= depth < deepest[1], depth)
             self.end(process)
             self.done("replay", os.path.join(self.out, ended["file"]), "--verify")
+
+    # What the page without a program saves of a try (view/input_log.hpp), from an episode of the window.
+    def log_of(self, file):
+        with h5py.File(file) as episode:
+            demo, about = episode["data/demo_0"], episode.attrs
+            blocks = [demo["rows"][name][:] for name in
+                      ("time", "hand_pose", "hand_velocity", "command", "holder_wrench", "forces", "status")]
+            blocks.append(demo["states"][:])
+            rows = numpy.hstack([block.reshape(len(block), -1) for block in blocks]).astype("<f8")
+            counts = demo["raw/counts"][:, :3]
+            log = {key: about[key].decode() for key in ("operator", "trainee", "date", "session", "outcome", "build")}
+            log |= {"format": "ferrule input log", "format_version": 1, "why": "", "seed": int(about["seed"]),
+                    "trial": int(about["trial"]), "scene": json.loads(about["scene"]),
+                    "ferrule_version": about["ferrule_version"].decode(),
+                    "rows_sha1": hashlib.sha1(rows.tobytes()).hexdigest()}
+        begins = [0, *(1 + numpy.flatnonzero((numpy.diff(counts, axis=0) != 0).any(axis=1))), len(counts)]
+        log["counts"] = [[int(b - a), *map(int, counts[a])] for a, b in zip(begins, begins[1:])]
+        return log
+
+    def test_from_what_the_hand_did_the_episode_is_made_again(self):
+        process, address = self.view(*SHORT, "--trainee", "Ada", "--seed", 5)
+        _, ended = self.insert(Window(address))
+        self.end(process)
+        episode, saved, imported = f"{self.out}/{ended['file']}", self.path("try.json"), self.path("imported")
+        log = self.log_of(episode)
+        self.assertGreater(len(log["counts"]), 10)
+
+        def importing(log):
+            with open(saved, "w") as file:
+                file.write(log if isinstance(log, str) else json.dumps(log))
+            return ferrule("import", saved, "--out", imported, "--json")
+
+        done = importing(log)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        [made] = json.loads(done.stdout)["imported"]
+        self.assertEqual(made["outcome"], "inserted")
+        self.assertEqual(self.log_of(made["file"]), log)
+        self.done("replay", made["file"], "--verify")
+        self.done("score", imported)
+
+        first = [[log["counts"][0][0] + 1, *log["counts"][0][1:]], *log["counts"][1:]]
+        for changed in ({"rows_sha1": "0" * 40}, {"counts": first}, {"outcome": "jam"}):
+            refused = importing(log | changed)
+            self.assertEqual((refused.returncode, refused.stdout), (3, ""), changed)
+            self.assertRegex(refused.stderr, r"^ferrule: .*try.json: .*not those that were recorded.*\n$")
+        for changed, key in (({"counts": [[1, 2, 3]]}, "counts"), ({"scene": {}}, "scene"), ({"format": "x"}, "format"),
+                             ({"outcome": "won"}, "outcome"), ({"surplus": 1}, "surplus")):
+            refused = importing(log | changed)
+            self.assertEqual((refused.returncode, refused.stdout), (2, ""), changed)
+            self.assertRegex(refused.stderr, rf"^ferrule: .*try.json.*{key}.*\n$")
+        self.assertEqual(importing(json.dumps(log)[:-20]).returncode, 2)
+        self.assertEqual(importing("").returncode, 2)
+        self.assertEqual(os.listdir(imported), ["episode_0001.h5"])
 
     def test_another_trainee_takes_over_between_tries(self):
         process, address = self.view(*SHORT, "--trainee", "Ada")

@@ -3,7 +3,8 @@ import {byId} from './format.js';
 import {Table} from './table.js';
 
 /** @typedef {import('./recording.js').Scene} Scene
- * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string, folder: string}} Hello
+ * @typedef {{type: 'hello', protocol: number, scene: Scene, columns: string[], phases: string[], devices: string[], mode: string, folder: string,
+ *   scenes?: string[], controllers?: string[]}} Hello
  * @typedef {Record<string, unknown> & {type: string}} Message */
 
 const kProtocol = 1;
@@ -45,13 +46,14 @@ export class Live {
     };
   }
 
-  /** A connection to the program that served the page. */
-  static link() {
+  /** Who answers the page, a worker: it connects to the program that served it, or has the simulator in itself. @param {boolean} connects */
+  static link(connects) {
+    const script = new Blob([byId('link', HTMLScriptElement).text], {type: 'text/javascript'});
+    const link = new Worker(URL.createObjectURL(script));
+    if (!connects) return link;
     const here = new URL('live', location.href);
     here.protocol = 'ws:';
     here.hash = '';
-    const script = new Blob([byId('link', HTMLScriptElement).text], {type: 'text/javascript'});
-    const link = new Worker(URL.createObjectURL(script));
     link.postMessage({address: here.href});
     return link;
   }

@@ -230,7 +230,7 @@ class Page {
     else this.replay.say('There is nothing recorded here.');
   }
 
-  /** @param {Worker} link @param {import('./recording.js').FirstPicture} picture */
+  /** @param {Worker} link @param {import('./recording.js').FirstPicture | null} picture where there is one before it answers */
   startLive(link, picture) {
     document.body.dataset.mode = 'live';
     choose(byId('tab-session', HTMLElement));
@@ -240,6 +240,7 @@ class Page {
         this.use(hello.scene, hello.phases);
         document.title = `ferrule: ${hello.scene.name}`;
         session.folder = hello.folder;
+        session.shipped(hello);
       },
       message: (message) => {
         if (message.type === 'ended' && session.running) {
@@ -261,7 +262,7 @@ class Page {
       },
     }, link);
     const session = this.session = new Session((message) => live.send(message));
-    live.begin(picture);
+    if (picture) live.begin(picture);
     // Not with the pictures: where they are slow the hand is not silent.
     setInterval(() => {
       this.assignment.look();
@@ -413,7 +414,9 @@ function choose(tab) {
 async function main() {
   const recorded = embedded();
   // The program answers while the page is put together.
-  const link = recorded !== 'served' && recorded?.mode === 'live' && location.protocol.startsWith('http') ? Live.link() : null;
+  const mode = recorded === 'served' ? recorded : recorded?.mode;
+  const connects = mode === 'live' && location.protocol.startsWith('http');
+  const link = connects || mode === 'playground' ? Live.link(connects) : null;
   const page = new Page();
   Object.assign(globalThis, {ferrule: page});  // for a console
   if (recorded === 'served') {
@@ -423,6 +426,8 @@ async function main() {
   } else if (recorded?.mode === 'live') {
     if (link) page.startLive(link, recorded);
     else byId('said', HTMLElement).textContent = 'This page shows a program that runs, and was saved: nothing is recorded in it.';
+  } else if (recorded?.mode === 'playground') {
+    if (link) page.startLive(link, null);
   } else if (recorded) page.startReplay(recorded);
   else byId('said', HTMLElement).textContent = 'This file holds no recording.';
   page.frame(performance.now());

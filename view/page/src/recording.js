@@ -16,6 +16,7 @@ import {Table} from './table.js';
  * @typedef {{title: string, command: string, points: MapPoint[]}} MapJson
  * @typedef {{mode: 'replay', title?: string, scene: Scene, columns: string[], phases: string[],
  *   runs: RunJson[], maps?: MapJson[], over?: number}} RecordedJson
+ * @typedef {{mode: 'playground'}} Within the simulator is in the page (playground.js)
  * @typedef {{mode: 'live', hello: import('./live.js').Message, state: import('./live.js').Message, frame: (number | null)[]}} FirstPicture
  */
 
@@ -67,7 +68,7 @@ export async function unpacked(base64, columns) {
 
 /**
  * What an exported file holds; 'served' where the program has it; null where there is nothing; of a running program what is drawn first.
- * @returns {RecordedJson | FirstPicture | 'served' | null}
+ * @returns {RecordedJson | FirstPicture | Within | 'served' | null}
  */
 export function embedded() {
   const text = document.getElementById('recorded')?.textContent?.trim();

@@ -34,6 +34,10 @@ export class Session {
     this.insert = byId('insert', HTMLButtonElement);
     this.progress = byId('fit-progress', HTMLProgressElement);
     this.fitText = byId('fit-text', HTMLElement);
+    this.save = byId('save', HTMLButtonElement);
+    this.scenes = byId('scene-choice', HTMLSelectElement);
+    this.controllers = byId('controller-choice', HTMLSelectElement);
+    this.within = false;  // the page has the simulator in itself
     this.connection = byId('connection', HTMLElement);
     this.gone = byId('gone', HTMLElement);
     this.who = byId('who', HTMLElement);
@@ -49,11 +53,28 @@ export class Session {
     for (const star of this.rating.querySelectorAll('input'))
       star.addEventListener('change', () => send({type: 'rate', stars: Number(star.value)}));
     this.fit.addEventListener('click', () => send(this.chosen()));
-    this.insert.addEventListener('click', () => send({type: 'insert'}));
+    this.insert.addEventListener('click', () => send(this.within ? {type: 'insert', controller: this.controllers.value} : {type: 'insert'}));
+    this.save.addEventListener('click', () => send({type: 'save', file: this.saved}));
+    this.scenes.addEventListener('change', () => {
+      send({type: 'scene', name: this.scenes.value});
+      this.scenes.blur();
+    });
+    this.controllers.addEventListener('change', () => this.controllers.blur());
     this.trainee.addEventListener('change', () => {
       send({type: 'trainee', name: this.trainee.value.trim()});
       this.trainee.blur();
     });
+  }
+
+  /** What there is to choose from where the page has the simulator in itself. @param {import('./live.js').Hello} hello */
+  shipped({scene, scenes, controllers}) {
+    if (!scenes || !controllers) return;
+    this.within = true;
+    this.connection.hidden = this.fit.hidden = true;
+    this.save.hidden = this.scenes.hidden = this.controllers.hidden = false;
+    this.scenes.replaceChildren(...scenes.map((name) => new Option(name, name, false, name === scene.name)));
+    this.controllers.replaceChildren(...controllers.map((name) => new Option(words(name), name)));
+    this.ended.hidden = true;
   }
 
   /** @param {boolean} is @param {number} code of its end */
@@ -94,6 +115,7 @@ export class Session {
       case 'ended': return this.end(message);
       case 'episodes': return this.show(/** @type {Episode[]} */ (message.list));
       case 'fit': return this.fitting(message);
+      case 'log': return this.keep(String(message.file), String(message.text));
       default: return false;
     }
   }
@@ -187,12 +209,25 @@ export class Session {
     return but.length === 0 ? {type: 'fit'} : but.length < episodes.length ? {type: 'fit', but} : {type: 'fit', episodes};
   }
 
+  /** A try as a file. @param {string} file @param {string} text */
+  keep(file, text) {
+    const link = element('a');
+    link.href = URL.createObjectURL(new Blob([text], {type: 'application/json'}));
+    link.download = file;
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 1000);
+    byId('said', HTMLElement).textContent = `ferrule import ${file} --out episodes makes an episode of it`;
+    return true;
+  }
+
   /** What can be asked of the program now. */
   enable() {
     this.start.disabled = !this.online || this.rests;
     this.discard.disabled = this.rating.disabled = !this.online;
     this.trainee.disabled = !this.online || this.running;
     this.insert.disabled = !this.online || !this.canInsert;
+    this.save.disabled = this.running || !this.episodes.some((e) => e.file === this.saved);
+    this.scenes.disabled = this.running;
     this.fit.disabled = !this.online || this.fits || !this.episodes.some((e) => e.same_scene && e.outcome === 'inserted' && !this.left.has(e.file));
   }
 
