@@ -91,7 +91,7 @@ class Usage(Case):
         self.assertIn("evaluate", verbs["The job"])
         self.assertIn("limits", verbs["Answers for an engineer"])
         self.assertIn("doctor", verbs["Devices"])
-        self.assertEqual(sum(map(len, verbs.values())), 28)
+        self.assertEqual(sum(map(len, verbs.values())), 29)
 
     def test_completion_knows_the_verbs(self):
         words = subprocess.run(
@@ -101,7 +101,7 @@ class Usage(Case):
         self.assertEqual(words[:2], ["--help", "--version"])
         for verb in ("demo", "evaluate", "limits", "export-episodes"):
             self.assertIn(verb, words)
-        self.assertEqual(len(words), 30)
+        self.assertEqual(len(words), 31)
 
     def test_an_option_that_is_given_twice_is_named(self):
         for again in (["forces", "--scene", "demo", "--scene", "paper"],

@@ -37,6 +37,7 @@ const make = Reflect.get(globalThis, 'makePlayground');
 
 void make().then((made) => {
   simulator = made;
+  Object.assign(globalThis, {simulator});  // for a console
   postMessage({connected: true});
   simulator.ccall('begin', null, [], []);
   for (const text of unsaid.splice(0)) say(text);
