@@ -37,6 +37,7 @@ remove_fresh_debian() {
   local folder
   for folder in proc dev root/.cache/ccache; do "${as_root[@]}" umount -l "$fresh/$folder" 2>/dev/null || true; done
   [[ -z ${cache_of_fresh_debian:-} ]] || "${as_root[@]}" chown -R "$UID" "$cache_of_fresh_debian" # root wrote to it
+  ! mountpoint -q "$fresh/root/.cache/ccache" || return 0 # it may be of the same file system
   "${as_root[@]}" rm -rf --one-file-system "$fresh" "$fresh.log" # never what is still mounted
 }
 
