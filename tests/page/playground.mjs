@@ -121,6 +121,7 @@ test('shipped controllers that know the scaling of a scene insert in it, in time
     await page.waitForFunction(() => !globalThis.ferrule.session.running, null, {timeout: 60_000});
     assert.match(await page.locator('#ended').innerText(), /^the controller: inserted/);
   }
+  await page.screenshot({path: join(build, 'page-pictures/playground.png')});
   // As fast as it goes: a tenth of a second at once.
   await page.click('#insert:enabled');
   await page.waitForFunction(() => globalThis.ferrule.session.running);
@@ -131,7 +132,6 @@ test('shipped controllers that know the scaling of a scene insert in it, in time
   });
   console.log(`# as fast as it goes: ${steps.toFixed(0)} steps a second`);
   await page.click('#discard');
-  await page.screenshot({path: join(build, 'page-pictures/playground.png')});
   assert.deepEqual(amiss, []);
   await closeAll();
 });

@@ -53,7 +53,6 @@ constexpr double kPeriod = kInputLogPeriod;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kMostBehind = 0.1;                            // more time than that is let go [s]
 constexpr double kStateEvery = 1.0 / 60, kHistoryEvery = 0.1;  // [s]
-constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 constexpr ShippedFiles kControllers = {"controllers", "controller file", "controller"};
 constexpr const char* kFirstScene = "easy";
 
@@ -96,6 +95,7 @@ struct Running {
   std::uint64_t trial;
   State start;
   std::unique_ptr<Controller> controller;  // null: a person
+  const BrowserDevice* browser;            // his hand; or null
   std::unique_ptr<Device> hand;
   StoppedHand stopped{*hand};
   ForceSensor sensor{scene->sensor, kSeed, trial};
@@ -129,7 +129,8 @@ class Playground {
   void measure_yardstick();
   void choose(const std::string& scene);
   void prepare();
-  void begin(std::unique_ptr<Device> hand, std::unique_ptr<Controller> controller);
+  void begin(std::unique_ptr<Controller> controller, const BrowserDevice* browser,
+             std::unique_ptr<Device> hand);
   void start_try();
   void insert(const std::string& controller);
   bool tick();  // whether there is another one
@@ -146,7 +147,6 @@ class Playground {
   FeasibleTrial drawn_;
   State start_;
   BrowserHand hand_;
-  const BrowserDevice* browser_ = nullptr;
   std::unique_ptr<Running> running_;
   bool discards_ = false;
   std::string trainee_, began_ = date_now();
@@ -197,12 +197,12 @@ void Playground::measure_yardstick() {
 
 void Playground::choose(const std::string& scene) {
   if (running_) throw BadInput("an insertion runs: stop or discard it first");
-  written_ = std::make_unique<Scene>(load_scene(kScenes.find(scene)));
+  written_ = std::make_unique<Scene>(load_scene(scene));
   measured_ = false;
   yardstick_.reset();
   for (Json& episode : episodes_) episode["same_scene"] = episode["scene"] == written_->name;
   Json hello = hello_json(*written_, kBrowser, "");
-  hello["scenes"] = kScenes.names();
+  hello["scenes"] = shipped_scenes();
   hello["controllers"] = controllers_ = suitable(*written_);
   say("hello", hello);
   prepare();
@@ -222,18 +222,19 @@ void Playground::prepare() {
   running_.reset();
 }
 
-void Playground::begin(std::unique_ptr<Device> hand, std::unique_ptr<Controller> controller) {
-  running_.reset(
-      new Running{drawn_.scene, drawn_.trial, start_, std::move(controller), std::move(hand)});
+void Playground::begin(std::unique_ptr<Controller> controller, const BrowserDevice* browser,
+                       std::unique_ptr<Device> hand) {
+  running_.reset(new Running{drawn_.scene, drawn_.trial, start_, std::move(controller), browser,
+                             std::move(hand)});
 }
 
 void Playground::start_try() {
   const Scene& scene = *drawn_.scene;
   auto hand = std::make_unique<BrowserDevice>(hand_, device_range(scene, 1).speed,
                                               scene_scaling(scene).motion_to_hand(start_.command));
-  browser_ = hand.get();
-  begin(std::move(hand), nullptr);
-  EpisodeInfo& info = running_->log.info = episode_info(scene, *browser_, kSeed, drawn_.trial);
+  const BrowserDevice& browser = *hand;
+  begin(nullptr, &browser, std::move(hand));
+  EpisodeInfo& info = running_->log.info = episode_info(scene, browser, kSeed, drawn_.trial);
   info.operator_ = (trainee_.empty() ? "" : trainee_ + ", ") + std::string(kBrowser);
   info.trainee = trainee_;
   info.date = date_now();
@@ -246,7 +247,7 @@ void Playground::insert(const std::string& controller) {
     throw BadInput("no controller of that name knows the scaling of this scene");
   std::unique_ptr<Controller> inserts = load_controller(controller)(drawn_.trial);
   auto hand = std::make_unique<ControllerHand>(recorded_hand(*drawn_.scene, start_, *inserts));
-  begin(std::move(hand), std::move(inserts));
+  begin(std::move(inserts), nullptr, std::move(hand));
   say_state();
 }
 
@@ -279,7 +280,6 @@ void Playground::end() {
   ended["what"] = inserts ? "insert" : "try";
   if (!discards && !inserts) end_try(end, ended);
   running_.reset();
-  browser_ = nullptr;
   if (discards) return prepare();
   say("ended", ended);
   if (inserts) return say_state();
@@ -304,8 +304,8 @@ void Playground::end_try(const InsertionEnd& end, Json& ended) {
   const std::string file = fmt::format("try_{:04}.json", number_);
   logs_[file] = to_json(log).dump() + "\n";
   ended["file"] = file;
-  const Scene scene = recorded_scene(log.info, file);
-  const Measures measures = ferrule::measure(episode, scene);
+  const Scene& scene = *running_->scene;
+  const Measures measures = measure(episode, scene);
   measure_yardstick();
   std::optional<Score> scored;
   if (yardstick_) scored = score(measures, *yardstick_);
@@ -323,7 +323,7 @@ void Playground::send_frames(bool all) {
     post_frames(kind, frames->data(), static_cast<int>(count), kFrameColumns, heard);
   };
   if (all || now - r.said >= kStateEvery) {
-    post(1, &r.frames.back(), 1, r.controller ? 0 : browser_->answered());
+    post(1, &r.frames.back(), 1, r.browser ? r.browser->answered() : 0);
     r.said = now;
   }
   if (all || now - r.all_said >= kHistoryEvery) {
