@@ -118,53 +118,45 @@ std::vector<Vector2d> starts_of(const Scene& scene, std::uint64_t seed,
   return starts;
 }
 
-std::vector<Learning> from_fewer(const CompareArguments& a, const Scene& scene,
-                                 const DemonstrationSet& set,
-                                 const std::vector<ChosenLearner>& learned_by) {
-  std::vector<Learning> learning;
+// What is learned from the first of the demonstrations, which the seed a.fit_seed recorded.
+void learn_from_fewer(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
+                      const std::vector<ChosenLearner>& learned_by,
+                      std::vector<Learning>& learning) {
   for (const std::size_t count : a.demonstrations) {
-    if (interrupted()) break;
     if (count > set.demonstrations.size()) continue;
     for (const ChosenLearner& chosen : learned_by) {
+      end_if_interrupted();
       try {
         const Candidate c = fitted(a, chosen, first_of(set, count), fmt::format("first {}", count));
-        learning.push_back(
-            {c.name, count, c.rollouts, a.stopping.summary(campaign(a, scene, c.make, c.name))});
-      } catch (const Stopped&) {  // what is found so far is told
-        return learning;
+        learning.push_back({c.name, a.fit_seed, count, c.rollouts,
+                            a.stopping.summary(campaign(a, scene, c.make, c.name))});
       } catch (const BadInput& error) {
         fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant.name, error.what());
       }
     }
   }
-  return learning;
 }
 
-// Each learner, on demonstrations that are recorded anew and fits that are drawn anew by each seed.
-std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
-                             const DemonstrationSet& set,
-                             const std::vector<ChosenLearner>& learned_by) {
+// The learners on demonstrations that a.fit_seed recorded again.
+std::vector<BySeed> learned_again(const CompareArguments& a, const Scene& scene,
+                                  const DemonstrationSet& set,
+                                  const std::vector<ChosenLearner>& learned_by,
+                                  const std::vector<TrialResult>* teacher) {
   std::vector<BySeed> all;
-  if (a.seeds.empty()) return all;
-  for (const std::uint64_t seed : parse_seeds(a.seeds)) {
-    if (interrupted()) break;
-    const DemonstrationSet again = record_again(set, seed, end_if_interrupted);
-    CompareArguments with = a;
-    with.fit_seed = seed;
-    for (const ChosenLearner& chosen : learned_by) {
-      if (interrupted()) break;
-      try {
-        const Candidate c = fitted(with, chosen, again, "recorded again");
-        const auto results = campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, seed));
-        if (runs_a_shard() || a.stopping.whole(results, a.trials))
-          all.push_back({c, seed, again.demonstrations.size(), a.stopping.summary(results)});
-      } catch (const Stopped&) {  // what is found so far is told
-        return all;
-      } catch (const BadInput& error) {
-        end_if_interrupted();
-        fmt::print(stderr, "note: seed {}: {} is left out: {}\n", seed, chosen.variant.name,
-                   error.what());
-      }
+  for (const ChosenLearner& chosen : learned_by) {
+    end_if_interrupted();
+    try {
+      const Candidate c = fitted(a, chosen, set, "recorded again");
+      const auto results =
+          campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, a.fit_seed));
+      if (runs_a_shard() || a.stopping.whole(results, a.trials))
+        all.push_back({c, chosen, a.fit_seed, set.demonstrations.size(),
+                       a.stopping.summary(results),
+                       teacher ? compare_shared(results, *teacher) : std::nullopt});
+    } catch (const BadInput& error) {
+      end_if_interrupted();
+      fmt::print(stderr, "note: seed {}: {} is left out: {}\n", a.fit_seed, chosen.variant.name,
+                 error.what());
     }
   }
   return all;
@@ -173,14 +165,16 @@ std::vector<BySeed> by_seeds(const CompareArguments& a, const Scene& scene,
 // What depends on the scene, as the operator does, is made for the other one.
 std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                                   const DemonstrationSet& set,
-                                  const std::vector<Candidate>& candidates) {
+                                  const std::vector<Climber>& learned) {
+  std::vector<Climber> all;
+  for (const Candidate& c : without_learning(a, other, set)) all.push_back({c});
+  all.insert(all.end(), learned.begin(), learned.end());
   std::vector<Transfer> transfer;
-  const std::vector<Candidate> there = without_learning(a, other, set);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  for (const auto& [c, seed, without] : all) {
     if (interrupted()) break;
-    const Candidate& c = i < there.size() ? there[i] : candidates[i];
     const std::string what = other.name + ", " + c.name;
-    transfer.push_back({other.name, c.name, a.stopping.summary(campaign(a, other, c.make, what)),
+    transfer.push_back({other.name, c.name, seed,
+                        a.stopping.summary(campaign(a, other, c.make, what)),
                         a.stopping.summary(supervised_campaign(a, other, c.make, what))});
   }
   return transfer;
@@ -246,23 +240,64 @@ void write_trials(const CompareArguments& a, const Scene& scene, const Found& fo
   write_text(a.trials_out, csv_file(rows, provenance));
 }
 
+// Fills in what is learned from fewer demonstrations and, with --seeds, from each recording anew;
+// returns what --ablate leaves of them, and of what was given. Throws Stopped at Ctrl-C.
+std::vector<Climber> learn_again(const CompareArguments& a, const Scene& scene,
+                                 const DemonstrationSet& set,
+                                 const std::vector<ChosenLearner>& learned_by,
+                                 const std::vector<Candidate>& candidates, std::size_t first,
+                                 Found& found) {
+  std::vector<Climber> less;
+  const auto add_ablated = [&](const CompareArguments& with, const DemonstrationSet& from,
+                               const ChosenLearner* learner, const Candidate& whole) {
+    for (Climber& c : ablated(with, from, learner, whole)) less.push_back(std::move(c));
+  };
+  const std::size_t given = first + learned_by.size();
+  if (a.seeds.empty()) {
+    learn_from_fewer(a, scene, set, learned_by, found.learning);
+    for (std::size_t i = first; i < given; ++i)
+      add_ablated(a, set, &learned_by[i - first], candidates[i]);
+  } else {
+    const auto teacher = std::find_if(found.entries.begin(), found.entries.end(),
+                                      [](const Entry& e) { return e.candidate.name == kTeacher; });
+    for (const std::uint64_t seed : parse_seeds(a.seeds)) {
+      const DemonstrationSet again = record_again(set, seed, end_if_interrupted);
+      CompareArguments with = a;
+      with.fit_seed = seed;
+      learn_from_fewer(with, scene, again, learned_by, found.learning);
+      for (const BySeed& each :
+           learned_again(with, scene, again, learned_by,
+                         teacher == found.entries.end() ? nullptr : &teacher->results)) {
+        add_ablated(with, again, &each.chosen, each.candidate);
+        found.by_seeds.push_back(each);
+      }
+    }
+  }
+  for (std::size_t i = given; i < candidates.size(); ++i)
+    add_ablated(a, set, nullptr, candidates[i]);
+  return less;
+}
+
 // What is asked for beside the first tables, of `candidates`, of which those from `first` on depend
 // on no scene. Throws Stopped where Ctrl-C ends a fit.
 void follow_up(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
                const std::vector<ChosenLearner>& learned_by, const std::vector<Scene>& others,
                const std::vector<Scene>& ladder, const std::vector<Candidate>& candidates,
                std::size_t first, Found& found) {
-  found.learning = from_fewer(a, scene, set, learned_by);
+  std::vector<Climber> less;
+  try {
+    less = learn_again(a, scene, set, learned_by, candidates, first, found);
+  } catch (const Stopped&) {  // what is found so far is told
+  }
   if (a.output.text()) print_learning(found.learning);
-  found.by_seeds = by_seeds(a, scene, set, learned_by);
   if (a.output.text()) print_by_seeds(found.by_seeds);
+  std::vector<Climber> rest = climbers(a, candidates, first, found.by_seeds);
   for (const Scene& other : others) {
-    const std::vector<Transfer> there = tried_there(a, other, set, candidates);
+    if (interrupted()) break;
+    const std::vector<Transfer> there = tried_there(a, other, set, rest);
     if (a.output.text()) print_transfer(there);
     found.transfer.insert(found.transfer.end(), there.begin(), there.end());
   }
-  std::vector<Climber> rest = climbers(a, candidates, first, found.by_seeds);
-  const std::vector<Climber> less = ablated(a, set, learned_by, candidates, first);
   rest.insert(rest.end(), less.begin(), less.end());
   for (const Scene& rung : ladder) {
     if (interrupted()) break;
@@ -341,8 +376,7 @@ int compare_verb(const CompareArguments& a) {
 
 void add_ladder(CLI::App& verb, CompareArguments& a) {
   verb.add_flag("--ladder", a.ladder,
-                "Try all, and a blind spiral, on every rung of the ladder too (docs/results.md); "
-                "with --seeds what each seed of training learned");
+                "Try all, and a blind spiral, on every rung of the ladder too (docs/results.md)");
   verb.add_flag("--supervise", a.supervise, "Try all there under the supervisor, too")
       ->needs("--ladder");
   verb.add_option("--ablate", a.ablate,
@@ -389,8 +423,8 @@ void add_compare(CLI::App& app, Run& run) {
   add_seed(*verb, a->fit_seed, "Seed of the fits", "--fit-seed");
   add_seeds(
       *verb, a->seeds,
-      "Record the simulated demonstrations and fit again with each of these seeds: the spread "
-      "of the success");
+      "Record the simulated demonstrations and fit again with each of these seeds, also for what "
+      "follows here: the worst and the median of the success");
   add_threads(*verb, a->threads);
   add_shard(*verb);
   a->policy.add_to(*verb);

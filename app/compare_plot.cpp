@@ -66,8 +66,16 @@ Plot learning_plot(const std::vector<Learning>& learning) {
                                [&](const Series& s) { return s.name == l.name; });
     if (series == axes.series.end())
       series = axes.series.insert(axes.series.end(), {l.name, {}, {}, Series::points_on_line});
-    series->x.push_back(static_cast<double>(l.demonstrations));
-    series->y.push_back(100 * l.summary.success_rate);
+    const auto x = static_cast<double>(l.demonstrations);
+    const double y = 100 * l.summary.success_rate;
+    const auto known = std::find(series->x.begin(), series->x.end(), x);
+    if (known == series->x.end()) {
+      series->x.push_back(x);
+      series->y.push_back(y);
+    } else {
+      double& worst = series->y[static_cast<std::size_t>(known - series->x.begin())];
+      worst = std::min(worst, y);
+    }
   }
   return {"Success against the number of demonstrations", {axes}};
 }

@@ -15,14 +15,16 @@ struct Ring {
 std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
                                   const std::vector<Vector2d>& starts);
 
-// Success of a learner from the first `demonstrations`.
+// Success of a learner from the first `demonstrations` of what one seed recorded.
 struct Learning {
   std::string name;
+  std::uint64_t training_seed;
   std::size_t demonstrations, rollouts;
   CampaignSummary summary;
 };
 
 Plot misalignment_plot(const std::vector<std::pair<std::string, std::vector<Ring>>>& controllers);
+// Of several seeds the worst.
 Plot learning_plot(const std::vector<Learning>& learning);
 // On a rung of the ladder: success of each controller in tenths of the drawn number that decides it.
 Plot rung_plot(const std::string& rung,

@@ -38,6 +38,12 @@ inline bool asks_for(const CompareArguments& a, Ablation what) {
   return std::find(a.ablate.begin(), a.ablate.end(), name(what)) != a.ablate.end();
 }
 
+// A learner with the settings that are compared.
+struct ChosenLearner {
+  const Learner* learner;
+  Learner::Variant variant;
+};
+
 // A candidate and its trials, alone and under the supervisor.
 struct Entry {
   Candidate candidate;
@@ -52,18 +58,21 @@ struct Entry {
 // Of one learner, by one seed of recording and fitting.
 struct BySeed {
   Candidate candidate;
+  ChosenLearner chosen;
   std::uint64_t seed;
   std::size_t demonstrations;
   CampaignSummary summary;
+  std::optional<Comparison> against_teacher;
 };
 
 // In another scene.
 struct Transfer {
   std::string scene, controller;
+  std::optional<std::uint64_t> training_seed;  // empty: it does not learn
   CampaignSummary alone, supervised;
 };
 
-// A candidate on the ladder.
+// A candidate on the ladder, and in other scenes.
 struct Climber {
   Candidate candidate;
   std::optional<std::uint64_t> training_seed{};  // empty: it does not learn

@@ -104,24 +104,18 @@ std::vector<ChosenLearner> add_learned(const CompareArguments& a, const Demonstr
 }
 
 std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& set,
-                             const std::vector<ChosenLearner>& learned_by,
-                             const std::vector<Candidate>& candidates, std::size_t first) {
+                             const ChosenLearner* learner, const Candidate& whole) {
   std::vector<Climber> all;
   for (const std::string& key : a.ablate) {
     const auto at = std::find(kAblations.begin(), kAblations.end(), key) - kAblations.begin();
     const auto what = static_cast<Ablation>(at);
-    for (std::size_t i = first; i < candidates.size(); ++i) {
-      const Candidate& whole = candidates[i];
-      const ChosenLearner* learner =
-          i - first < learned_by.size() ? &learned_by[i - first] : nullptr;
-      try {
-        if (const auto c = candidate_without(a, what, set, learner, whole))
-          all.push_back({*c, learner ? std::optional(a.fit_seed) : std::nullopt, key});
-      } catch (const BadInput& error) {
-        end_if_interrupted();
-        fmt::print(stderr, "note: {} is left out: {}\n", name_without(whole.name, what),
-                   error.what());
-      }
+    try {
+      if (const auto c = candidate_without(a, what, set, learner, whole))
+        all.push_back({*c, learner ? std::optional(a.fit_seed) : std::nullopt, key});
+    } catch (const BadInput& error) {
+      end_if_interrupted();
+      fmt::print(stderr, "note: {} is left out: {}\n", name_without(whole.name, what),
+                 error.what());
     }
   }
   return all;

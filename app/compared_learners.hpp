@@ -5,12 +5,6 @@
 
 namespace ferrule {
 
-// A learner with the settings that are compared.
-struct ChosenLearner {
-  const Learner* learner;
-  Learner::Variant variant;
-};
-
 // The baselines in trials of `scene`, and those that were given by their names.
 std::vector<Candidate> without_learning(const CompareArguments& a, const Scene& scene,
                                         const DemonstrationSet& set);
@@ -27,11 +21,10 @@ Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
 std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
                                        std::vector<Candidate>& candidates);
 
-// What --ablate asks for: what learns, and what is given (those of `candidates` after what learns,
-// which begins at `first`), without each of the things in turn. Where there is nothing to take
-// away it is left out; where nothing can be learned without, too, with a note.
+// What --ablate asks for: `whole`, which `learner` made of the demonstrations (null: it was given),
+// without each of the things in turn. Where there is nothing to take away it is left out; where
+// nothing can be learned without, with a note. Of a learner the seed is a.fit_seed.
 std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& set,
-                             const std::vector<ChosenLearner>& learned_by,
-                             const std::vector<Candidate>& candidates, std::size_t first);
+                             const ChosenLearner* learner, const Candidate& whole);
 
 }  // namespace ferrule

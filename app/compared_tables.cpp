@@ -29,6 +29,29 @@ std::string outcome_columns(const CampaignSummary& s) {
 }
 constexpr const char* kOutcomeColumns = "  inserted [%], 95 %     time [s] peak [uN]";
 
+// The rows that are the same but for the seed of training, in the order of the first of each.
+template <class Row, class Same>
+std::vector<std::vector<Row>> over_seeds(const std::vector<Row>& rows, Same same) {
+  std::vector<std::vector<Row>> groups;
+  for (const Row& row : rows) {
+    const auto group = std::find_if(groups.begin(), groups.end(),
+                                    [&](const auto& g) { return same(g.front(), row); });
+    if (group == groups.end())
+      groups.push_back({row});
+    else
+      group->push_back(row);
+  }
+  return groups;
+}
+
+// The worst and the median by success, then by time; of one it, twice.
+std::pair<CampaignSummary, CampaignSummary> worst_and_median(std::vector<CampaignSummary> all) {
+  std::sort(all.begin(), all.end(), [](const CampaignSummary& a, const CampaignSummary& b) {
+    return std::pair(a.success_rate, -a.time.median) < std::pair(b.success_rate, -b.time.median);
+  });
+  return {all.front(), all[(all.size() - 1) / 2]};
+}
+
 Json to_json(const Entry& e, const Output& output) {
   const Candidate& c = e.candidate;
   Json row = {{"controller", c.name},
@@ -57,6 +80,7 @@ Json to_json(const Entry& e, const Output& output) {
 
 Json to_json(const Learning& l) {
   Json row = {{"controller", l.name},
+              {"training_seed", l.training_seed},
               {"demonstrations", l.demonstrations},
               {"labelled_rollouts", l.rollouts}};
   row.update(to_json(l.summary));
@@ -67,14 +91,22 @@ Json to_json(const BySeed& s) {
   Json row = {{"controller", s.candidate.name},
               {"seed", s.seed},
               {"demonstrations", s.demonstrations},
-              {"labelled_rollouts", s.candidate.rollouts}};
+              {"labelled_rollouts", s.candidate.rollouts},
+              {"fit_s", s.candidate.fit_seconds},
+              {"held_out_mm_s", number_or_null(1e3 * s.candidate.held_out.value_or(NAN))}};
   row.update(to_json(s.summary));
+  if (s.against_teacher) {
+    row["against_operator"] = Json::object();
+    add_json(*s.against_teacher, row["against_operator"]);
+  }
   return row;
 }
 
 Json to_json(const Transfer& t) {
-  Json row = {
-      {"scene", t.scene}, {"controller", t.controller}, {"supervised", to_json(t.supervised)}};
+  Json row = {{"scene", t.scene},
+              {"controller", t.controller},
+              {"training_seed", t.training_seed ? Json(*t.training_seed) : Json()},
+              {"supervised", to_json(t.supervised)}};
   row.update(to_json(t.alone));
   return row;
 }
@@ -171,35 +203,45 @@ void print_by_seeds(const std::vector<BySeed>& all) {
   if (all.empty()) return;
   fmt::print("\n{:<26} {:>5} {:>31} {:>29}\n", "over seeds", "seeds",
              "inserted [%], median (range)", "time [s], median (range)");
-  std::vector<std::string> names;
-  for (const BySeed& each : all)
-    if (std::find(names.begin(), names.end(), each.candidate.name) == names.end())
-      names.push_back(each.candidate.name);
-  for (const std::string& name : names) {
+  const auto same = [](const BySeed& a, const BySeed& b) {
+    return a.candidate.name == b.candidate.name;
+  };
+  for (const std::vector<BySeed>& of : over_seeds(all, same)) {
     std::vector<double> inserted, time;
-    for (const BySeed& each : all)
-      if (each.candidate.name == name) {
-        inserted.push_back(100 * each.summary.success_rate);
-        time.push_back(each.summary.time.median);
-      }
+    for (const BySeed& each : of) {
+      inserted.push_back(100 * each.summary.success_rate);
+      time.push_back(each.summary.time.median);
+    }
     const auto spread = [](const std::vector<double>& v, int digits) {
       return fmt::format("{} ({} to {})", cell(quantile(v, 0.5), digits),
                          cell(quantile(v, 0), digits), cell(quantile(v, 1), digits));
     };
-    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", name, inserted.size(), spread(inserted, 1),
-               spread(time, 2));
+    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", of.front().candidate.name, of.size(),
+               spread(inserted, 1), spread(time, 2));
   }
   fmt::print("each seed records the demonstrations and fits again; the trials are the same\n");
 }
 
 void print_learning(const std::vector<Learning>& learning) {
   if (learning.empty()) return;
-  fmt::print("\n{:<26} {:>7}{}\n", "from fewer demonstrations", "", kOutcomeColumns);
-  for (const Learning& l : learning)
-    fmt::print("{:<26} {:>7}{}\n", l.name,
+  const auto same = [](const Learning& a, const Learning& b) {
+    return a.name == b.name && a.demonstrations == b.demonstrations;
+  };
+  const std::vector<std::vector<Learning>> groups = over_seeds(learning, same);
+  const bool seeds = groups.size() < learning.size();
+  fmt::print("\n{:<26} {:>7}{}{}\n", "from fewer demonstrations", "", kOutcomeColumns,
+             seeds ? kOutcomeColumns : "");
+  for (const std::vector<Learning>& group : groups) {
+    const Learning& l = group.front();
+    std::vector<CampaignSummary> summaries;
+    for (const Learning& each : group) summaries.push_back(each.summary);
+    const auto [worst, median] = worst_and_median(summaries);
+    fmt::print("{:<26} {:>7}{}{}\n", l.name,
                l.rollouts ? fmt::format("{}+{}", l.demonstrations, l.rollouts)
                           : std::to_string(l.demonstrations),
-               outcome_columns(l.summary));
+               outcome_columns(worst), seeds ? outcome_columns(median) : "");
+  }
+  if (seeds) fmt::print("the worst of the seeds, and their median\n");
   if (std::any_of(learning.begin(), learning.end(), [](const Learning& l) { return l.rollouts; }))
     fmt::print("5+30: 5 demonstrations and 30 rollouts of its own, labelled by the operator\n");
 }
@@ -209,12 +251,30 @@ void print_transfer(const std::vector<Transfer>& transfer) {
   if (transfer.empty()) return;
   fmt::print("\n{:<26}{}{}\n", fmt::format("in {}; right: supervised", transfer.front().scene),
              kOutcomeColumns, kOutcomeColumns);
-  for (const Transfer& t : transfer)
-    fmt::print("{:<26}{}{}{}\n", t.controller, outcome_columns(t.alone),
-               outcome_columns(t.supervised),
-               t.alone.feasible < t.alone.trials
-                   ? fmt::format("  ({} infeasible)", t.alone.trials - t.alone.feasible)
+  const auto same = [](const Transfer& a, const Transfer& b) {
+    return a.controller == b.controller;
+  };
+  const std::vector<std::vector<Transfer>> groups = over_seeds(transfer, same);
+  for (const std::vector<Transfer>& of : groups) {
+    std::vector<CampaignSummary> alone, supervised;
+    for (const Transfer& t : of) {
+      alone.push_back(t.alone);
+      supervised.push_back(t.supervised);
+    }
+    const std::string& name = of.front().controller;
+    const CampaignSummary &first = alone.front(), worst = worst_and_median(alone).first;
+    fmt::print("{:<26}{}{}{}\n", name, outcome_columns(worst),
+               outcome_columns(worst_and_median(supervised).first),
+               first.feasible < first.trials
+                   ? fmt::format("  ({} infeasible)", first.trials - first.feasible)
                    : std::string());
+    if (of.size() > 1)
+      fmt::print("{:<26}{}{}\n", fmt::format("  median of {}", of.size()),
+                 outcome_columns(worst_and_median(alone).second),
+                 outcome_columns(worst_and_median(supervised).second));
+  }
+  if (groups.size() < transfer.size())
+    fmt::print("of several seeds the worst, and below it the median\n");
 }
 
 void print_ladder(const std::vector<LadderRow>& rung) {

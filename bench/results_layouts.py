@@ -100,6 +100,26 @@ def demo(result: Result) -> str:
                     [[name, inserted(s), interval(s), time(s), force(s), loss(s)] for name, s in pairs])
 
 
+def worst_and_median(rows: list[Result]) -> tuple[Result, Result]:
+    """Of the rows of several recordings, by success and then by time."""
+    ordered = sorted(rows, key=lambda r: (r["success_rate"], -(r["time_s"]["median"] or 0)))
+    return ordered[0], ordered[(len(ordered) - 1) // 2]
+
+
+def by_controller(rows: list[Result]) -> dict[str, list[Result]]:
+    """The rows of each, in the order of their first."""
+    found: dict[str, list[Result]] = {}
+    for row in rows:
+        found.setdefault(row["controller"], []).append(row)
+    return found
+
+
+def counts(rows: list[Result]) -> str:
+    """Of several recordings the worst and the median, of one it."""
+    worst, median = worst_and_median(rows)
+    return inserted(worst) if len(rows) == 1 else f"{worst['successes']}, {inserted(median)}"
+
+
 def ways(_: Result, compared: Result) -> str:
     def against(row: Result, what: str) -> str:
         if "against_operator" not in row:
@@ -107,17 +127,28 @@ def ways(_: Result, compared: Result) -> str:
         d = row["against_operator"][what]
         return "-" if d["low"] is None else f"{d['median']:+.2f} ({d['low']:+.2f} to {d['high']:+.2f})"
 
-    return markdown(
-        columns("controller | inserted | 95 % interval | time | against the operator"
-                " | peak force | against the operator"),
-        [[r["controller"], inserted(r), interval(r), time(r), against(r, "time_difference_s"),
-          force(r), against(r, "peak_force_difference_uN")] for r in compared["rows"]])
+    recordings = by_controller(compared["by_seeds"])
+    lines = []
+    for row in compared["rows"]:
+        rows = recordings.get(row["controller"], [row])
+        worst, r = worst_and_median(rows)
+        lines.append([row["controller"], counts(rows), interval(worst), time(r), against(r, "time_difference_s"),
+                      force(r), against(r, "peak_force_difference_uN")])
+    return markdown(columns("controller | inserted: worst, median | 95 % interval of the worst | time"
+                            " | against the operator | peak force | against the operator"), lines)
 
 
 def learned(_: Result, compared: Result) -> str:
-    return markdown(columns("controller | fitted numbers | time to fit | held-out error"),
-                    [[r["controller"], str(r["parameters"]), seconds(r["fit_s"]),
-                      fixed(r["held_out_mm_s"], 2, " mm/s")] for r in compared["rows"] if r["parameters"]])
+    recordings = by_controller(compared["by_seeds"])
+
+    def error(name: str) -> str:
+        errors = [r["held_out_mm_s"] for r in recordings[name] if r["held_out_mm_s"] is not None]
+        return f"{max(errors):.2f}, {median(errors):.2f} mm/s" if errors else "-"
+
+    return markdown(columns("controller | fitted numbers | time to fit, median | held-out error: worst, median"),
+                    [[r["controller"], str(r["parameters"]),
+                      seconds(median(each["fit_s"] for each in recordings[r["controller"]])),
+                      error(r["controller"])] for r in compared["rows"] if r["controller"] in recordings])
 
 
 def traits(*results: Result) -> str:
@@ -137,18 +168,19 @@ def demonstrations_text(r: Result) -> str:
 
 def seeds(_: Result, from_20: Result, __: Result, from_5: Result) -> str:
     rows = []
+    learners = by_controller(from_5["by_seeds"])
     for compared in (from_20, from_5):
-        for name in dict.fromkeys(r["controller"] for r in compared["by_seeds"]):
-            of_it = [r for r in compared["by_seeds"] if r["controller"] == name]
-            of_it.sort(key=lambda r: r["success_rate"])
-            median = of_it[len(of_it) // 2]
+        for name, of_it in by_controller(compared["by_seeds"]).items():
+            if name not in learners:
+                continue
+            median = worst_and_median(of_it)[1]
             rates = [100 * r["success_rate"] for r in of_it]
             times = [r["time_s"]["median"] for r in of_it if r["time_s"]["median"] is not None]
             rows.append([name, demonstrations_text(median), f"{100 * median['success_rate']:.1f} %",
-                         interval(median), f"{rates[0]:.1f} to {rates[-1]:.1f} %",
+                         interval(median), f"{min(rates):.1f} to {max(rates):.1f} %",
                          f"{min(times):.1f} to {max(times):.1f} s" if times else "-"])
-    return markdown(columns("learner | demonstrations | inserted, median of the seeds | interval over trials"
-                            " | over seeds | time over seeds"), rows)
+    return markdown(columns("learner | demonstrations | inserted, median of the recordings | interval over trials"
+                            " | over recordings | time over recordings"), rows)
 
 
 def elsewhere(*results: Result) -> str:
@@ -177,28 +209,30 @@ def elsewhere(*results: Result) -> str:
 def by_demonstrations(_: Result, compared: Result) -> str:
     rows = compared["by_demonstrations"]
 
-    def cell(r: Result) -> str:
-        share = f" ({interval(r)})" if r["successes"] < r["feasible"] else ""
-        return f"{r['successes']}{share}, {time(r)}, {force(r)}"
+    def cell(of_it: list[Result]) -> str:
+        worst, median = worst_and_median(of_it)
+        return f"{worst['successes']}, {median['successes']}; {time(median)}, {force(median)}"
 
-    names = list(dict.fromkeys(r["controller"] for r in rows))
+    names = list(by_controller(rows))
     return markdown(["demonstrations", *names],
-                    [[str(n), *(cell(r) for r in rows if r["demonstrations"] == n)]
-                     for n in dict.fromkeys(r["demonstrations"] for r in rows)])
+                    [[str(n), *(cell(of_it) for of_it in by_controller([r for r in rows if r["demonstrations"] == n])
+                                .values())]
+                     for n in sorted({r["demonstrations"] for r in rows})])
 
 
 def scenes(_: Result, from_20: Result, __: Result, from_5: Result) -> str:
-    def cell(s: Result) -> str:
-        return f"{inserted(s)} ({interval(s)}), {time(s)}, {force(s)}"
+    def cell(rows: list[Result]) -> str:
+        worst, median = worst_and_median(rows)
+        return f"{counts(rows)} ({interval(worst)}), {time(median)}, {force(median)}"
 
-    rows = []
+    lines = []
     for compared in (from_20, from_5):
-        here = [r | {"scene": compared["scene"]} for r in compared["rows"] if r["parameters"]]
-        learners = [r["controller"] for r in here]
-        there = [r for r in compared["transfer"] if r["controller"] in learners]
-        rows += [[f"`{r['scene']}`", r["controller"], str(compared["demonstrations"]), cell(r),
-                  cell(r["supervised"])] for r in here + there]
-    return markdown(columns("scene | learner | demonstrations | alone | under the supervisor"), rows)
+        learned = [r for r in compared["transfer"] if r["training_seed"] is not None]
+        for scene in dict.fromkeys(r["scene"] for r in learned):
+            for name, rows in by_controller([r for r in learned if r["scene"] == scene]).items():
+                lines.append([f"`{scene}`", name, str(compared["demonstrations"]), cell(rows),
+                              cell([r["supervised"] for r in rows])])
+    return markdown(columns("scene | learner | demonstrations | alone | under the supervisor"), lines)
 
 
 METHODS = {"quasi_static": "quasi-static", "backward_euler": "backward Euler", "explicit_euler": "explicit Euler",
@@ -236,9 +270,14 @@ def by_rung(compared: Result) -> dict[str, dict[str, list[Any]]]:
     return rungs
 
 
-def mean_and_worst(rows: list[Any]) -> str:
-    rates = [100 * r["success_rate"] for r in rows]
-    return f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %"
+def worst_to_median(rates: list[float]) -> str:
+    worst, middle = (digits(100 * rate, 3) for rate in (min(rates), median(rates)))
+    return worst if worst == middle else f"{worst} to {middle}"
+
+
+def rate(rows: list[Any]) -> str:
+    """Of several recordings the worst to the median."""
+    return worst_to_median([r["success_rate"] for r in rows]) + " %"
 
 
 def climbers(_: Result, compared: Result) -> str:
@@ -246,7 +285,7 @@ def climbers(_: Result, compared: Result) -> str:
     for rung, of in by_rung(compared).items():
         (operator,), (search,), (spiral,) = of["simulated operator"], of["search"], of["blind spiral"]
         rows.append([f"`{rung}`", digits(100 * operator["success_rate"], 3, " %"),
-                     *(mean_and_worst(of[name]) for name in names),
+                     *(rate(of[name]) for name in names),
                      digits(100 * search["success_rate"], 3, " %"), digits(search["search_s"], 2, " s"),
                      digits(spiral["search_s"], 2, " s")])
     return markdown(columns(f"rung | operator | {' | '.join(names)} | search | its search"
@@ -257,13 +296,16 @@ def supervised(_: Result, compared: Result) -> str:
     def both(alone: float | None, kept: float | None, unit: str) -> str:
         return f"{fixed(alone, 1)}, {fixed(kept, 1)}{unit}"
 
+    def rates(rows: list[Result]) -> str:
+        alone, kept = ([r["success_rate"] for r in of_it] for of_it in (rows, [r["supervised"] for r in rows]))
+        return f"{worst_to_median(alone)}, {worst_to_median(kept)} %"
+
     who = ("constant velocity", "tuned by hand", "torch", "search")
     lines = []
     for rung, of in by_rung(compared).items():
-        rows = [of[name][0] for name in who]
-        search, kept = rows[-1], rows[-1]["supervised"]
-        lines.append([f"`{rung}`",
-                      *(both(100 * r["success_rate"], 100 * r["supervised"]["success_rate"], " %") for r in rows),
+        (search,) = of["search"]
+        kept = search["supervised"]
+        lines.append([f"`{rung}`", *(rates(of[name]) for name in who),
                       both(search["time_s"], kept["time_s"]["median"], " s"),
                       str(kept["interventions"]["retreat"]["count"]), str(kept["outcomes"]["force_limit"])])
     return markdown(columns(f"rung | {' | '.join(who)} | time of the search | its retreats | over the force limit"),
@@ -273,7 +315,7 @@ def supervised(_: Result, compared: Result) -> str:
 def ablations(_: Result, compared: Result) -> str:
     less = dict.fromkeys(r["controller"] for r in compared["ladder"] if r["without"])
     names = sorted({name.partition(", no ")[0] for name in less} | set(less))
-    rows = [[f"`{rung}`", *(digits(100 * of[name][0]["success_rate"], 3, " %") for name in names)]
+    rows = [[f"`{rung}`", *(rate(of[name]) for name in names)]
             for rung, of in by_rung(compared).items()]
     return markdown(columns(f"rung | {' | '.join(names)}"), rows)
 
@@ -286,7 +328,7 @@ def followers(_: Result, compared: Result) -> str:
     lines = []
     for rung, of in by_rung(compared).items():
         learned, (search,) = of["ceres, search"], of["search"]
-        lines.append([f"`{rung}`", mean_and_worst(learned), digits(100 * search["success_rate"], 3, " %"),
+        lines.append([f"`{rung}`", rate(learned), digits(100 * search["success_rate"], 3, " %"),
                       *(", ".join(fixed(mean(rows, key), 1) for rows in (learned, [search]))
                         for key in ("time_s", "search_s", "peak_force_uN"))])
     return markdown(columns("rung | learned | search | time [s], of both | its search [s] | peak force [uN]"), lines)

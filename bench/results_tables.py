@@ -15,12 +15,12 @@ class Table(NamedTuple):
 
 TWENTY = "./ferrule record --scene bench --episodes 20 --skill 0.8 --seed 1 --out bench-episodes"
 FIVE = "./ferrule record --scene bench --episodes 5 --skill 0.8 --seed 1 --out five"
-COMPARE = "./ferrule compare bench-episodes --scene bench --plot compared"
-QUICK_COMPARE = "./ferrule compare five --learners linear,torch --trials 10"
+COMPARE = "./ferrule compare bench-episodes --scene bench --seeds 1..5 --plot compared"
+QUICK_COMPARE = "./ferrule compare five --learners linear,torch --seeds 1..2 --trials 10"
 SEEDS = "--learners insertion,torch,dagger --seeds 1..5"
 QUICK_SEEDS = "./ferrule compare five --learners linear --seeds 1..2 --trials 4"
-OTHERS = "--trials 200 --learners insertion,dagger --transfer tight,sticky,sloppy,epoxy --seed 8"
-QUICK_TRANSFER = "./ferrule compare five --learners linear --transfer tight,epoxy --trials 4"
+OTHERS = "--trials 100 --learners insertion,dagger --seeds 1..5 --transfer tight,sticky,sloppy,epoxy --seed 8"
+QUICK_TRANSFER = "./ferrule compare five --learners linear --seeds 1..2 --transfer tight,epoxy --trials 4"
 STEPPING = "./ferrule bench --plot plots"
 EXPORT = "./ferrule export-episodes bench-episodes --robomimic all.h5 --lerobot dataset --relative"
 RNN = "$python examples/learners/robomimic_bc_rnn.py"
@@ -78,9 +78,9 @@ def wider(trials: int) -> list[str]:
 KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
-SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --learners torch --trials 200"
+SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --learners torch --seeds 1..5 --trials 100"
 ABLATE = ("./ferrule compare bench-episodes search --ladder --ablate force,memory,tilt,variation --learners torch"
-          " --trials 200")
+          " --seeds 1..5 --trials 100")
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
 IMPROVE = ("./ferrule improve searched.json --scene ladder/f --also ladder/b,ladder/b1,ladder/b3"
            " --objective success,time --trials 24000 --trials-each 40 --out improved.json")
@@ -92,9 +92,8 @@ TABLES = [
     Table("learned", "timing", [TWENTY, COMPARE], layouts.learned, [FIVE, QUICK_COMPARE]),
     Table("traits", "counts", traits(100), layouts.traits, traits(1)),
     Table("seeds", "counts",
-          [TWENTY, f"./ferrule compare bench-episodes --trials 200 {SEEDS}",
-           FIVE, f"./ferrule compare five --trials 200 {SEEDS}"], layouts.seeds,
-          [FIVE, QUICK_SEEDS, FIVE, QUICK_SEEDS]),
+          [TWENTY, COMPARE, FIVE, "./ferrule compare five --learners insertion,torch,dagger,gru --seeds 1..5 --trials 200"],
+          layouts.seeds, [FIVE, QUICK_SEEDS, FIVE, QUICK_SEEDS]),
     Table("elsewhere", "timing",
           [TWENTY, COMPARE, EXPORT, f"{RNN} train all.h5 bc-rnn", f"{ACT} train dataset act",
            *policies("evaluate --scene bench --trials 1000"), *policies(COST)],
@@ -103,11 +102,10 @@ TABLES = [
            f"{RNN} train all.h5 bc-rnn --epochs 2 --rollouts 1", f"{ACT} train dataset act --steps 30",
            *policies("evaluate --scene bench --trials 2"), *policies(COST.replace("insertion,torch", "linear"))]),
     Table("demonstrations", "counts",
-          [TWENTY.replace("20", "100").replace("bench-episodes", "hundred"),
-           "./ferrule compare hundred --scene bench --trials 200 --learners insertion,torch,dagger"
-           " --demonstrations 5,10,20,50,100"],
+          [TWENTY.replace("20", "50").replace("bench-episodes", "fifty"),
+           f"./ferrule compare fifty --scene bench --trials 200 {SEEDS} --demonstrations 5,10,20,50"],
           layouts.by_demonstrations,
-          [FIVE, "./ferrule compare five --trials 4 --learners linear --demonstrations 3,5"]),
+          [FIVE, "./ferrule compare five --trials 4 --learners linear --seeds 1..2 --demonstrations 3,5"]),
     Table("scenes", "counts",
           [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
           layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
@@ -116,11 +114,11 @@ TABLES = [
     Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
           [FIVE, QUICK_CLIMB]),
     Table("supervised", "counts", [TWENTY, SUPERVISE], layouts.supervised,
-          [FIVE, "./ferrule compare five search --ladder --supervise --learners torch --trials 2"]),
+          [FIVE, SUPERVISE.replace("bench-episodes", "five").replace("100", "2").replace("1..5", "1..2")]),
     Table("ablations", "counts", [TWENTY, ABLATE], layouts.ablations,
-          [FIVE, ABLATE.replace("bench-episodes", "five").replace("200", "2")]),
+          [FIVE, ABLATE.replace("bench-episodes", "five").replace("100", "2").replace("1..5", "1..2")]),
     Table("followers", "counts", [SEARCHED, FOLLOW], layouts.followers,
-          [SEARCHED.replace("20", "3"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
+          [SEARCHED.replace("20", "5"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
     Table("improved", "counts",
           [SEARCHED, "./ferrule fit searched --method search --out searched.json", IMPROVE,
            *ladder(1000, "improved.json")], layouts.improved, None),

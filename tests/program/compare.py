@@ -130,9 +130,9 @@ class Compare(Case):
                                    ("blind spiral", None)])
         self.assertEqual(who[5][0], "search")
         self.assertEqual(who[5][1], None)
-        less = [("ceres, linear, no force", 1), ("search, no force", None), ("search, no tilt", None),
-                ("ceres, linear, no variation", 1)]
-        self.assertEqual(who[6:], [("ceres, linear", 3), ("ceres, linear", 5), *less])
+        less = [(f"ceres, linear, no {what}", seed) for seed in (3, 5) for what in ("force", "variation")]
+        self.assertEqual(who[6:], [("ceres, linear", 3), ("ceres, linear", 5), *less,
+                                   ("search, no force", None), ("search, no tilt", None)])
         self.assertEqual([row["rung"] for row in found], [rung for rung in rungs for _ in who])
         for row in found:
             self.assertEqual(row["trials"], trials)
@@ -164,6 +164,32 @@ class Compare(Case):
             xml.dom.minidom.parse(file)
         self.assertIn("ceres, linear, seed 9", once)
         self.assertRegex(once, r"constant velocity .* of \S+ to \S+")  # its worst tenth
+
+    # With --seeds each recording is learned from anew, in all that is asked for.
+    def test_each_recording_is_learned_from(self):
+        arguments = ["compare", self.out, "tuned_by_hand", *SCENE, "--trials", 4, "--learners", "linear",
+                     "--demonstrations", "4", "--transfer", "tight"]
+        found = json.loads(self.done(*arguments, "--seeds", "3,5", "--json").stdout)
+        operator = next(row for row in found["rows"] if row["controller"] == "simulated operator")
+        for row, seed in zip(found["by_seeds"], (3, 5), strict=True):
+            self.assertEqual((row["controller"], row["seed"]), ("ceres, linear", seed))
+            self.assertAlmostEqual(row["against_operator"]["difference"],
+                                   row["success_rate"] - operator["success_rate"], delta=1e-12)
+            # That recording is one which anybody can make.
+            again = self.path(f"again_{seed}")
+            self.done("record", *SCENE, "--scene", "bench", "--episodes", 5, "--seed", seed, "--out", again)
+            alone = json.loads(self.done(*[again if a == self.out else a for a in arguments], "--fit-seed", seed,
+                                         "--json").stdout)
+            for key in ("by_demonstrations", "transfer"):
+                self.assertEqual([r for r in found[key] if r.get("training_seed") == seed],
+                                 [r for r in alone[key] if r.get("training_seed") == seed])
+        self.assertEqual(len({row["time_s"]["median"] for row in found["by_demonstrations"]}), 2)
+        self.assertEqual([(row["controller"], row["training_seed"]) for row in found["transfer"][-3:]],
+                         [("tuned_by_hand", None), *(("ceres, linear", seed) for seed in (3, 5))])
+        table = self.done(*arguments, "--seeds", "3,5").stdout
+        for part in ("the worst of the seeds, and their median", "median of 2",
+                     "of several seeds the worst, and below it the median"):
+            self.assertIn(part, table)
 
     def test_the_result_does_not_depend_on_threads(self):
         def timeless(text):  # without what is measured by a clock
