@@ -11,6 +11,7 @@
 #include "app/best_rows.hpp"
 #include "app/varied_plots.hpp"
 #include "app/verb.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -319,8 +320,8 @@ Answer of_map(const Json& result) {
                            x.name, y.name, result.at("controller").get<std::string>(),
                            100 * result.at("target").get<double>());
   for (const double share : {0.1, 0.5, 0.9}) {
-    const double at =
-        x_axis.at("log") ? low * std::pow(high / low, share) : low + share * (high - low);
+    const double at = x_axis.at("log") ? low * elementary::exp(share * elementary::log(high / low))
+                                       : low + share * (high - low);
     a.lines.push_back(fmt::format("With a {} of {:.4g}{}: {}.", x.name, at,
                                   x.unit.empty() ? "" : " " + x.unit,
                                   reached_in_words(stretches(result, at), y)));

@@ -12,6 +12,7 @@
 #include "controller/controller_file.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -79,7 +80,7 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
   const auto [drawn, trial, infeasible] =
       feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
   const State start = draw_start(*drawn, a.seed, trial);
-  const auto device = simulated_operator(*drawn, start, skill, 1e-3, a.seed, trial);
+  const auto device = simulated_operator(*drawn, start, skill, kControlPeriod, a.seed, trial);
   return record_one(*drawn, start, *device,
                     {simulated_operator_name(skill), std::move(claim), a.seed, trial});
 }

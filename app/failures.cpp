@@ -8,6 +8,7 @@
 #include "app/html.hpp"
 #include "app/interrupt.hpp"
 #include "app/progress.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 #include "view/page_file.hpp"
 
@@ -72,7 +73,7 @@ NamedHistory forces_of_trials(const Scene& scene, std::uint64_t seed,
   tbb::parallel_for(std::size_t{0}, trials, [&](std::size_t k) {
     if (interrupted()) return;
     const auto controller = tested.make(k);
-    run_trial(scene, *controller, seed, k, 1e-3, [&](const Tick& tick) {
+    run_trial(scene, *controller, seed, k, kControlPeriod, [&](const Tick& tick) {
       forces[k].add(make_row(tick));
       return true;
     });

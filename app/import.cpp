@@ -5,6 +5,7 @@
 #include "capture/recorder.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/json_file.hpp"
 #include "sim/scene/draw.hpp"
 #include "view/input_log.hpp"
@@ -39,7 +40,7 @@ Json import_log(const std::string& file, const std::string& folder) {
   Sha1 hash;
   const InsertionEnd end = run_insertion(
       scene, start, *hand, ForceSensor(scene.sensor, log.info.seed, log.info.trial),
-      {.scaling = scene_scaling(scene), .period = kInputLogPeriod}, [&](const Tick& tick) {
+      {.scaling = scene_scaling(scene), .period = kControlPeriod}, [&](const Tick& tick) {
         const RowVector row = make_row(tick);
         hash.add(row.data(), sizeof(double) * static_cast<std::size_t>(row.size()));
         recorder.add(row, tick.sample.counts);

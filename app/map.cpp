@@ -11,6 +11,7 @@
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/refined_grid.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -29,7 +30,8 @@ struct Axis {
   bool log;
 
   double at(double share) const {
-    return log ? low * std::pow(high / low, share) : low + share * (high - low);
+    return log ? low * elementary::exp(share * elementary::log(high / low))
+               : low + share * (high - low);
   }
 };
 

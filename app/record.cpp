@@ -22,6 +22,7 @@
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -150,7 +151,8 @@ std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& 
   if (holding.device)
     return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
   if (!holding.make) {
-    const auto hand = simulated_operator(scene, start, a.skill, 1e-3, a.seed, drawn.trial);
+    const auto hand =
+        simulated_operator(scene, start, a.skill, kControlPeriod, a.seed, drawn.trial);
     return record_one(scene, start, *hand, std::move(place));
   }
   const std::unique_ptr<Controller> controller = holding.make(drawn.trial);

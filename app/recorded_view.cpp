@@ -11,6 +11,7 @@
 #include "controller/searching_operator.hpp"
 #include "controller/supervisor.hpp"
 #include "insertion/simulated_operator.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -26,9 +27,8 @@ ReplayRun run_of(const std::string& file) {
 
 MakeController simulated(const Scene& scene, std::uint64_t seed, const OperatorSkill& skill) {
   return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
-    constexpr double kPeriod = 1e-3;
-    return std::make_unique<DeviceController>(operator_of_trial(scene, skill, kPeriod, seed, trial),
-                                              kPeriod);
+    return std::make_unique<DeviceController>(
+        operator_of_trial(scene, skill, kControlPeriod, seed, trial), kControlPeriod);
   };
 }
 

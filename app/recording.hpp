@@ -9,13 +9,14 @@
 #include "capture/haptic_loop.hpp"
 #include "capture/recorder.hpp"
 #include "haptic/hid/device_list.hpp"
+#include "sim/base/control_period.hpp"
 
 namespace ferrule {
 
 struct Recorded {
   std::string file;  // empty: the operator discarded it, it has no row, or it is not whole yet
   InsertionEnd end;
-  double period = 1e-3;                // of the loop [s]
+  double period = kControlPeriod;      // of the loop [s]
   std::optional<LoopTiming> timing{};  // of a device
   int rating = 0;
   bool discarded = false;

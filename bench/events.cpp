@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "bench/random_scene.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/geometry/energy.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/solver/step.hpp"
@@ -12,11 +13,10 @@
 namespace ferrule {
 namespace {
 
-constexpr double kPeriod = 1e-3;
 constexpr std::array<int, 7> kParts = {64, 32, 16, 8, 4, 2, 1};
 
 struct Trace {
-  std::vector<PoseVector> tips;  // every kPeriod
+  std::vector<PoseVector> tips;  // every kControlPeriod
   std::vector<Vector3d> forces;
   double seconds = 0;
   long not_converged = 0, capped = 0;
@@ -28,7 +28,7 @@ Trace follow_hand(const World& world, const State& start, const std::vector<Pose
   StepResult r(start);
   const auto begin = std::chrono::steady_clock::now();
   for (std::size_t n = 0; n < hand.size(); ++n) {
-    step_on(world, hand[n], n == 0 ? 0 : kPeriod / parts, r);
+    step_on(world, hand[n], n == 0 ? 0 : kControlPeriod / parts, r);
     trace.not_converged += r.status == StepStatus::not_converged;
     trace.capped += r.status == StepStatus::iteration_limit;
     if (n % static_cast<std::size_t>(parts) != 0) continue;
@@ -65,12 +65,12 @@ void add_rows(const std::string& name, Motion motion, std::uint64_t seed, std::s
   std::array<EventRow, kParts.size()> mine;
   double samples = 0;
   for (std::size_t i = 0; i < kParts.size(); ++i)
-    mine[i] = {name, ferrule::name(motion), kPeriod / kParts[i], 0, 0, 0, 0, 0, 0};
+    mine[i] = {name, ferrule::name(motion), kControlPeriod / kParts[i], 0, 0, 0, 0, 0, 0};
   for (std::size_t k = 0; k < starts; ++k) {
     const State start = draw_start(scene, seed, k);
     Trace finest;
     for (std::size_t i = 0; i < kParts.size(); ++i) {
-      const auto hand = commands(scene, start, motion, kPeriod / kParts[i], seed, k);
+      const auto hand = commands(scene, start, motion, kControlPeriod / kParts[i], seed, k);
       const Trace trace = follow_hand(scene.world, start, hand, kParts[i]);
       if (i == 0) finest = trace;
       compare(scene.world, trace, finest, mine[i]);
@@ -81,7 +81,7 @@ void add_rows(const std::string& name, Motion motion, std::uint64_t seed, std::s
     samples += static_cast<double>(finest.tips.size());
   }
   for (auto row = mine.rbegin(); row != mine.rend(); ++row) {
-    row->us_per_simulated_s /= samples * kPeriod;
+    row->us_per_simulated_s /= samples * kControlPeriod;
     row->share_above_1_percent /= samples;
     rows.push_back(*row);
   }

@@ -5,6 +5,7 @@
 
 #include "bench/random_scene.hpp"
 #include "controller/statistics.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 #include "sim/solver/step.hpp"
 
@@ -56,7 +57,7 @@ void drive(const Scene& scene, Motion motion, std::uint64_t seed, std::uint64_t 
   World strict = scene.world;
   strict.numerics.extrapolation_tip = strict.numerics.extrapolation_force = 0;
   strict.numerics.solver = SolverParameters{.force_tolerance = 1e-12, .final_residual = 0};
-  constexpr double period = 1e-3;
+  constexpr double period = kControlPeriod;
   const State start = draw_start(scene, seed, k);
   StepResult now(start);
   for (const Pose& hand : commands(scene, start, motion, period, seed, k)) {

@@ -9,6 +9,7 @@
 #include "capture/recorder.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -23,7 +24,7 @@ constexpr int kRecordings = 3;  // of which the fastest counts
 RecordingRow measured_recording(const std::string& name) {
   const Scene scene = load_scene(name);
   const State start = draw_start(scene, kRecordingSeed, 1);
-  const double period = 1e-3;
+  const double period = kControlPeriod;
   RecordingRow best{name, 0, kNan, kNan, kNan};
   const std::string folder =
       (fs::temp_directory_path() / ("ferrule-bench-" + std::to_string(::getpid()))).string();

@@ -42,6 +42,7 @@
 #include "insertion/scene_scaling.hpp"
 #include "insertion/sensed_wrench.hpp"
 #include "insertion/watch.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/json_fields.hpp"
 
 namespace ferrule {
@@ -55,7 +56,7 @@ struct EpisodeInfo {
   std::string scene;      // JSON text as resolved
   std::string operator_;  // "simulated, skill 0.8", a device, a controller file
   std::uint64_t seed = 0, trial = 0;
-  double period = 1e-3;  // [s]
+  double period = kControlPeriod;  // [s]
   Outcome outcome = Outcome::interrupted;
   std::string why;             // it ended so, where the outcome does not say it all
   std::string version, build;  // of the program that recorded it

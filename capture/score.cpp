@@ -151,7 +151,7 @@ double spectral_arc_length(const Eigen::Ref<const Eigen::VectorXd>& speed, doubl
   while (last > 0 && height(last) < kThreshold) --last;
   double length = 0;
   for (std::size_t i = 0; i < last; ++i)
-    length += std::hypot(1 / static_cast<double>(last), height(i + 1) - height(i));
+    length += Eigen::Vector2d(1 / static_cast<double>(last), height(i + 1) - height(i)).norm();
   return -length;
 }
 

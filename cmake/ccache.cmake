@@ -1,5 +1,5 @@
-# The compiler cache, if there is one: what was compiled in one clone is found again from another,
-# wherever it is, with precompiled headers, and whether warnings are errors or not.
+# The compiler cache, if there is one: what was compiled once is found again, with precompiled headers, and whether
+# warnings are errors or not; what g++ compiled from any other clone, too (clang's precompiled headers know their folder).
 find_program(FERRULE_CCACHE ccache)
 if(FERRULE_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
   get_filename_component(source ${CMAKE_CURRENT_LIST_DIR} DIRECTORY)

@@ -14,10 +14,10 @@
 #pragma once
 
 #include <algorithm>
-#include <cmath>
 #include <numbers>
 
 #include "controller/controller.hpp"
+#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 
@@ -40,7 +40,7 @@ class BlindSpiral : public Controller {
       phase_ = Phase::insert;
     } else if (phase_ == Phase::lift && x > rest_ + deep) {
       phase_ = Phase::move;
-      turned_ += pitch_ / std::hypot(widening() * turned_, widening());
+      turned_ += pitch_ / Eigen::Vector2d(widening() * turned_, widening()).norm();
     } else if (phase_ == Phase::move && left.norm() < kThere * pitch_) {
       phase_ = Phase::lower;
     }
@@ -65,7 +65,8 @@ class BlindSpiral : public Controller {
 
   double widening() const noexcept { return pitch_ / (2 * std::numbers::pi); }
   Eigen::Vector2d place() const noexcept {
-    return widening() * turned_ * Eigen::Vector2d(std::cos(turned_), std::sin(turned_));
+    return widening() * turned_ *
+           Eigen::Vector2d(elementary::cos(turned_), elementary::sin(turned_));
   }
 
   double speed_, force_, pitch_;

@@ -17,6 +17,7 @@
 #include "controller/kept_trial.hpp"
 #include "controller/program_policy.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/error.hpp"
 
 namespace ferrule {
@@ -33,7 +34,8 @@ TrialResult run_trial_of(const Campaign& campaign, std::uint64_t seed, std::size
                          const std::function<bool()>& stop) {
   constexpr int kTries = 3;
   for (int i = 1;; ++i) {
-    TrialResult result = run_trial(*campaign.scene, *campaign.make(k), seed, k, 1e-3, {}, stop);
+    TrialResult result =
+        run_trial(*campaign.scene, *campaign.make(k), seed, k, kControlPeriod, {}, stop);
     if (!ended_by_system(result.why) || (stop && stop())) return result;
     if (i == kTries)
       throw BadInput(fmt::format("trial {}: {}, each of {} times: is there enough memory?", k,

@@ -27,6 +27,7 @@
 
 #include "controller/controller.hpp"
 #include "controller/gru.hpp"
+#include "sim/base/control_period.hpp"
 
 namespace ferrule {
 
@@ -51,10 +52,10 @@ struct Layer {
 using Network = std::vector<Layer>;  // at least one hidden layer; the last one is linear
 
 struct Policy {
-  double period = 1e-3;    // between commands [s], > 0
-  int samples = 1;         // H, >= 1
-  int spacing = 1;         // s in periods, >= 1
-  double speed_limit = 0;  // of the command, in the hand's world [m/s], > 0
+  double period = kControlPeriod;  // between commands [s], > 0
+  int samples = 1;                 // H, >= 1
+  int spacing = 1;                 // s in periods, >= 1
+  double speed_limit = 0;          // of the command, in the hand's world [m/s], > 0
   std::array<double, kMemoryChannels> mean{}, scale{};       // of channels(); scale > 0
   PolicyTwist velocity_mean = PolicyTwist::Zero(kVelocity);  // [m/s, rad/s]
   PolicyTwist velocity_scale = velocity_mean;                // [m/s, rad/s], >= 0

@@ -6,6 +6,7 @@
 
 #include "controller/safetensors.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/json_file.hpp"
 #include "sim/base/written_file.hpp"
 
@@ -18,7 +19,6 @@ constexpr std::string_view kWeights = ".safetensors";
 constexpr std::size_t kHashDigits = 12;  // in the name of a file of weights
 constexpr std::int64_t kMostMembers = 100, kMostLayers = 8, kMostUnits = 1024;
 constexpr std::int64_t kMostSamples = 100, kMostSpacing = 10000;
-constexpr double kPeriod = 1e-3;                // of trials and recordings [s]
 constexpr std::uintmax_t kMostBytes = 1 << 28;  // of the weights' file
 
 std::string weight_name(std::size_t member, std::size_t layer, const char* what) {
@@ -137,7 +137,8 @@ std::size_t read_signature(JsonFields& fields, Policy& policy) {
     units = static_cast<std::size_t>(fields.integer("memory", 1, kMostUnits));
     policy.memories.resize(policy.members.size());
   }
-  policy.period = fields.number("period_s", rule::between(kPeriod, kPeriod, "must be 0.001"));
+  policy.period =
+      fields.number("period_s", rule::between(kControlPeriod, kControlPeriod, "must be 0.001"));
   JsonFields history = fields.object("history");
   policy.samples = static_cast<int>(history.integer("samples", 1, units > 0 ? 1 : kMostSamples));
   policy.spacing = static_cast<int>(history.integer("spacing_periods", 1, kMostSpacing));

@@ -9,12 +9,12 @@
 #include "controller/controller_file.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/random.hpp"
 
 namespace ferrule {
 namespace {
 
-constexpr double kLoopPeriod = 1e-3;  // of the loop [s]
 constexpr std::array<std::string_view, 4> kHisTraits = {"delay", "peak_speed", "tremor",
                                                         "hesitation_rate"};
 
@@ -79,7 +79,7 @@ MakeController searching_operator(const Scene& scene, const OperatorSkill& skill
                                  skill.text(), trait, fmt::join(kHisTraits, ", ")));
   return [known = known_in(scene), traits = skill.traits(), seed](std::uint64_t trial) {
     return std::make_unique<SearchingOperator>(
-        traits, known.gains, known.stiffness, kLoopPeriod,
+        traits, known.gains, known.stiffness, kControlPeriod,
         [random = RandomStream(seed, trial, Draw::operator_hand)]() mutable {
           return random.uniform();
         });

@@ -2,6 +2,7 @@
 
 #include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
+#include "sim/scene/drawn_numbers.hpp"
 
 namespace ferrule {
 // The hand that goes as it is told between the ticks.
@@ -48,7 +49,7 @@ SteppedTrial::SteppedTrial(std::shared_ptr<const Scene> scene, std::uint64_t see
   entrance_ = registered_entrance(*drawn_);
   const State start = draw_start(*drawn_, seed, trial);
   running_ = std::make_unique<Running>(
-      *drawn_, start, ForceSensor(drawn_->sensor, seed, trial),
+      *drawn_, start, ForceSensor(drawn_->sensor, seed_of("sensor", scene_->redrawn, seed), trial),
       LoopSettings{.scaling = scaling_, .period = period_, .past_success = false});
   running_->insertion.feel();
   expect_end();

@@ -6,6 +6,7 @@
 
 #include "controller/observation.hpp"
 #include "controller/trial.hpp"
+#include "sim/base/control_period.hpp"
 
 namespace ferrule {
 
@@ -15,7 +16,7 @@ class SteppedTrial {
   // drawn parts do not fit it has ended as `infeasible`. `period` [s]. Throws BadInput if the
   // scene cannot be with the drawn diameters.
   SteppedTrial(std::shared_ptr<const Scene> scene, std::uint64_t seed, std::uint64_t trial,
-               double period = 1e-3);
+               double period = kControlPeriod);
   ~SteppedTrial();
   SteppedTrial(const SteppedTrial&) = delete;
   SteppedTrial& operator=(const SteppedTrial&) = delete;

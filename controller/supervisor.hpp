@@ -47,6 +47,7 @@
 #include <string>
 
 #include "controller/controller.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/scene.hpp"
 
 namespace ferrule {
@@ -62,23 +63,24 @@ struct SupervisorLimits {
   double follows = 1;  // of a step of the force, the sensor shows so much a period later, (0, 1]
   double misread = 0;  // by which the sensor errs beside its lag, hardly ever more [N], >= 0
   double late = 0;     // for which the holder goes on as it was told before [s], >= 0
-  double disagreement = 0;  // [m/s], > 0
-  double jam_force = 0;     // [N], > 0
-  double patience = 0.5;    // [s], > 0
-  double retreat = 0;       // [m], > 0
-  double offset = 0;        // [m], > 0
-  int tries = 8;            // retreats before it gives up, >= 0
-  double period = 1e-3;     // T [s], > 0
+  double disagreement = 0;         // [m/s], > 0
+  double jam_force = 0;            // [N], > 0
+  double patience = 0.5;           // [s], > 0
+  double retreat = 0;              // [m], > 0
+  double offset = 0;               // [m], > 0
+  int tries = 8;                   // retreats before it gives up, >= 0
+  double period = kControlPeriod;  // T [s], > 0
 
   double brakes_for() const noexcept;  // F_b [N], hand's world
 };
 
 // Of a scene: its speed and force limits and its holder's stiffness; the delay and smoothing of its
-// hand, times its gain, as `late`; what its sensor's bandwidth lets through in a period, and four standard deviations of its errors (at the force limit and the
-// end of the longest trial) and its dead band with its resolution as misread; acceleration to full
-// speed in 2 ms (15 mm/s^2 for a tip that goes 30 um/s, little for any stage: with less, braking
-// for a stiff holder takes most of the speed); a fifth of the speed as disagreement; a quarter of
-// the force as that of a jam; at the tip a retreat of 20 um and offsets of 10 um.
+// hand, times its gain, as `late`; as `follows` what its sensor's bandwidth lets through in a
+// period; as `misread` four standard deviations of the sensor's errors (at the force limit and the
+// end of the longest trial), and its dead band with its resolution; acceleration to full speed in
+// 2 ms (15 mm/s^2 for a tip that goes 30 um/s, little for any stage: with less, braking for a stiff
+// holder takes most of the speed); a fifth of the speed as disagreement; a quarter of the force as
+// that of a jam; at the tip a retreat of 20 um and offsets of 10 um.
 SupervisorLimits supervisor_limits(const Scene& scene);
 
 // Why a supervisor with these limits cannot hold the force limit; empty where it does, as above.

@@ -3,6 +3,7 @@
 
 #include "controller/controller.hpp"
 #include "insertion/loop.hpp"
+#include "sim/base/control_period.hpp"
 
 namespace ferrule {
 
@@ -24,8 +25,8 @@ TrialResult trial_result(const Scene& scene, Outcome outcome,
 // that of the scene, and its velocity is scaled down; control and simulation share one period [s].
 // Every tick is shown to `on_tick`, if any. `stop` ends it as `interrupted` (insertion/loop.hpp).
 TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t seed,
-                      std::uint64_t trial, double period = 1e-3, const OnTick& on_tick = {},
-                      const std::function<bool()>& stop = {});
+                      std::uint64_t trial, double period = kControlPeriod,
+                      const OnTick& on_tick = {}, const std::function<bool()>& stop = {});
 
 // A controller as a device: the hand of a trial, and of a recording of it like that of a person.
 class ControllerHand : public Device {

@@ -18,13 +18,14 @@
 #include <cmath>
 
 #include "haptic/scaling.hpp"
+#include "sim/base/control_period.hpp"
 
 namespace ferrule {
 
 struct GuardSettings {
-  double max_force;          // of the device [N], > 0
-  double period = 1e-3;      // of the loop [s], > 0
-  double quiet_force = 0.2;  // [N]
+  double max_force;                // of the device [N], > 0
+  double period = kControlPeriod;  // of the loop [s], > 0
+  double quiet_force = 0.2;        // [N]
   int quiet_periods = 5;
   double ramp = 2;            // [s], >= 0
   double max_hand_speed = 2;  // [m/s]: above it the hand has jumped

@@ -21,6 +21,7 @@
 #include "haptic/force_feedback.hpp"
 #include "insertion/sensed_wrench.hpp"
 #include "insertion/watch.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/scene/force_sensor.hpp"
 
 namespace ferrule {
@@ -42,7 +43,7 @@ struct Tick {
 
 struct LoopSettings {
   Scaling scaling;
-  double period = 1e-3;  // T [s], > 0
+  double period = kControlPeriod;  // T [s], > 0
   // Whether the hand goes on after success until it is finished, as a simulated operator does; or
   // success ends the insertion, as in a trial.
   bool past_success = false;

@@ -8,6 +8,7 @@
 #include "learn/fit_law.hpp"
 #include "learn/fit_policy.hpp"
 #include "learn/fit_search.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/measure.hpp"
 #include "sim/scene/draw.hpp"
 
@@ -66,9 +67,8 @@ std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set
           {"best demonstration again", controller_maker(RecordedMotion(fastest(set)))},
           {"simulated operator",
            [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
-             constexpr double kPeriod = 1e-3;
              return std::make_unique<DeviceController>(
-                 operator_of_trial(scene, skill, kPeriod, seed, trial), kPeriod);
+                 operator_of_trial(scene, skill, kControlPeriod, seed, trial), kControlPeriod);
            }}};
 }
 

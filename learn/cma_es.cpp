@@ -6,6 +6,7 @@
 #include <numeric>
 #include <vector>
 
+#include "sim/base/elementary.hpp"
 #include "sim/base/random.hpp"
 
 namespace ferrule {
@@ -15,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 int CmaEs::default_population(Index n) {
-  return 4 + static_cast<int>(3 * std::log(static_cast<double>(n)));
+  return 4 + static_cast<int>(3 * elementary::log(static_cast<double>(n)));
 }
 
 CmaEs::CmaEs(VectorXd mean, double sigma, int population, std::uint64_t seed)
@@ -29,7 +30,8 @@ CmaEs::CmaEs(VectorXd mean, double sigma, int population, std::uint64_t seed)
       covariance_(MatrixXd::Identity(n_, n_)),
       steps_(n_, population) {
   for (Index i = 0; i < weights_.size(); ++i)
-    weights_[i] = std::log(0.5 * (population + 1)) - std::log(static_cast<double>(i + 1));
+    weights_[i] =
+        elementary::log(0.5 * (population + 1)) - elementary::log(static_cast<double>(i + 1));
   weights_ /= weights_.sum();
   mu_eff_ = 1 / weights_.squaredNorm();
   const auto n = static_cast<double>(n_);
@@ -76,10 +78,11 @@ void CmaEs::tell(const VectorXd& values) {
   p_sigma_ =
       (1 - c_sigma_) * p_sigma_ + std::sqrt(c_sigma_ * (2 - c_sigma_) * mu_eff_) * white;  // (43)
   const double length = p_sigma_.norm();
-  sigma_ *= std::exp(c_sigma_ / d_sigma_ * (length / chi_ - 1));  // (44)
+  sigma_ *= elementary::exp(c_sigma_ / d_sigma_ * (length / chi_ - 1));  // (44)
 
-  const double remembered =
-      std::sqrt(1 - std::pow(1 - c_sigma_, 2 * static_cast<double>(generation_)));
+  const double forgotten =
+      elementary::exp(2 * static_cast<double>(generation_) * elementary::log1p(-c_sigma_));
+  const double remembered = std::sqrt(1 - forgotten);
   const auto n = static_cast<double>(n_);
   const double h = length / remembered < (1.4 + 2 / (n + 1)) * chi_ ? 1 : 0;
   p_c_ = (1 - c_c_) * p_c_ + h * std::sqrt(c_c_ * (2 - c_c_) * mu_eff_) * step;  // (45)

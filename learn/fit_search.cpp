@@ -140,7 +140,7 @@ double velocity_error(const std::vector<ShownSearch>& episodes, const SearchFile
     for (const ShownNumber& s : e.shown)
       if (s.gain == search_gain::approach_speed || s.gain == search_gain::touch_speed ||
           s.gain == search_gain::insert_speed) {
-        sum += std::pow(s.value - c.gains[s.gain], 2);
+        sum += (s.value - c.gains[s.gain]) * (s.value - c.gains[s.gain]);
         n += 1;
       }
     for (const PushedRow& p : e.pushed) {

@@ -10,6 +10,7 @@
 #include "insertion/scene_scaling.hpp"
 #include "learn/free_course.hpp"
 #include "learn/tilt_yields.hpp"
+#include "sim/base/control_period.hpp"
 
 namespace ferrule {
 namespace {
@@ -113,18 +114,17 @@ void warn_of_gains(const DemonstrationSet& set, const LawFile& law,
 }  // namespace
 
 double time_without_force(const MakeController& make, const Scene& scene) {
-  constexpr double kPeriod = 1e-3;
   const Scaling scaling = scene_scaling(scene);
   const double speed = scaling.motion * scene.limits.speed, entrance = registered_entrance(scene);
   const std::unique_ptr<Controller> controller = make(0);
   HandPose hand = HandPose::Zero();
   hand[0] = scaling.motion * scene.start.distance;
   const HandPose start = hand;
-  for (double t = 0; t <= scene.limits.time; t += kPeriod) {
+  for (double t = 0; t <= scene.limits.time; t += kControlPeriod) {
     if (-hand[0] >= scaling.motion * scene.success.depth) return t;
     const HandTwist v = controller->command(observe(HandWrench::Zero(), hand, start, entrance, t));
     if (!v.allFinite()) break;
-    hand += kPeriod * limit_speed(v, speed);
+    hand += kControlPeriod * limit_speed(v, speed);
   }
   return std::numeric_limits<double>::infinity();
 }

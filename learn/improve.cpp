@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "learn/cma_es.hpp"
+#include "sim/base/elementary.hpp"
 #include "sim/base/error.hpp"
 #include "sim/base/random.hpp"
 
@@ -125,7 +126,7 @@ ControllerFile with_gains(const ControllerFile& controller, const std::vector<st
                           const VectorXd& x) {
   ControllerFile changed = controller;
   for (std::size_t k = 0; k < free.size(); ++k) {
-    const double value = gain(controller, free[k]) * std::exp(x[static_cast<Index>(k)]);
+    const double value = gain(controller, free[k]) * elementary::exp(x[static_cast<Index>(k)]);
     if (auto* law = std::get_if<LawFile>(&changed))
       law->gains[free[k]] = {.value = value};
     else if (auto* search = std::get_if<SearchFile>(&changed))

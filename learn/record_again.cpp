@@ -9,8 +9,8 @@ namespace ferrule {
 namespace {
 
 // Of a simulated operator of that name.
-Episode recorded(const Scene& toleranced, const std::string& who, std::uint64_t seed,
-                 std::uint64_t number) {
+Episode recorded_episode(const Scene& toleranced, const std::string& who, std::uint64_t seed,
+                         std::uint64_t number) {
   const FeasibleTrial drawn = feasible_trial(toleranced, seed, number);
   const std::uint64_t trial = drawn.trial;
   const Scene& scene = *drawn.scene;
@@ -51,7 +51,7 @@ Episode recorded(const Scene& toleranced, const std::string& who, std::uint64_t 
 
 void add_recorded(DemonstrationSet& set, const Scene& scene, const std::string& who,
                   std::uint64_t seed, std::uint64_t trial) {
-  set.add(recorded(scene, who, seed, trial),
+  set.add(recorded_episode(scene, who, seed, trial),
           "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
 }
 

@@ -50,7 +50,7 @@ std::pair<Eigen::Index, Eigen::Index> Replays::rows_of(std::size_t recording) co
 }
 
 double Replays::white_sensor_noise() const {
-  return std::hypot(scene_.sensor.noise, rounding(scene_.sensor));
+  return Eigen::Vector2d(scene_.sensor.noise, rounding(scene_.sensor)).norm();
 }
 
 Eigen::VectorXd Replays::sensor_noise() const {
@@ -63,8 +63,8 @@ Eigen::VectorXd Replays::sensor_noise() const {
     for (Eigen::Index k = 0; k < count; ++k) {
       const Eigen::Index row = k * stride(one);
       const double force = one.wrench.row(row).head<3>().norm();
-      noise[first + k] = std::hypot(sensor.deviation(force, static_cast<double>(row) * one.period),
-                                    rounding(sensor));
+      const double deviation = sensor.deviation(force, static_cast<double>(row) * one.period);
+      noise[first + k] = Eigen::Vector2d(deviation, rounding(sensor)).norm();
     }
   }
   return noise;

@@ -1,13 +1,10 @@
 #!/usr/bin/env bash
-# newcomer.sh [SUITE [CACHE]]: makes a Debian with git, python3-venv and nothing else (debootstrap; SUITE bookworm unless
+# newcomer.sh [SUITE]: makes a Debian with git, python3-venv and nothing else (debootstrap; SUITE bookworm unless
 # given, or trixie), and runs there every command block of README.md of this commit, word for word and in order, from
-# `pip install` of what ./ferrule wheel has made to the main job. What the same compiler has put into CACHE, a folder of
-# ccache, is not compiled again: then it tests the packages, the start script and the README, and says nothing of how
-# long a first build takes.
+# `pip install` of what ./ferrule wheel has made to the main job.
 set -euo pipefail
 suite=${1:-bookworm}
-[[ $# -le 2 && $suite =~ ^(bookworm|trixie)$ ]] || { echo "usage: newcomer.sh [bookworm|trixie [CACHE]]" >&2; exit 2; }
-cache=${2:+$(realpath "$2")}
+[[ $# -le 1 && $suite =~ ^(bookworm|trixie)$ ]] || { echo "usage: newcomer.sh [bookworm|trixie]" >&2; exit 2; }
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 ls build/wheel/ferrule-*.whl >/dev/null || { echo "newcomer: make the wheel first: ./ferrule wheel" >&2; exit 3; }
 . tests/fresh_debian.sh
@@ -15,7 +12,6 @@ say() { printf 'newcomer: %s\n' "$*"; }
 
 say "a bare Debian, $suite"
 fresh_debian "$suite" git python3-venv
-[[ -z $cache ]] || share_cache "$cache"
 
 # The addresses in README.md lead to this commit, and to its wheel.
 "${as_root[@]}" cp -r build/wheel "$fresh/srv/release"

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "insertion/hand_device.hpp"
+#include "sim/base/control_period.hpp"
 #include "view/browser_device.hpp"
 
 namespace ferrule {
@@ -114,7 +115,7 @@ InputLog parse_input_log(const Json& json, const std::string& file) {
   for (int i = 0; i < kOutcomes; ++i) outcomes.push_back(name(static_cast<Outcome>(i)));
   info.outcome = static_cast<Outcome>(fields.choice("outcome", outcomes));
   info.why = fields.line("why", kLongestLine);
-  info.period = kInputLogPeriod;
+  info.period = kControlPeriod;
   const Json& runs = fields.raw("counts");
   if (!runs.is_array() || runs.empty())
     fields.refuse("counts", "must be a list of [rows, X, Y, Z]");

@@ -23,8 +23,6 @@
 
 namespace ferrule {
 
-inline constexpr double kInputLogPeriod = 1e-3;  // [s]
-
 // So many rows with the same counts.
 struct HeldCounts {
   std::int64_t rows;                   // >= 1

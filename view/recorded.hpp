@@ -15,6 +15,7 @@
 
 #include "capture/episode.hpp"
 #include "controller/trial.hpp"
+#include "sim/base/control_period.hpp"
 #include "view/frame.hpp"
 
 namespace ferrule {
@@ -39,7 +40,8 @@ struct ReplayRun {
 ReplayRun replay_of(const Episode& episode, const Scene& scene, const std::string& run_name);
 // Trial `trial` of a campaign under `seed`, made again; no frames where its parts do not fit.
 ReplayRun replay_of(const Scene& scene, const MakeController& make, std::uint64_t seed,
-                    std::uint64_t trial, const std::string& run_name, double period = 1e-3);
+                    std::uint64_t trial, const std::string& run_name,
+                    double period = kControlPeriod);
 
 // The trials of one campaign, by start and outcome. Each point may name a run.
 struct TrialMap {

@@ -179,7 +179,7 @@ void Session::prepare(int first) {
 void Session::show_at_rest(const Insertion& insertion) {
   const Scaling scaling = scene_scaling(*insertion.scene);
   StillDevice still(scaling.motion_to_hand(insertion.start.command));
-  FrameMaker make(*insertion.scene, ForceSensor(), 1e-3);
+  FrameMaker make(*insertion.scene, ForceSensor(), kControlPeriod);
   {
     const std::lock_guard lock(mutex_);
     recent_.clear();
@@ -329,9 +329,10 @@ void Session::let_it_insert(bool (*stopped)() noexcept) {
   running_ = "insert";
   bool discard = false;
   const TimedEpisode timed = run_shown(
-      now, hand, nullptr, 1e-3, [](const RowVector&, const RawCounts&) {}, discard, stopped);
+      now, hand, nullptr, kControlPeriod, [](const RowVector&, const RawCounts&) {}, discard,
+      stopped);
   Json ended = ended_json(timed.end, now.trial);
-  ended["loop"] = loop_json(timed.timing, 1e-3);
+  ended["loop"] = loop_json(timed.timing, kControlPeriod);
   ended["what"] = "insert";
   ended["controller"] = file_name(controller_file_);
   say("ended", ended);

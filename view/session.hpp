@@ -18,6 +18,7 @@
 #include "capture/recorder.hpp"
 #include "capture/score.hpp"
 #include "controller/controller.hpp"
+#include "sim/base/control_period.hpp"
 #include "view/background_fit.hpp"
 #include "view/browser_device.hpp"
 #include "view/frame.hpp"
@@ -32,7 +33,7 @@ struct SessionDevice {
   std::function<std::unique_ptr<Device>(const Scene&, const State& start)> make;
   // Null: a device without force.
   std::function<std::unique_ptr<ForceFeedback>(const Scene&, const State& start)> feedback;
-  double period = 1e-3;
+  double period = kControlPeriod;
   std::string coupling;  // coupling_text, where there is one
 };
 

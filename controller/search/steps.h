@@ -128,7 +128,7 @@ static const double ferrule_place_lags = 2.7;   // it settles with at least: fro
 static const double ferrule_brake_time = 2e-3;  // with which it comes down to touch [s]
 static const double ferrule_brake_lags = 4;     // and at least: without overshoot of a lag, too
 static const double ferrule_stop_force = 0.95;  // of the pushing force: what a touch may come to
-static const double ferrule_stop_pull = 1.35;   // likewise: where it comes off, or turns
+static const double ferrule_hardest = 1.35;  // likewise: with more it does not insert, pull or turn
 static const double ferrule_most_felt = 0.5;    // of the pushing force: what it feels at least
 static const double ferrule_stop_time = 2.86e-3;  // of touching speed, for the pushing force [s]
 static const double ferrule_steady_force = 0.25;  // of the pushing force: may go on in the bore
@@ -140,7 +140,6 @@ static const double ferrule_centre_at[] = {0.5, 0.15};  // of the lead-in's leng
 static const double ferrule_centre_below = 0.45;        // likewise: the second time
 static const double ferrule_held_play = 1.3;  // of how far a touch holds it: there is as much play
 static const double ferrule_before = 0.3;     // of near the entrance, once its height is known
-static const double ferrule_behind = 0;       // likewise
 
 // Of how it inserts.
 static const double ferrule_look_every = 0.1;  // whether it is held up [s]
@@ -149,6 +148,7 @@ static const double ferrule_held_up = 0.1;     // of the inserting speed: slower
 static const double ferrule_shallow = 3;    // lifts below the face: there the face may hold it up
 static const double ferrule_freed = 0.5;    // of the pushing force: less is left before it turns
 static const double ferrule_probing = 0.5;  // of the tilt rate
+static const double ferrule_more = 1.15;    // of the pushing force before, once it is straight again
 static const double ferrule_least_turning = 0.2;  // of that
 static const double ferrule_most_tilt = 0.02;     // that it tries, from straight [rad]
 enum { FERRULE_PROBES = 6 };
@@ -237,7 +237,7 @@ static inline bool ferrule_late(const ferrule_search* s) {
 // At which it notices a pull as large as its push.
 static inline double ferrule_pulling(const ferrule_search* s) {
   return ferrule_stoppable(s, s->n.touch_speed,
-                           (ferrule_stop_pull - 1) * s->n.push_force / ferrule_stiffness(s));
+                           (ferrule_hardest - 1) * s->n.push_force / ferrule_stiffness(s));
 }
 
 // A tilted end gives way in the bore, and comes to rest in parts of the lift.
@@ -319,7 +319,7 @@ static inline void ferrule_centred(ferrule_search* s, const ferrule_observed* o)
   s->entrance =
       ferrule_clamp(o->height - ferrule_height_of(&s->touches, s->cone.play), -near, near);
   s->before = ferrule_before * near;
-  s->behind = ferrule_behind * near;
+  s->behind = 0;
 }
 
 // The cone is felt along the bore first, where the holder is stiff, and otherwise sideways.
@@ -455,7 +455,7 @@ static inline ferrule_axes ferrule_back_off(ferrule_search* s, const ferrule_obs
 
 // With what it inserts once it has straightened again, where it inserted with `push` [N].
 static inline double ferrule_harder(double push, double push_force) {
-  return ferrule_min(1.15 * push, 1.35 * push_force);
+  return ferrule_min(ferrule_more * push, ferrule_hardest * push_force);
 }
 
 // About y and z one way and the other until the bore resists, or far enough, and to the middle,
@@ -465,7 +465,7 @@ static inline ferrule_axes ferrule_straighten(ferrule_search* s, const ferrule_o
   const double force = fabs(o->wrench.x), felt = fabs(s->smooth.x), touching = ferrule_touching(s);
   const double pressed = ferrule_max(force, felt) / s->n.push_force;
   const double slower =
-      ferrule_late(s) ? ferrule_clamp(ferrule_stop_pull - pressed, ferrule_least_turning, 1) : 1;
+      ferrule_late(s) ? ferrule_clamp(ferrule_hardest - pressed, ferrule_least_turning, 1) : 1;
   const double rate = slower * ferrule_probing * s->n.tilt_rate * ferrule_place_time /
                       ferrule_max(ferrule_place_time, s->hand.delay);
   const bool about_y = s->probe / 3 == 0;

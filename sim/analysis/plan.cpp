@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sim/analysis/reference.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/elementary.hpp"
 #include "sim/base/minimum_jerk.hpp"
 #include "sim/laws/tilted_annulus.hpp"
@@ -148,7 +149,7 @@ Choice choose(const Reference& reference, const Budget& budget) {
   if (full_error > enough) {
     if (world.dynamics == Dynamics::quasi_static) {  // then as the scene has it, which is no worse
       Reduced& as_it_is = nothing_reduced.model;
-      as_it_is.step = reference.scene.document.value("step_s", kSamplePeriod);
+      as_it_is.step = reference.scene.document.value("step_s", kControlPeriod);
       const double error = reference.error(reduced_world(reference, as_it_is), enough);
       nothing_reduced.error = std::max(error, full_error) / measured;
     }
@@ -178,7 +179,7 @@ Choice choose(const Reference& reference, const Budget& budget) {
 Choice choose_for_success(const Reference& reference, double tolerance) {
   const Scene& scene = reference.scene;
   const double enough = kMeasured * tolerance;
-  const Choice full{{{}, scene.world.dynamics, kSamplePeriod}, {}, INFINITY};
+  const Choice full{{{}, scene.world.dynamics, kControlPeriod}, {}, INFINITY};
   Reduced finest = full.model;
   finest.tangent = 0;
   if (depends_on_speed(scene.world.laws)) finest.step = kFinestForSteps;
@@ -268,7 +269,7 @@ Reference reference_in_longest_steps(const Scene& scene, double enough, Runs& wa
     if (r.step_error <= enough || watch.stopped) return r;
     per_step = r.step_error / step;
   }
-  return in_steps(scene.document.value("step_s", kSamplePeriod));
+  return in_steps(scene.document.value("step_s", kControlPeriod));
 }
 
 // Curl is a matter of where an insertion starts: what leaving it out changes is how far aside the

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "sim/analysis/sampled_run.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/elementary.hpp"
 #include "sim/base/minimum_jerk.hpp"
 #include "sim/base/random.hpp"
@@ -121,9 +122,9 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
     const Pose from = hand.back(), to = tips[i] - world.holder.sag;
     const double part = speed * (across ? 1 : 0.5 + 0.5 * random.uniform());
     const auto steps = static_cast<std::size_t>(std::ceil(
-        std::max(kPeakOfMinimumJerk * distance_to(i) / part, 2 * kSpeedingUp) / kSamplePeriod));
+        std::max(kPeakOfMinimumJerk * distance_to(i) / part, 2 * kSpeedingUp) / kControlPeriod));
     for (std::size_t n = 1; n <= steps; ++n) {
-      if (static_cast<double>(hand.size()) * kSamplePeriod > longest(world)) return hand;
+      if (static_cast<double>(hand.size()) * kControlPeriod > longest(world)) return hand;
       const double p = static_cast<double>(n) / static_cast<double>(steps);
       hand.push_back(from + minimum_jerk(p) * (to - from));
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/base/control_period.hpp"
 #include "sim/solver/extrapolation.hpp"
 #include "sim/solver/follow.hpp"
 #include "sim/solver/step.hpp"
@@ -76,7 +77,7 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
     const std::vector<Pose>& hand = probes[k].hand;
     StepResult reached(probes[k].start);
     for (std::size_t n = 0; n < runs[k].tip.size(); ++n) {
-      const double dt = n == 0 ? 0 : kSamplePeriod;
+      const double dt = n == 0 ? 0 : kControlPeriod;
       const bool compared = n % kEveryForSteps == 0;
       const State before = compared ? end_extrapolation(reduced, reached) : State();
       step_on(reduced, hand[n], dt, reached);
@@ -91,7 +92,7 @@ double Reference::error_of_steps(const World& reduced, const World& full) const 
 }
 
 double Reference::error_of_intervals() const {
-  constexpr auto length = static_cast<std::size_t>(kSpeedingUp / kSamplePeriod);
+  constexpr auto length = static_cast<std::size_t>(kSpeedingUp / kControlPeriod);
   WorldParameters p = scene.parameters;
   p.numerics.longest_step /= kFiner;
   const World finer = make_world(p);
@@ -110,7 +111,7 @@ double Reference::error_of_intervals() const {
       SampledRun exact{{run.tip.front()}, {run.force.front()}};
       State state = intervals[k][i];
       for (std::size_t n = 1; n < hand.size(); ++n) {
-        const StepResult reached = step(finer, state, hand[n], kSamplePeriod);
+        const StepResult reached = step(finer, state, hand[n], kControlPeriod);
         state = reached.state;
         exact.tip.push_back(state.tip.head<3>());
         exact.force.push_back(reached.holder.head<3>());
@@ -131,7 +132,7 @@ double Reference::sampled_twice() const {
     const std::vector<Pose>& hand = probes[k].hand;
     SampledRun twice;
     follow(
-        finer, probes[k].start, 2 * std::ssize(runs[k].tip) - 1, 0.5 * kSamplePeriod,
+        finer, probes[k].start, 2 * std::ssize(runs[k].tip) - 1, 0.5 * kControlPeriod,
         [&](std::ptrdiff_t n) {
           const auto i = static_cast<std::size_t>(n / 2);
           return n % 2 == 0 ? hand[i] : Pose(0.5 * (hand[i] + hand[i + 1]));

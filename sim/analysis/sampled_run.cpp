@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/base/control_period.hpp"
 #include "sim/solver/follow.hpp"
 
 namespace ferrule {
@@ -11,7 +12,7 @@ SampledRun sample_run(const World& world, const State& start, const std::vector<
                       double force_limit, const WatchSample& watch) {
   SampledRun samples;
   follow(
-      world, start, std::ssize(hand), kSamplePeriod,
+      world, start, std::ssize(hand), kControlPeriod,
       [&](std::ptrdiff_t n) { return hand[static_cast<std::size_t>(n)]; },
       [&](std::ptrdiff_t, const StepResult& r) {
         samples.tip.push_back(r.state.tip.head<3>());

@@ -9,8 +9,6 @@
 
 namespace ferrule {
 
-inline constexpr double kSamplePeriod = 1e-3;  // [s]
-
 struct SampledRun {
   std::vector<Vector3d> tip;    // [m]
   std::vector<Vector3d> force;  // at the holder [N]

@@ -19,11 +19,11 @@ double rounded_to(double step, double x) noexcept {
 }  // namespace
 
 double ForceSensorModel::deviation(double force, double time) const noexcept {
-  double d = std::hypot(noise, bias);
-  for (const double more : {bias_walk * std::sqrt(time), drift * temperature_rate * time, vibration,
-                            gain_error * force, 2 * cross_talk * force})  // of four others
-    if (more > 0) d = std::hypot(d, more);
-  return d;
+  double variance = 0;
+  for (const double d : {noise, bias, bias_walk * std::sqrt(time), drift * temperature_rate * time,
+                         vibration, gain_error * force, 2 * cross_talk * force})  // of four others
+    variance += d * d;
+  return std::sqrt(variance);
 }
 
 ForceSensor::ForceSensor(const ForceSensorModel& model, std::uint64_t seed,

@@ -8,7 +8,9 @@
 //   K = K_h - K_h H^-1 K_h.
 // K is symmetric; 0 in free air, K_h against a rigid contact and never more than that where H is
 // positive definite, as it is where the fibre rests; negative where attraction wins over the walls
-// and a snap is near. Contacts, stuck friction and surface forces are all in U''.
+// and a snap is near. Contacts, stuck friction and surface forces are all in U''. A contact that
+// slides holds its friction limit as it is: how that grows with the load (friction_coupling.hpp)
+// would make K unsymmetric, and is left out.
 //
 // Over one step of dt drag and inertia resist too: they are part of the step's Hessian, and K of
 // that step, K_dt, is at least K. What the step adds, B = dt (K_dt - K), is a damping [N s/m]: for

@@ -1,15 +1,19 @@
+import glob
 import json
 import os
+import re
 import subprocess
 import sys
 
-from case import QUICK, Case, ferrule, main
+from case import QUICK, SOURCE, Case, ferrule, main
 
 # The C library's functions as on an x86-64 processor of before 2013.
 PLAIN = dict(os.environ, GLIBC_TUNABLES="glibc.cpu.hwcaps=-FMA,-AVX2,-FMA4,-AVX512F")
 SOME = "import math; print([f(0.1 * n) for f in (math.exp, math.sin, math.atan) for n in range(1000)])"
 SHIPPED = ("adhesive", "bench", "demo", "dry", "epoxy", "film", "laser", "paper", "sloppy", "sticky", "tight",
            "tolerance")
+INEXACT = ("exp|exp2|expm1|log|log2|log10|log1p|pow|cbrt|hypot|sin|cos|tan|asin|acos|atan|atan2|sinh|cosh|tanh|asinh"
+           "|acosh|atanh|erf|erfc|tgamma|lgamma")
 
 
 class Portable(Case):
@@ -68,6 +72,18 @@ class Portable(Case):
         self.same("evaluate", policy, "--scene", "paper", *QUICK, "--trials", 10, "--supervise",
                   "--json")
 
+    def test_search_spiral_and_what_is_improved(self):
+        for scene in ("bench", "ladder/c", "ladder/f"):
+            self.same("evaluate", "search", "--scene", scene, "--baseline", "spiral", "--trials", 10, "--json")
+        files = []
+        for env in (None, PLAIN):
+            files.append(self.path("improved.json"))
+            self.done("improve", "tuned_by_hand", "--scene", "bench", *QUICK, "--trials", 1000, "--trials-each", 5, "--unseen", 10,
+                      "--out", files[-1], env=env)
+            with open(files[-1]) as file:
+                files[-1] = json.load(file)
+        self.assertEqual(*files)
+
     def test_plans_fits_and_scores(self):
         def but_costs(item):
             if isinstance(item, dict):
@@ -90,6 +106,23 @@ class Portable(Case):
                 else:
                     self.assertAlmostEqual(gain[key], plain[name][key], delta=1e-10 * abs(gain[key]), msg=name)
         self.same("score", out, "--json")
+
+
+class Sources(Case):
+    """What is simulated, recorded, learned or evaluated calls no function that differs from processor to processor."""
+
+    def test_they_call_those_of_elementary_hpp(self):
+        call = re.compile(rf"(?:\bstd::|(?<![\w:.>]))(?:{INEXACT})\((?!\))")
+        for folder in ("sim", "haptic", "insertion", "capture", "learn", "controller"):
+            for file in glob.glob(f"{SOURCE}/{folder}/**/*.[ch]*", recursive=True):
+                name = os.path.relpath(file, SOURCE)
+                # Their definitions; C for who has only its own library; libtorch, which is of each processor anyway.
+                if re.search(r"/elementary\.|controller/c_header|/torch_", name):
+                    continue
+                with open(file) as source:
+                    lines = source.read().splitlines()
+                self.assertEqual([(name, n, line) for n, line in enumerate(lines, 1)
+                                  if call.search(line.partition("//")[0])], [])
 
 
 if __name__ == "__main__":

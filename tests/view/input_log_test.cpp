@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 #include "view/browser_device.hpp"
 
@@ -57,15 +58,15 @@ TEST(InputLog, ItsHandIsThatOfThePage) {
   std::int64_t n = 0;
   for (const HeldCounts& held : log.held)
     for (std::int64_t i = 0; i < held.rows; ++i, ++n) {
-      const HandSample sample = hand->read(kInputLogPeriod * static_cast<double>(n));
-      pose += kInputLogPeriod * rate;
+      const HandSample sample = hand->read(kControlPeriod * static_cast<double>(n));
+      pose += kControlPeriod * rate;
       EXPECT_LT((sample.pose - pose).norm(), 1e-12 * pose.norm());
       EXPECT_FALSE(sample.finished) << n;
       for (Eigen::Index axis = 0; axis < 3; ++axis)
         EXPECT_EQ(sample.counts[axis], held.counts[static_cast<std::size_t>(axis)]);
       rate = hand->mapping()->gain * hand->mapping()->deflection(sample.counts);
     }
-  EXPECT_TRUE(hand->read(kInputLogPeriod * static_cast<double>(n)).finished);
+  EXPECT_TRUE(hand->read(kControlPeriod * static_cast<double>(n)).finished);
 }
 
 TEST(InputLog, WhatIsNoneIsRefusedWithItsKey) {

@@ -23,6 +23,7 @@
 #include "insertion/hand_device.hpp"
 #include "insertion/loop.hpp"
 #include "sim/base/content_hash.hpp"
+#include "sim/base/control_period.hpp"
 #include "sim/base/data_folder.hpp"
 #include "sim/base/shipped_files.hpp"
 #include "sim/scene/draw.hpp"
@@ -49,7 +50,6 @@ std::string data_folder() {
 
 namespace {
 
-constexpr double kPeriod = kInputLogPeriod;
 constexpr std::uint64_t kSeed = 1;
 constexpr double kMostBehind = 0.1;                            // more time than that is let go [s]
 constexpr double kStateEvery = 1.0 / 60, kHistoryEvery = 0.1;  // [s]
@@ -99,9 +99,9 @@ struct Running {
   std::unique_ptr<Device> hand;
   StoppedHand stopped{*hand};
   ForceSensor sensor{scene->sensor, kSeed, trial};
-  FrameMaker make{*scene, sensor, kPeriod};
+  FrameMaker make{*scene, sensor, kControlPeriod};
   Insertion insertion{
-      *scene, start, stopped, sensor, {.scaling = scene_scaling(*scene), .period = kPeriod}};
+      *scene, start, stopped, sensor, {.scaling = scene_scaling(*scene), .period = kControlPeriod}};
   double due = 0;                 // how much of it is still to be computed [s]
   std::vector<Frame> frames{};    // that the page has not got
   double said = 0, all_said = 0;  // when it got the newest, and all [s]
@@ -254,7 +254,7 @@ void Playground::insert(const std::string& controller) {
 void Playground::advance(double seconds) {
   if (!running_) return;
   running_->due = std::min(running_->due + seconds, kMostBehind);
-  for (; running_->due >= kPeriod; running_->due -= kPeriod)
+  for (; running_->due >= kControlPeriod; running_->due -= kControlPeriod)
     if (!tick()) return end();
   send_frames(false);
 }
