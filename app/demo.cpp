@@ -12,7 +12,6 @@
 #include "controller/controller_file.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
-#include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
 
 namespace ferrule {
@@ -77,12 +76,9 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
   EpisodeClaim claim(folder, number);
   if (claim.number() != number)
     throw BadInput(folder + ": holds other episodes; choose another folder with --out");
-  const auto [drawn, trial, infeasible] =
-      feasible_trial(scene, a.seed, static_cast<std::uint64_t>(number));
-  const State start = draw_start(*drawn, a.seed, trial);
-  const auto device = simulated_operator(*drawn, start, skill, kControlPeriod, a.seed, trial);
-  return record_one(*drawn, start, *device,
-                    {simulated_operator_name(skill), std::move(claim), a.seed, trial});
+  const TrialSetup trial = feasible_setup(scene, a.seed, static_cast<std::uint64_t>(number));
+  const auto device = simulated_operator(trial, skill);
+  return record_one(trial, *device, {simulated_operator_name(skill), std::move(claim)});
 }
 
 // Waits until the files of all but the last `but` are whole.

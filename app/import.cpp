@@ -3,11 +3,8 @@
 
 #include "app/verb.hpp"
 #include "capture/recorder.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "sim/base/content_hash.hpp"
-#include "sim/base/control_period.hpp"
 #include "sim/base/json_file.hpp"
-#include "sim/scene/draw.hpp"
 #include "view/input_log.hpp"
 
 namespace ferrule {
@@ -34,18 +31,16 @@ Json import_log(const std::string& file, const std::string& folder) {
   const InputLog log =
       read_json(file, [&](const Json& json) { return parse_input_log(json, file); });
   const Scene scene = recorded_scene(log.info, file + ": scene");
-  const State start = draw_start(scene, log.info.seed, log.info.trial);
-  const std::unique_ptr<Device> hand = logged_hand(log, scene, start);
+  const TrialSetup trial = recorded_setup(log.info, scene);
+  const std::unique_ptr<Device> hand = logged_hand(log, trial);
   Recorder recorder(folder, next_episode_number(folder), info_of(log, scene, *hand));
   Sha1 hash;
-  const InsertionEnd end = run_insertion(
-      scene, start, *hand, ForceSensor(scene.sensor, log.info.seed, log.info.trial),
-      {.scaling = scene_scaling(scene), .period = kControlPeriod}, [&](const Tick& tick) {
-        const RowVector row = make_row(tick);
-        hash.add(row.data(), sizeof(double) * static_cast<std::size_t>(row.size()));
-        recorder.add(row, tick.sample.counts);
-        return !interrupted();
-      });
+  const InsertionEnd end = run_insertion(trial, *hand, {}, [&](const Tick& tick) {
+    const RowVector row = make_row(tick);
+    hash.add(row.data(), sizeof(double) * static_cast<std::size_t>(row.size()));
+    recorder.add(row, tick.sample.counts);
+    return !interrupted();
+  });
   const bool same = hash.text() == log.rows_sha1 && end.outcome == log.info.outcome;
   if (interrupted() || !same) recorder.discard();
   end_if_interrupted();

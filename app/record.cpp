@@ -22,8 +22,6 @@
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/base/content_hash.hpp"
-#include "sim/base/control_period.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -142,23 +140,20 @@ struct Recordings {
 
 // One episode. Empty: the operator ended the recording instead. Throws DeviceTrouble, FileTrouble.
 std::optional<Recorded> record_episode(const RecordArguments& a, const Holding& holding,
-                                       const FeasibleTrial& drawn, EpisodeClaim claim,
+                                       const TrialSetup& trial, EpisodeClaim claim,
                                        std::optional<Keys>& keys) {
-  const Scene& scene = *drawn.scene;
-  const State start = draw_start(scene, a.seed, drawn.trial);
-  EpisodePlace place{holding.name, std::move(claim), a.seed, drawn.trial};
+  EpisodePlace place{holding.name, std::move(claim)};
   if (holding.device) place.sitting = {a.device.trainee, holding.began, a.device.goes_on};
   if (holding.device)
-    return record_by_hand(*holding.device, holding.settings, scene, start, std::move(place), *keys);
+    return record_by_hand(*holding.device, holding.settings, trial, std::move(place), *keys);
   if (!holding.make) {
-    const auto hand =
-        simulated_operator(scene, start, a.skill, kControlPeriod, a.seed, drawn.trial);
-    return record_one(scene, start, *hand, std::move(place));
+    const auto hand = simulated_operator(trial, a.skill);
+    return record_one(trial, *hand, std::move(place));
   }
-  const std::unique_ptr<Controller> controller = holding.make(drawn.trial);
-  ControllerHand hand = recorded_hand(scene, start, *controller);
+  const std::unique_ptr<Controller> controller = holding.make(trial.trial);
+  ControllerHand hand = recorded_hand(trial, *controller);
   place.phase = [&] { return controller->phase_name(); };
-  return record_one(scene, start, hand, std::move(place));
+  return record_one(trial, hand, std::move(place));
 }
 
 // A row of episode_json.
@@ -202,16 +197,15 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
       fmt::print(stderr,
                  "note: {}: its file system has no locks: do not recover there while it records\n",
                  printable(a.out));
-    const FeasibleTrial drawn =
-        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-    all.infeasible += drawn.infeasible;
+    const TrialSetup trial = feasible_setup(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    all.infeasible += trial.infeasible;
     if (i == 0 && all.list.empty()) {
       fmt::print("{}", head);
       std::fflush(stdout);
     }
     std::optional<Recorded> r;
     try {
-      r = record_episode(a, holding, drawn, std::move(claim), keys);
+      r = record_episode(a, holding, trial, std::move(claim), keys);
     } catch (const DeviceTrouble&) {
       if (all.list.empty()) throw;
       all.trouble = std::current_exception();  // what there is already is printed first
@@ -235,14 +229,14 @@ Recordings record_all(const RecordArguments& a, const Scene& toleranced, const H
 
 // Of an episode that is to be recorded again, what a killed process left is removed.
 EpisodeClaim claim_again(const std::string& folder, int number, const Holding& holding,
-                         std::uint64_t seed, const FeasibleTrial& drawn) {
+                         const TrialSetup& trial) {
   const std::string stem = folder + "/" + episode_name(number), file = stem + ".h5";
   if (auto left = EpisodeClaim::of_left(stem + ".part")) left->remove();
   if (std::filesystem::exists(file)) {
     try {
       const EpisodeInfo there = open_episode(file).info();
-      if (there.operator_ != holding.name || there.seed != seed || there.trial != drawn.trial ||
-          there.scene != drawn.scene->document.dump())
+      if (there.operator_ != holding.name || there.seed != trial.seed ||
+          there.trial != trial.trial || there.scene != trial.scene->document.dump())
         throw BadInput(file + ": is no episode of this job; move it away");
     } catch (const FileTrouble&) {  // it is damaged
     }
@@ -298,12 +292,11 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
     if (shared.merges()) missing.push_back(k);
     if (!shared.mine(k)) continue;
     const int number = static_cast<int>(k) + 1;
-    const FeasibleTrial drawn =
-        feasible_trial(toleranced, a.seed, static_cast<std::uint64_t>(number));
-    Recorded recorded = record_episode(a, holding, drawn,
-                                       claim_again(a.out, number, holding, a.seed, drawn), no_keys)
-                            .value();
-    before.push_back({k, drawn.infeasible, interrupted(), std::move(recorded)});
+    const TrialSetup trial = feasible_setup(toleranced, a.seed, static_cast<std::uint64_t>(number));
+    Recorded recorded =
+        record_episode(a, holding, trial, claim_again(a.out, number, holding, trial), no_keys)
+            .value();
+    before.push_back({k, trial.infeasible, interrupted(), std::move(recorded)});
     keep(kWriting);
     progress(k + 1);
   }

@@ -10,9 +10,6 @@
 #include "controller/device_controller.hpp"
 #include "controller/searching_operator.hpp"
 #include "controller/supervisor.hpp"
-#include "insertion/simulated_operator.hpp"
-#include "sim/base/control_period.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -23,13 +20,6 @@ ReplayRun run_of(const std::string& file) {
   const Episode episode = read_episode(file);
   if (episode.rows.rows() == 0) throw BadInput(file + ": an episode without rows");
   return replay_of(episode, recorded_scene(episode.info, file), file_name(file));
-}
-
-MakeController simulated(const Scene& scene, std::uint64_t seed, const OperatorSkill& skill) {
-  return [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
-    return std::make_unique<DeviceController>(
-        operator_of_trial(scene, skill, kControlPeriod, seed, trial), kControlPeriod);
-  };
 }
 
 // As the page calls it.
@@ -94,7 +84,7 @@ void RecordedView::make_trial(const RecordedViewArguments& a, const SceneArgumen
     add(shown_name(each.name), each.name == kSearching && is_baseline(kSearching)
                                    ? searching_operator(scene, a.skill, a.seed)
                                    : each.in(scene));
-  if (by_person) add("simulated operator", simulated(scene, a.seed, a.skill));
+  if (by_person) add("simulated operator", simulated_operators(scene, a.skill, a.seed));
 }
 
 std::optional<std::string> RecordedView::json(const std::string& file) const {

@@ -7,14 +7,12 @@
 #include "app/status_line.hpp"
 #include "app/verb.hpp"
 #include "insertion/hand_device.hpp"
-#include "insertion/scene_scaling.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
 
-EpisodeInfo info_of(const Scene& scene, const Device& device, const EpisodePlace& place) {
-  EpisodeInfo info = episode_info(scene, device, place.seed, place.trial);
+EpisodeInfo info_of(const TrialSetup& trial, const Device& device, const EpisodePlace& place) {
+  EpisodeInfo info = episode_info(*trial.scene, device, trial.seed, trial.trial);
   info.operator_ = place.operator_;
   if (!place.sitting) return info;
   info.trainee = place.sitting->trainee;
@@ -36,8 +34,8 @@ void put_aside(const OpenDevice& device) {
 // What there is to do before an episode: at a terminal, to wait for the key that starts it. Empty:
 // the operator ended the recording instead. Throws DeviceTrouble.
 std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettings& settings,
-                                      const Scene& scene, const State& start,
-                                      const EpisodePlace& place, Keys& keys) {
+                                      const TrialSetup& trial, const EpisodePlace& place,
+                                      Keys& keys) {
   if (keys.there()) {
     const std::string question =
         episode_name(place.claim.number()) + ": space starts it, q ends the recording";
@@ -45,7 +43,7 @@ std::unique_ptr<Device> begin_by_hand(const OpenDevice& device, const HandSettin
     if (keys.ask(question, " q", [&] { put_aside(device); }) != ' ') return nullptr;
     fmt::print(stderr, "recording: space ends it, d discards it\n");
   }
-  return hand_on(device, settings, scene, start);
+  return hand_on(device, settings, *trial.scene, trial.start);
 }
 
 // Asks the operator for a rating, or whether to discard it.
@@ -68,11 +66,11 @@ std::string finished(Recorder& recorder, Outcome outcome) {
 
 }  // namespace
 
-Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place) {
-  const EpisodeInfo info = info_of(scene, device, place);
+Recorded record_one(const TrialSetup& trial, Device& device, EpisodePlace place) {
+  const EpisodeInfo info = info_of(trial, device, place);
   auto recorder = std::make_unique<Recorder>(std::move(place.claim), info);
   std::vector<PhaseBegin> phases;
-  const InsertionEnd end = record_insertion(scene, start, device, *recorder, [&] {
+  const InsertionEnd end = record_insertion(trial, device, *recorder, [&] {
     if (place.phase) note_phase(phases, recorder->rows() - 1, place.phase());
     return !interrupted();
   });
@@ -108,26 +106,23 @@ std::unique_ptr<Device> hand_on(const OpenDevice& device, const HandSettings& se
 }
 
 std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
-                                       const Scene& scene, const State& start, EpisodePlace place,
-                                       Keys& keys) {
-  std::unique_ptr<Device> hand = begin_by_hand(device, settings, scene, start, place, keys);
+                                       const TrialSetup& trial, EpisodePlace place, Keys& keys) {
+  std::unique_ptr<Device> hand = begin_by_hand(device, settings, trial, place, keys);
   if (!hand) return std::nullopt;
-  EpisodeInfo info = info_of(scene, *hand, place);
+  EpisodeInfo info = info_of(trial, *hand, place);
   std::optional<ForceFeedback> feedback;
   if (const ForceDriver* const force = device.driver->force) {
     info.period = settings.profile.period;
     if (settings.coupling) info.coupling = coupling_text(*settings.coupling);
-    feedback.emplace(settings.profile, settings.coupling,
-                     scene_scaling(scene).motion_to_hand(start.command), force->report_period,
+    feedback.emplace(settings.profile, settings.coupling, trial.hand(), force->report_period,
                      force->motors(device.transport->info()));
   }
   Recorder recorder(std::move(place.claim), info);
   bool discard = false, last = false;
-  std::optional<StatusLine> status(std::in_place, scene);
+  std::optional<StatusLine> status(std::in_place, *trial.scene);
   const auto [end, timing] = run_in_time(
-      scene, start, *hand, ForceSensor(scene.sensor, place.seed, place.trial),
-      {.scaling = scene_scaling(scene),
-       .period = info.period,
+      trial, *hand,
+      {.period = info.period,
        .past_success = place.sitting && place.sitting->goes_on,
        .feedback = feedback ? &*feedback : nullptr},
       [&](const RowVector& row, const RawCounts& counts) {

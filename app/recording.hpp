@@ -31,7 +31,6 @@ struct Recorded {
 struct EpisodePlace {
   std::string operator_;
   EpisodeClaim claim;  // is handed on to the recorder
-  std::uint64_t seed, trial;
   // Of a person: who, when the sitting began, and whether the hand goes on after the goal.
   struct Sitting {
     std::string trainee, began;
@@ -47,7 +46,7 @@ inline constexpr std::size_t kWriting = 2;
 
 // With a simulated hand or a controller, as fast as it goes; the file is written while the caller
 // goes on. Throws FileTrouble.
-Recorded record_one(const Scene& scene, const State& start, Device& device, EpisodePlace place);
+Recorded record_one(const TrialSetup& trial, Device& device, EpisodePlace place);
 
 // The operator of a recording with a device.
 std::string operator_name(const OpenDevice& device);
@@ -65,7 +64,6 @@ std::unique_ptr<Device> hand_on(const OpenDevice& device, const HandSettings& se
 // With a person's hand, in time. At a terminal keys start, end, discard and rate the episode.
 // Empty: the operator ended the recording instead of beginning. Throws DeviceTrouble, FileTrouble.
 std::optional<Recorded> record_by_hand(const OpenDevice& device, const HandSettings& settings,
-                                       const Scene& scene, const State& start, EpisodePlace place,
-                                       Keys& keys);
+                                       const TrialSetup& trial, EpisodePlace place, Keys& keys);
 
 }  // namespace ferrule

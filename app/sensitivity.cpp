@@ -170,7 +170,7 @@ Runs runs_of(const VariedScene& varied, const Scene& scene) {
   r.as_it_is.scene = r.all_again.scene = scene;
   for (const std::string& key : r.keys) {
     r.again.push_back(r.as_it_is);
-    r.again.back().scene->redrawn = key;
+    r.again.back().redrawn = key;
     Point& half = r.half.emplace_back();
     const std::vector<std::string> settings = halved(scene, key);
     if (settings.empty()) continue;

@@ -51,7 +51,10 @@ void run(const VariedArguments& a, const VariedScene& varied, const StoppingArgu
   std::erase_if(points, [](const Point* point) { return !point->scene; });
   std::vector<Campaign> campaigns;
   for (const Point* point : points)
-    campaigns.push_back({&*point->scene, varied.controller(*point->scene), when(stopping.enough)});
+    campaigns.push_back({.scene = &*point->scene,
+                         .make = varied.controller(*point->scene),
+                         .enough = when(stopping.enough),
+                         .redrawn = point->redrawn});
   const std::string what = fmt::format("{} scenes", points.size());
   std::vector<std::vector<TrialResult>> results =
       run_campaigns(campaigns, a.seed, a.trials, a.threads,

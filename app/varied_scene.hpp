@@ -51,6 +51,7 @@ class VariedScene {
 struct Point {
   Json values = Json::object();  // by key
   std::optional<Scene> scene{};  // empty: its parts cannot be together
+  std::string redrawn{};         // as of trial_setup
   std::vector<TrialResult> results{};
   CampaignSummary summary = summarise({});
 };

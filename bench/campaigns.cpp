@@ -7,7 +7,6 @@
 #include "insertion/scene_scaling.hpp"
 #include "learn/candidates.hpp"
 #include "sim/base/measure.hpp"
-#include "sim/scene/draw.hpp"
 #include "sim/solver/follow.hpp"
 
 namespace ferrule {
@@ -23,20 +22,17 @@ struct Recorded {
 };
 
 Recorded record(const Scene& toleranced, std::uint64_t trial, double period) {
-  Recorded recorded{draw_scene(toleranced, kSeed, trial), {}, {}};
-  if (!recorded.scene) return recorded;
-  const Scene& scene = *recorded.scene;
-  const Scaling scaling = scene_scaling(scene);
-  recorded.start = draw_start(scene, kSeed, trial);
-  Law law = tuned_by_hand(scaling.motion * scene.limits.speed);
-  ControllerHand hand(law, scaling.motion_to_hand(recorded.start.command),
-                      scaling.motion * scene.limits.speed, INFINITY, registered_entrance(scene));
-  run_insertion(scene, recorded.start, hand, ForceSensor(scene.sensor, kSeed, trial),
-                {.scaling = scaling, .period = period, .past_success = false},
-                [&](const Tick& tick) {
-                  recorded.hand.push_back(tick.result.state.command);
-                  return true;
-                });
+  const auto setup = trial_setup(toleranced, kSeed, trial);
+  if (!setup) return {};
+  const Scene& scene = *setup->scene;
+  Recorded recorded{setup->scene, setup->start, {}};
+  const double speed = setup->scaling.motion * scene.limits.speed;
+  Law law = tuned_by_hand(speed);
+  ControllerHand hand(law, setup->hand(), speed, INFINITY, registered_entrance(scene));
+  run_insertion(*setup, hand, {.period = period, .past_success = false}, [&](const Tick& tick) {
+    recorded.hand.push_back(tick.result.state.command);
+    return true;
+  });
   return recorded;
 }
 

@@ -8,6 +8,7 @@
 #include <filesystem>
 
 #include "capture/natural_order.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "sim/base/error.hpp"
 #include "sim/base/random.hpp"
 
@@ -119,6 +120,12 @@ std::string date_now() {
   std::array<char, 32> text{};
   std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text.data();
+}
+
+TrialSetup recorded_setup(const EpisodeInfo& info, const Scene& scene) {
+  std::optional<TrialSetup> setup = trial_setup(scene, info.seed, info.trial);
+  if (!setup) throw BadInput("the episode's scene: its parts cannot be together");
+  return *std::move(setup);
 }
 
 RecordedSensor::RecordedSensor(const EpisodeInfo& info, const Scene& scene)

@@ -39,7 +39,6 @@
 #include "capture/row.hpp"
 #include "haptic/device.hpp"
 #include "haptic/stability.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "insertion/sensed_wrench.hpp"
 #include "insertion/watch.hpp"
 #include "sim/base/control_period.hpp"
@@ -136,6 +135,10 @@ Rule period_rule();
 // Of an episode that begins in `scene` with `device`: all that is known of any.
 EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t seed,
                          std::uint64_t trial);
+
+// What was inserted, in its scene, which must outlive it. Throws BadInput where that draws parts
+// that cannot be together, which no recording has.
+TrialSetup recorded_setup(const EpisodeInfo& info, const Scene& scene);
 
 // Version and build of this program.
 std::string program_version();

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "insertion/scene_scaling.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {

@@ -54,9 +54,8 @@ class TimedDevice : public Device {
 };
 
 // What the loop's thread does.
-TimedEpisode keep_time(const Scene& scene, const State& start, Device& device,
-                       const ForceSensor& sensor, const LoopSettings& settings, Shared& shared,
-                       bool (*stopped)() noexcept) {
+TimedEpisode keep_time(const TrialSetup& trial, Device& device, const LoopSettings& settings,
+                       Shared& shared, bool (*stopped)() noexcept) {
   const RealTime real_time;
   TimedEpisode result{};
   result.timing.scheduling_error = real_time.scheduling_error();
@@ -64,7 +63,7 @@ TimedEpisode keep_time(const Scene& scene, const State& start, Device& device,
   PeriodClock clock(settings.period);
   TimedDevice timed(device, clock, settings.period, shared.request);
   bool full = false;
-  result.end = run_insertion(scene, start, timed, sensor, settings, [&](const Tick& tick) {
+  result.end = run_insertion(trial, timed, settings, [&](const Tick& tick) {
     full = !shared.ring.push({make_row(tick), tick.sample.counts});
     return !full && shared.request != Request::stop && !stopped();
   });
@@ -99,8 +98,7 @@ double missed_share(const PeriodStatistics& periods) noexcept {
   return missed / std::max(1.0, missed + static_cast<double>(periods.periods));
 }
 
-TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
-                         const ForceSensor& sensor, const LoopSettings& settings,
+TimedEpisode run_in_time(const TrialSetup& trial, Device& device, const LoopSettings& settings,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
                          const std::function<Request()>& request, bool (*stopped)() noexcept) {
   const auto shared = std::make_unique<Shared>();
@@ -108,7 +106,7 @@ TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
   TimedEpisode result{};
   std::thread loop([&] {
     try {
-      result = keep_time(scene, start, device, sensor, settings, *shared, stopped);
+      result = keep_time(trial, device, settings, *shared, stopped);
     } catch (...) {
       trouble = std::current_exception();
       try {

@@ -49,8 +49,7 @@ struct TimedEpisode {
 inline constexpr std::size_t kRing = 8192;
 inline constexpr double kStandstill = 0.5;  // [s]; a device's own dead man's switch is faster
 inline constexpr double kStall = 0.1;       // [s]; within ForceOutput::kDuration of the last start
-TimedEpisode run_in_time(const Scene& scene, const State& start, Device& device,
-                         const ForceSensor& sensor, const LoopSettings& settings,
+TimedEpisode run_in_time(const TrialSetup& trial, Device& device, const LoopSettings& settings,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
                          const std::function<Request()>& request, bool (*stopped)() noexcept);
 

@@ -411,16 +411,14 @@ void Recorder::discard() noexcept {
   claim_.remove();
 }
 
-InsertionEnd record_insertion(const Scene& scene, const State& start, Device& device,
-                              Recorder& recorder, const std::function<bool()>& go_on) {
+InsertionEnd record_insertion(const TrialSetup& trial, Device& device, Recorder& recorder,
+                              const std::function<bool()>& go_on) {
   EpisodeInfo& info = recorder.info();
-  InsertionEnd end =
-      run_insertion(scene, start, device, ForceSensor(scene.sensor, info.seed, info.trial),
-                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
-                    [&](const Tick& tick) {
-                      recorder.add(make_row(tick), tick.sample.counts);
-                      return !go_on || go_on();
-                    });
+  InsertionEnd end = run_insertion(trial, device, {.period = info.period, .past_success = true},
+                                   [&](const Tick& tick) {
+                                     recorder.add(make_row(tick), tick.sample.counts);
+                                     return !go_on || go_on();
+                                   });
   info.why = end.why;
   return end;
 }

@@ -105,12 +105,12 @@ class Recorder {
   std::vector<double> unwritten_;  // as in the journal
 };
 
-// Records one insertion from `start` with `device`, as fast as it goes, and past success until the
-// hand is finished. Seed, trial and period are those of recorder.info(). `go_on` is asked in every
+// Records one insertion with `device`, as fast as it goes, and past success until the hand is
+// finished. The period is that of recorder.info(). `go_on` is asked in every
 // tick; false ends the insertion as `interrupted`. Recorder::finish is left to the caller. Throws
 // what `device`, `recorder` and `go_on` throw.
-InsertionEnd record_insertion(const Scene& scene, const State& start, Device& device,
-                              Recorder& recorder, const std::function<bool()>& go_on = {});
+InsertionEnd record_insertion(const TrialSetup& trial, Device& device, Recorder& recorder,
+                              const std::function<bool()>& go_on = {});
 
 // Name of an episode file, and the first number that is free in a folder. Throws BadInput where the
 // folder has a number above kMostNumber.

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "insertion/loop.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -61,13 +60,8 @@ Eigen::RowVectorXd row_scale(const EpisodeRows& rows) {
 InsertionEnd insert_again(const Scene& scene, const EpisodeRows& episode, const OnTick& on_tick) {
   const EpisodeInfo& info = episode.info();
   RecordedHand hand(episode);
-  return run_insertion(scene, draw_start(scene, info.seed, info.trial), hand,
-                       ForceSensor(scene.sensor, info.seed, info.trial),
-                       {.scaling = scene_scaling(scene),
-                        .period = info.period,
-                        .past_success = true,
-                        .recorded = true},
-                       on_tick);
+  return run_insertion(recorded_setup(info, scene), hand,
+                       {.period = info.period, .past_success = true, .recorded = true}, on_tick);
 }
 
 }  // namespace
@@ -110,7 +104,7 @@ std::optional<Difference> verify(const EpisodeRows& episode) {
 TracedStep trace_step(const EpisodeRows& episode, std::optional<Eigen::Index> at) {
   const EpisodeInfo& info = episode.info();
   const Scene scene = recorded_scene(info, "the episode's scene");
-  StepResult last(draw_start(scene, info.seed, info.trial)), before;
+  StepResult last(recorded_setup(info, scene).start), before;
   Pose command;
   TracedStep traced;
   Eigen::Index row = 0;

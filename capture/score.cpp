@@ -14,7 +14,6 @@
 
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -258,15 +257,11 @@ std::optional<Yardstick> yardstick(const Scene& scene) {
   constexpr std::uint64_t kSeed = 0x79617264;  // nobody else's
   std::array<std::vector<double>, kParts> all;
   for (int trial = 1; trial <= kReferences; ++trial) {
-    const FeasibleTrial drawn = feasible_trial(scene, kSeed, static_cast<std::uint64_t>(trial));
-    const State start = draw_start(*drawn.scene, kSeed, drawn.trial);
-    const double period = EpisodeInfo().period;
-    const auto hand = simulated_operator(*drawn.scene, start, 1, period, kSeed, drawn.trial);
-    MeasuredInsertion measured(*drawn.scene, period);
-    const InsertionEnd end = run_insertion(
-        *drawn.scene, start, *hand, ForceSensor(drawn.scene->sensor, kSeed, drawn.trial),
-        {.scaling = scene_scaling(scene), .period = period, .past_success = true},
-        [&](const Tick& tick) {
+    const TrialSetup setup = feasible_setup(scene, kSeed, static_cast<std::uint64_t>(trial));
+    const auto hand = simulated_operator(setup, 1);
+    MeasuredInsertion measured(*setup.scene, kControlPeriod);
+    const InsertionEnd end =
+        run_insertion(setup, *hand, {.past_success = true}, [&](const Tick& tick) {
           measured.add(make_row(tick));
           return true;
         });

@@ -24,8 +24,8 @@ namespace ferrule {
 
 namespace {
 
-std::string fingerprint(const Scene& scene, std::uint64_t seed, std::size_t trials) {
-  return sha1(scene.document.dump() + scene.redrawn + std::to_string(seed) + " " +
+std::string fingerprint(const Campaign& campaign, std::uint64_t seed, std::size_t trials) {
+  return sha1(campaign.scene->document.dump() + campaign.redrawn + std::to_string(seed) + " " +
               std::to_string(trials));
 }
 
@@ -34,8 +34,8 @@ TrialResult run_trial_of(const Campaign& campaign, std::uint64_t seed, std::size
                          const std::function<bool()>& stop) {
   constexpr int kTries = 3;
   for (int i = 1;; ++i) {
-    TrialResult result =
-        run_trial(*campaign.scene, *campaign.make(k), seed, k, kControlPeriod, {}, stop);
+    TrialResult result = run_trial(*campaign.scene, *campaign.make(k), seed, k, kControlPeriod, {},
+                                   stop, campaign.redrawn);
     if (!ended_by_system(result.why) || (stop && stop())) return result;
     if (i == kTries)
       throw BadInput(fmt::format("trial {}: {}, each of {} times: is there enough memory?", k,
@@ -48,7 +48,7 @@ class Running {
  public:
   Running(const Campaign& campaign, std::uint64_t seed, std::size_t trials, SharedTrials* shared)
       : campaign_(campaign), shared_(shared), trials_(trials) {
-    if (shared_) number_ = shared_->begin(fingerprint(*campaign.scene, seed, trials), trials);
+    if (shared_) number_ = shared_->begin(fingerprint(campaign, seed, trials), trials);
   }
 
   // The next trial to be run; empty: none is left.
@@ -145,7 +145,7 @@ void run_alone(const std::vector<Campaign>& campaigns, std::uint64_t seed, std::
                const std::function<bool()>& stop, SharedTrials& shared) {
   std::vector<std::size_t> numbers;
   for (const Campaign& campaign : campaigns)
-    numbers.push_back(shared.begin(fingerprint(*campaign.scene, seed, trials), trials));
+    numbers.push_back(shared.begin(fingerprint(campaign, seed, trials), trials));
   if (campaigns.empty()) return;
   const std::size_t own = shared.own_of(trials);
   std::vector<bool> kept(own * campaigns.size());  // from before, one campaign after the other

@@ -42,6 +42,7 @@ struct Campaign {
   // Gets all results, one at a time in the order of the trials.
   std::function<void(const TrialResult&)> each{};
   std::size_t keep = SIZE_MAX;  // of the results that are returned: the first so many
+  std::string redrawn{};        // as of trial_setup
 };
 // The results of each, as of run_campaign.
 std::vector<std::vector<TrialResult>> run_campaigns(

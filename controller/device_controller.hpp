@@ -6,6 +6,8 @@
 
 #include "controller/controller.hpp"
 #include "haptic/device.hpp"
+#include "insertion/operator_skill.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 
@@ -31,5 +33,10 @@ class DeviceController : public Controller {
   HandPose pose_;
   std::int64_t ticks_ = 0;
 };
+
+// In each trial under `seed` of `scene`, which must outlive it, a simulated operator of `skill`.
+// Where the parts of a trial cannot be together, nobody moves.
+MakeController simulated_operators(const Scene& scene, const OperatorSkill& skill,
+                                   std::uint64_t seed);
 
 }  // namespace ferrule

@@ -8,7 +8,6 @@
 
 #include "controller/controller_file.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "insertion/simulated_operator.hpp"
 #include "sim/base/control_period.hpp"
 #include "sim/base/random.hpp"
 

@@ -1,8 +1,6 @@
 #include "controller/stepped_trial.hpp"
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/scene/draw.hpp"
-#include "sim/scene/drawn_numbers.hpp"
 
 namespace ferrule {
 // The hand that goes as it is told between the ticks.
@@ -27,30 +25,26 @@ class SteppedTrial::Hand : public Device {
 };
 
 struct SteppedTrial::Running {
-  Running(const Scene& scene, const State& start, const ForceSensor& sensor,
-          const LoopSettings& settings)
-      : hand(settings.scaling.motion_to_hand(start.command)),
-        insertion(scene, start, hand, sensor, settings) {}
+  Running(const TrialSetup& of, double period)
+      : trial(of),
+        hand(trial.hand()),
+        insertion(trial, hand, {.period = period, .past_success = false}) {}
+  const TrialSetup trial;
   Hand hand;
   Insertion insertion;
 };
 
 SteppedTrial::SteppedTrial(std::shared_ptr<const Scene> scene, std::uint64_t seed,
                            std::uint64_t trial, double period)
-    : scene_(std::move(scene)),
-      drawn_(draw_scene(*scene_, seed, trial)),
-      scaling_(scene_scaling(*scene_)),
-      period_(period) {
-  if (!drawn_) {
-    drawn_ = scene_;
+    : scene_(std::move(scene)), drawn_(scene_), scaling_(scene_scaling(*scene_)) {
+  const auto setup = trial_setup(*scene_, seed, trial);
+  if (!setup) {
     ended_ = trial_result(*scene_, Outcome::infeasible, {});
     return;
   }
+  drawn_ = setup->scene;
   entrance_ = registered_entrance(*drawn_);
-  const State start = draw_start(*drawn_, seed, trial);
-  running_ = std::make_unique<Running>(
-      *drawn_, start, ForceSensor(drawn_->sensor, seed_of("sensor", scene_->redrawn, seed), trial),
-      LoopSettings{.scaling = scaling_, .period = period_, .past_success = false});
+  running_ = std::make_unique<Running>(*setup, period);
   running_->insertion.feel();
   expect_end();
 }

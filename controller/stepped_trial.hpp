@@ -47,7 +47,7 @@ class SteppedTrial {
 
   std::shared_ptr<const Scene> scene_, drawn_;
   Scaling scaling_;
-  double period_, entrance_ = 0;
+  double entrance_ = 0;
   std::unique_ptr<Running> running_;  // null where the parts do not fit
   std::optional<TrialResult> ended_;
 };

@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "insertion/scene_scaling.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 
@@ -35,14 +34,14 @@ void ControllerHand::render(const HandWrench& wrench) {
   velocity_ = limit_speed(controller_.command(now), speed_);
 }
 
-ControllerHand recorded_hand(const Scene& scene, const State& start, Controller& controller) {
-  const Scaling scaling = scene_scaling(scene);
+ControllerHand recorded_hand(const TrialSetup& trial, Controller& controller) {
+  const Scene& scene = *trial.scene;
   return {controller,
-          scaling.motion_to_hand(start.command),
-          scaling.motion * scene.limits.speed,
-          1.1 * scaling.motion * scene.success.depth,
+          trial.hand(),
+          trial.scaling.motion * scene.limits.speed,
+          1.1 * trial.scaling.motion * scene.success.depth,
           registered_entrance(scene),
-          scaling.force * scene.limits.force};
+          trial.scaling.force * scene.limits.force};
 }
 
 TrialResult trial_result(const Scene& scene, Outcome outcome,
@@ -54,28 +53,27 @@ TrialResult trial_result(const Scene& scene, Outcome outcome,
   return {outcome, summary, loss, {}, {}, light};
 }
 
-TrialResult run_trial(const Scene& toleranced, Controller& controller, std::uint64_t seed,
-                      std::uint64_t trial, double period, const OnTick& on_tick,
-                      const std::function<bool()>& stop) {
-  const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
-  const auto with_supervision = [&](TrialResult result) {
-    if (const Supervision* supervision = controller.supervision())
-      result.supervision = *supervision;
-    return result;
-  };
-  if (!drawn) return with_supervision(trial_result(toleranced, Outcome::infeasible, {}));
-  const Scene& scene = *drawn;
-  const Scaling scaling = scene_scaling(scene);
-  const State start = draw_start(scene, seed, trial);
-  ControllerHand hand(controller, scaling.motion_to_hand(start.command),
-                      scaling.motion * scene.limits.speed, std::numeric_limits<double>::infinity(),
-                      scaling.motion * scene.sensor.entrance_error,
-                      scaling.force * scene.limits.force);
-  const InsertionEnd end = run_insertion(
-      scene, start, hand, ForceSensor(scene.sensor, seed_of("sensor", scene.redrawn, seed), trial),
-      {.scaling = scaling, .period = period, .past_success = false, .stop = stop}, on_tick);
-  TrialResult result = with_supervision(trial_result(scene, end.outcome, end.summary));
+TrialResult run_trial(const TrialSetup& trial, Controller& controller, double period,
+                      const OnTick& on_tick, const std::function<bool()>& stop) {
+  const Scene& scene = *trial.scene;
+  ControllerHand hand(controller, trial.hand(), trial.scaling.motion * scene.limits.speed,
+                      std::numeric_limits<double>::infinity(), registered_entrance(scene),
+                      trial.scaling.force * scene.limits.force);
+  const InsertionEnd end =
+      run_insertion(trial, hand, {.period = period, .past_success = false, .stop = stop}, on_tick);
+  TrialResult result = trial_result(scene, end.outcome, end.summary);
+  if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
   result.why = controller.failure();
+  return result;
+}
+
+TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t seed,
+                      std::uint64_t trial, double period, const OnTick& on_tick,
+                      const std::function<bool()>& stop, const std::string& redrawn) {
+  if (const auto setup = trial_setup(scene, seed, trial, redrawn))
+    return run_trial(*setup, controller, period, on_tick, stop);
+  TrialResult result = trial_result(scene, Outcome::infeasible, {});
+  if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
   return result;
 }
 

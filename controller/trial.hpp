@@ -20,13 +20,20 @@ struct TrialResult {
 TrialResult trial_result(const Scene& scene, Outcome outcome,
                          const InsertionSummary& summary) noexcept;
 
-// Trial `trial` of a campaign under `seed`: an insertion by the controller's hand, until it
-// succeeds or fails. The controller observes what the scene's force sensor reads, scaled up by
-// that of the scene, and its velocity is scaled down; control and simulation share one period [s].
-// Every tick is shown to `on_tick`, if any. `stop` ends it as `interrupted` (insertion/loop.hpp).
+// An insertion by the controller's hand, until it succeeds or fails. The controller observes what
+// the scene's force sensor reads, scaled up by that of the scene, and its velocity is scaled down;
+// control and simulation share one period [s]. Every tick is shown to `on_tick`, if any. `stop`
+// ends it as `interrupted` (insertion/loop.hpp).
+TrialResult run_trial(const TrialSetup& trial, Controller& controller,
+                      double period = kControlPeriod, const OnTick& on_tick = {},
+                      const std::function<bool()>& stop = {});
+
+// Trial `trial` of a campaign under `seed`, in which that is drawn; `infeasible` where the parts
+// that are cannot be together.
 TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t seed,
                       std::uint64_t trial, double period = kControlPeriod,
-                      const OnTick& on_tick = {}, const std::function<bool()>& stop = {});
+                      const OnTick& on_tick = {}, const std::function<bool()>& stop = {},
+                      const std::string& redrawn = "");
 
 // A controller as a device: the hand of a trial, and of a recording of it like that of a person.
 class ControllerHand : public Device {
@@ -48,7 +55,7 @@ class ControllerHand : public Device {
   double speed_, end_depth_, entrance_, force_limit_, time_ = 0;
 };
 
-// The hand of a recording from `start`: until a tenth past the success depth.
-ControllerHand recorded_hand(const Scene& scene, const State& start, Controller& controller);
+// The hand of a recording: until a tenth past the success depth.
+ControllerHand recorded_hand(const TrialSetup& trial, Controller& controller);
 
 }  // namespace ferrule

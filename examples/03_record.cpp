@@ -6,23 +6,21 @@
 #include "capture/recorder.hpp"
 #include "capture/replay.hpp"
 #include "insertion/simulated_operator.hpp"
-#include "sim/scene/draw.hpp"
 
 using namespace ferrule;
 
 // Trial `trial`: the operator pushes the fibre in, feels it, and yields; every tick becomes a row.
 std::string record(const Scene& scene, const std::string& folder, int trial) {
-  const double period = 1e-3, skill = 0.9;
-  const std::uint64_t seed = 1, number = static_cast<std::uint64_t>(trial);
-  const State start = draw_start(scene, seed, number);
-  const auto hand = simulated_operator(scene, start, skill, period, seed, number);
+  const double skill = 0.9;
+  const TrialSetup setup = feasible_setup(scene, 1, static_cast<std::uint64_t>(trial));
+  const auto hand = simulated_operator(setup, skill);
   EpisodeInfo info;
-  info.scene = scene.document.dump();
-  info.operator_ = simulated_operator_name(0.9);
-  info.seed = seed;
-  info.trial = number;
+  info.scene = setup.scene->document.dump();
+  info.operator_ = simulated_operator_name(skill);
+  info.seed = setup.seed;
+  info.trial = setup.trial;
   Recorder recorder(folder, trial, info);
-  const InsertionEnd end = record_insertion(scene, start, *hand, recorder);
+  const InsertionEnd end = record_insertion(setup, *hand, recorder);
   std::printf("trial %d: %s after %.1f s, peak force %.2f uN\n", trial, name(end.outcome),
               end.summary.time, 1e6 * end.summary.peak_force);
   return recorder.finish(end.outcome);

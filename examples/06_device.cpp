@@ -3,8 +3,6 @@
 #include <cstdio>
 
 #include "insertion/loop.hpp"
-#include "insertion/scene_scaling.hpp"
-#include "sim/scene/draw.hpp"
 
 using namespace ferrule;
 
@@ -40,14 +38,12 @@ class SoftHand : public Device {
 
 int main() {
   const Scene scene = load_scene("demo");
-  const Scaling scaling = scene_scaling(scene);
-  const State start = draw_start(scene, 1, 1);
-  SoftHand hand(scaling.motion_to_hand(start.command), 0.5 * scaling.motion * scene.limits.speed,
-                1.1 * scaling.motion * scene.success.depth);
+  const TrialSetup trial = feasible_setup(scene, 1, 1);
+  SoftHand hand(trial.hand(), 0.5 * trial.scaling.motion * scene.limits.speed,
+                1.1 * trial.scaling.motion * scene.success.depth);
   std::size_t ticks = 0;
-  const InsertionEnd end = run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, 1),
-                                         {.scaling = scaling, .past_success = true},
-                                         [&](const Tick&) { return ++ticks > 0; });
+  const InsertionEnd end =
+      run_insertion(trial, hand, {.past_success = true}, [&](const Tick&) { return ++ticks > 0; });
   std::printf("%s after %.2f s, %zu ticks; the hand felt %.2f N at most\n", name(end.outcome),
               end.summary.time, ticks, hand.largest());
   return end.outcome == Outcome::inserted && hand.largest() > 0 ? 0 : 1;

@@ -21,13 +21,13 @@ struct Insertion::Held {
 // The device's hand on the fibre's holder: by itself, or by way of force feedback.
 class Insertion::Grip {
  public:
-  Grip(const Scene& scene, Device& device, const LoopSettings& settings)
-      : scene_(scene),
+  Grip(const TrialSetup& trial, Device& device, const LoopSettings& settings)
+      : trial_(trial),
         device_(device),
-        settings_(settings),
+        period_(settings.period),
         feedback_(settings.feedback),
-        moved_(settings.recorded ? HandErrors() : scene.hand, settings.scaling, settings.period),
-        fibre_(settings.scaling, ForceSensor(), settings.period) {}
+        moved_(settings.recorded ? HandErrors() : trial.scene->hand, trial.scaling, period_),
+        fibre_(trial.scaling, ForceSensor(), period_) {}
 
   // The hand at time t [s], which moves the holder of a fibre in `state` unless it is not trusted.
   Held read(double t, const State& state) {
@@ -58,13 +58,13 @@ class Insertion::Grip {
   // Stiffness of the fibre at the holder, in the hand's world [N/m].
   Eigen::Matrix3d stiffness(const State& state) const noexcept {
     if (!feedback_->coupled()) return Eigen::Matrix3d::Zero();
-    return settings_.scaling.force / settings_.scaling.motion *
-           held_stiffness(scene_.world, state, settings_.period).topLeftCorner<3, 3>();
+    return trial_.scaling.force / trial_.scaling.motion *
+           held_stiffness(trial_.scene->world, state, period_).topLeftCorner<3, 3>();
   }
 
-  const Scene& scene_;
+  const TrialSetup& trial_;
   Device& device_;
-  const LoopSettings& settings_;
+  double period_;  // [s]
   ForceFeedback* feedback_;
   ImperfectHand moved_;
   SensedWrench fibre_;  // as it is
@@ -72,15 +72,15 @@ class Insertion::Grip {
 };
 
 struct Insertion::Parts {
-  Parts(const Scene& of, const State& start, Device& hand, const ForceSensor& sensor,
-        const LoopSettings& with)
-      : scene(of),
+  Parts(const TrialSetup& trial, Device& hand, const LoopSettings& with)
+      : scene(*trial.scene),
+        scaling(trial.scaling),
         settings(with),
-        watch(of, start),
-        sensed(with.scaling, sensor, with.period, scene_tare(of)),
-        grip(of, hand, settings),
-        result(start),
-        now(grip.read(0, start)) {}
+        watch(scene, trial.start),
+        sensed(scaling, trial.sensor, with.period, scene_tare(scene)),
+        grip(trial, hand, with),
+        result(trial.start),
+        now(grip.read(0, trial.start)) {}
 
   // What comes after success does not undo it.
   const std::optional<InsertionEnd>& ends(Outcome how, std::string why = "", bool lost = false) {
@@ -93,6 +93,7 @@ struct Insertion::Parts {
   double time() const noexcept { return static_cast<double>(ticks) * settings.period; }
 
   const Scene& scene;
+  const Scaling scaling;
   const LoopSettings settings;
   InsertionWatch watch;
   SensedWrench sensed;
@@ -107,9 +108,8 @@ struct Insertion::Parts {
   std::optional<InsertionEnd> ended;
 };
 
-Insertion::Insertion(const Scene& scene, const State& start, Device& hand,
-                     const ForceSensor& sensor, const LoopSettings& settings)
-    : parts_(std::make_unique<Parts>(scene, start, hand, sensor, settings)) {}
+Insertion::Insertion(const TrialSetup& trial, Device& hand, const LoopSettings& settings)
+    : parts_(std::make_unique<Parts>(trial, hand, settings)) {}
 Insertion::~Insertion() = default;
 
 double Insertion::time() const noexcept {
@@ -137,7 +137,7 @@ const std::optional<InsertionEnd>& Insertion::feel() {
     p.grip.release();
     return p.ends(Outcome::interrupted, p.grip.fault());
   }
-  step_on(p.scene.world, p.settings.scaling.motion_to_tip(p.now.holder),
+  step_on(p.scene.world, p.scaling.motion_to_tip(p.now.holder),
           p.ticks == 0 ? 0.0 : p.settings.period, p.result);
   if (p.result.status == StepStatus::bad_command)
     return p.ends(Outcome::invalid_output, kNotFinite);
@@ -174,10 +174,9 @@ const std::optional<InsertionEnd>& Insertion::answer(const OnTick& on_tick) {
   return p.ends(p.outcome);
 }
 
-InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
-                           const ForceSensor& sensor, const LoopSettings& settings,
+InsertionEnd run_insertion(const TrialSetup& trial, Device& hand, const LoopSettings& settings,
                            const OnTick& on_tick) {
-  Insertion insertion(scene, start, hand, sensor, settings);
+  Insertion insertion(trial, hand, settings);
   while (!insertion.feel() && !insertion.answer(on_tick)) {
   }
   return *insertion.end();

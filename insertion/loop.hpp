@@ -20,9 +20,9 @@
 #include "haptic/device.hpp"
 #include "haptic/force_feedback.hpp"
 #include "insertion/sensed_wrench.hpp"
+#include "insertion/trial_setup.hpp"
 #include "insertion/watch.hpp"
 #include "sim/base/control_period.hpp"
-#include "sim/scene/force_sensor.hpp"
 
 namespace ferrule {
 
@@ -42,7 +42,6 @@ struct Tick {
 };
 
 struct LoopSettings {
-  Scaling scaling;
   double period = kControlPeriod;  // T [s], > 0
   // Whether the hand goes on after success until it is finished, as a simulated operator does; or
   // success ends the insertion, as in a trial.
@@ -69,12 +68,11 @@ struct InsertionEnd {
 // False ends the insertion as `interrupted`.
 using OnTick = std::function<bool(const Tick&)>;
 
-// One insertion from `start`, tick by tick, for who answers in between (a program of somebody
+// One insertion, tick by tick, for who answers in between (a program of somebody
 // else's that steps it). All that it is given must outlive it.
 class Insertion {
  public:
-  Insertion(const Scene& scene, const State& start, Device& hand, const ForceSensor& sensor,
-            const LoopSettings& settings);
+  Insertion(const TrialSetup& trial, Device& hand, const LoopSettings& settings);
   ~Insertion();
   Insertion(const Insertion&) = delete;
   Insertion& operator=(const Insertion&) = delete;
@@ -101,7 +99,7 @@ class Insertion {
   std::unique_ptr<Parts> parts_;
 };
 
-// Runs one insertion from `start` (which the hand must begin at) until it fails, succeeds (see
+// Runs one insertion by a hand that begins at trial.hand() until it fails, succeeds (see
 // `past_success`) or the hand is finished, for the scene's longest trial at most, and shows every
 // tick to `on_tick`, if any; one at least. The outcome is the first that the watch sees, and where
 // there is none
@@ -111,8 +109,7 @@ class Insertion {
 //   invalid_output   the hand's pose is not a finite number: no tick any more
 // Where the fibre was in before, each of these leaves it `inserted`.
 // Does not allocate while it runs, after its begin. Throws what `hand` and `on_tick` throw.
-InsertionEnd run_insertion(const Scene& scene, const State& start, Device& hand,
-                           const ForceSensor& sensor, const LoopSettings& settings,
+InsertionEnd run_insertion(const TrialSetup& trial, Device& hand, const LoopSettings& settings,
                            const OnTick& on_tick = {});
 
 }  // namespace ferrule

@@ -4,13 +4,10 @@
 
 #include "controller/device_controller.hpp"
 #include "insertion/scene_scaling.hpp"
-#include "insertion/simulated_operator.hpp"
 #include "learn/fit_law.hpp"
 #include "learn/fit_policy.hpp"
 #include "learn/fit_search.hpp"
-#include "sim/base/control_period.hpp"
 #include "sim/base/measure.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -65,11 +62,7 @@ std::vector<Candidate> baselines(const Scene& scene, const DemonstrationSet& set
   return {{"constant velocity", controller_maker(ConstantVelocity(speed))},
           {"tuned by hand", controller_maker(tuned_by_hand(speed))},
           {"best demonstration again", controller_maker(RecordedMotion(fastest(set)))},
-          {"simulated operator",
-           [&scene, skill, seed](std::uint64_t trial) -> std::unique_ptr<Controller> {
-             return std::make_unique<DeviceController>(
-                 operator_of_trial(scene, skill, kControlPeriod, seed, trial), kControlPeriod);
-           }}};
+          {"simulated operator", simulated_operators(scene, skill, seed)}};
 }
 
 ControllerFile learned(const Learner& learner, const Learner::Variant& variant,

@@ -3,7 +3,6 @@
 #include "controller/searching_operator.hpp"
 #include "insertion/loop.hpp"
 #include "insertion/simulated_operator.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -11,37 +10,33 @@ namespace {
 // Of a simulated operator of that name.
 Episode recorded_episode(const Scene& toleranced, const std::string& who, std::uint64_t seed,
                          std::uint64_t number) {
-  const FeasibleTrial drawn = feasible_trial(toleranced, seed, number);
-  const std::uint64_t trial = drawn.trial;
-  const Scene& scene = *drawn.scene;
-  const State start = draw_start(scene, seed, trial);
+  const TrialSetup setup = feasible_setup(toleranced, seed, number);
+  const Scene& scene = *setup.scene;
   Episode episode;
   EpisodeInfo& info = episode.info;
   info.scene = scene.document.dump();
   info.operator_ = who;
   info.seed = seed;
-  info.trial = trial;
+  info.trial = setup.trial;
   std::unique_ptr<Controller> search;
   std::unique_ptr<Device> hand;
   if (const std::optional<OperatorSkill> skill = searching_skill(who)) {
-    search = searching_operator(scene, *skill, seed)(trial);
-    hand = std::make_unique<ControllerHand>(recorded_hand(scene, start, *search));
+    search = searching_operator(scene, *skill, seed)(setup.trial);
+    hand = std::make_unique<ControllerHand>(recorded_hand(setup, *search));
   } else {
-    hand = simulated_operator(scene, start, simulated_skill(who).value(), info.period, seed, trial);
+    hand = simulated_operator(setup, simulated_skill(who).value(), info.period);
   }
   std::vector<RowVector> rows;
   std::vector<PhaseBegin> phases;
-  info.outcome =
-      run_insertion(scene, start, *hand, ForceSensor(scene.sensor, seed, trial),
-                    {.scaling = scene_scaling(scene), .period = info.period, .past_success = true},
-                    [&](const Tick& tick) {
-                      if (search)
-                        note_phase(phases, static_cast<Eigen::Index>(rows.size()),
-                                   search->phase_name());
-                      rows.push_back(make_row(tick));
-                      return true;
-                    })
-          .outcome;
+  info.outcome = run_insertion(setup, *hand, {.period = info.period, .past_success = true},
+                               [&](const Tick& tick) {
+                                 if (search)
+                                   note_phase(phases, static_cast<Eigen::Index>(rows.size()),
+                                              search->phase_name());
+                                 rows.push_back(make_row(tick));
+                                 return true;
+                               })
+                     .outcome;
   info.phases = phases_text(phases);
   episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
   for (std::size_t n = 0; n < rows.size(); ++n)

@@ -4,7 +4,6 @@
 #include "controller/trial.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule {
 namespace {
@@ -33,23 +32,19 @@ Teacher teacher_of(const std::string& name, const Scene& scene, const TraineeTas
 Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy,
                                const std::string& teacher, double reaction, std::uint64_t seed,
                                std::uint64_t first) {
-  const auto [drawn, trial, infeasible] = feasible_trial(toleranced, seed, first);
-  const Scene& scene = *drawn;
-  const Scaling scaling = scene_scaling(scene);
-  const State start = draw_start(scene, seed, trial);
+  const TrialSetup setup = feasible_setup(toleranced, seed, first);
+  const Scene& scene = *setup.scene;
   PolicyController controller(policy);
-  ControllerHand hand = recorded_hand(scene, start, controller);
-  const Teacher ask =
-      teacher_of(teacher, scene, trainee_task(scene, start, policy.period), reaction);
+  ControllerHand hand = recorded_hand(setup, controller);
+  const Teacher ask = teacher_of(teacher, scene, trainee_task(setup, policy.period), reaction);
   const Eigen::Index stride = rows_per_step(policy.period);
   Eigen::Index n = 0;
   Demonstration d;
   d.period = static_cast<double>(stride) * policy.period;
-  d.speed_limit = scaling.motion * scene.limits.speed;
+  d.speed_limit = setup.scaling.motion * scene.limits.speed;
   HandPose begun;
   std::vector<HandTwist> answers;
-  d.outcome = run_insertion(scene, start, hand, ForceSensor(scene.sensor, seed, trial),
-                            {.scaling = scaling, .period = policy.period, .past_success = true},
+  d.outcome = run_insertion(setup, hand, {.period = policy.period, .past_success = true},
                             [&](const Tick& tick) {
                               if (n == 0) begun = tick.hand;
                               const Observation observed =

@@ -20,12 +20,21 @@ inline EpisodeInfo info_of(const Scene& scene, std::uint64_t seed, std::uint64_t
   return info;
 }
 
-inline LoopSettings recording_settings(const Scene& scene, double period = 1e-3,
-                                       ForceFeedback* feedback = nullptr) {
-  return {.scaling = scene_scaling(scene),
-          .period = period,
-          .past_success = true,
-          .feedback = feedback};
+// Trial `trial` of seed 1.
+inline TrialSetup setup(const Scene& scene, std::uint64_t trial, std::uint64_t seed = 1) {
+  return trial_setup(scene, seed, trial).value();
+}
+// From that start, with that sensor; ideal unless given.
+inline TrialSetup setup(const Scene& scene, const State& start, const ForceSensor& sensor = {}) {
+  return {{std::shared_ptr<const Scene>(), &scene}, start, sensor, scene_scaling(scene)};
+}
+// Trial 1 of seed 1 with an ideal sensor.
+inline TrialSetup felt_exactly(const Scene& scene) {
+  return setup(scene, draw_start(scene, 1, 1));
+}
+
+inline LoopSettings recording_settings(double period = 1e-3, ForceFeedback* feedback = nullptr) {
+  return {.period = period, .past_success = true, .feedback = feedback};
 }
 
 // What a recording has of an insertion.
@@ -42,31 +51,29 @@ struct RecordedRows {
 inline RecordedRows record_rows(const Scene& scene, const State& start, Device& device,
                                 const ForceSensor& sensor = {}) {
   RecordedRows r;
-  r.end =
-      run_insertion(scene, start, device, sensor, recording_settings(scene), [&](const Tick& tick) {
-        r.rows.push_back(make_row(tick));
-        return true;
-      });
+  r.end = run_insertion(setup(scene, start, sensor), device, recording_settings(),
+                        [&](const Tick& tick) {
+                          r.rows.push_back(make_row(tick));
+                          return true;
+                        });
   return r;
 }
 
 // Records trial `trial` into `folder`; a simulated operator unless a controller is given.
 inline std::string record(const Scene& toleranced, const std::string& folder, std::uint64_t trial,
                           Controller* controller = nullptr, double skill = 0.8) {
-  const FeasibleTrial drawn = feasible_trial(toleranced, 1, trial);
-  const Scene& scene = *drawn.scene;
-  const State start = draw_start(scene, 1, trial);
+  const TrialSetup drawn = testing::setup(*feasible_trial(toleranced, 1, trial).scene, trial);
   std::unique_ptr<Device> device;
   if (controller)
-    device = std::make_unique<ControllerHand>(recorded_hand(scene, start, *controller));
+    device = std::make_unique<ControllerHand>(recorded_hand(drawn, *controller));
   else
-    device = simulated_operator(scene, start, skill, 1e-3, 1, trial);
-  Recorder recorder(folder, static_cast<int>(trial), info_of(scene, 1, trial));
-  const InsertionEnd end = run_insertion(scene, start, *device, ForceSensor(scene.sensor, 1, trial),
-                                         recording_settings(scene), [&](const Tick& tick) {
-                                           recorder.add(make_row(tick));
-                                           return true;
-                                         });
+    device = simulated_operator(drawn, skill);
+  Recorder recorder(folder, static_cast<int>(trial), info_of(*drawn.scene, 1, trial));
+  const InsertionEnd end =
+      run_insertion(drawn, *device, recording_settings(), [&](const Tick& tick) {
+        recorder.add(make_row(tick));
+        return true;
+      });
   recorder.info().why = end.why;
   return recorder.finish(end.outcome);
 }

@@ -1,5 +1,6 @@
 #include "view/frame.hpp"
 
+#include "insertion/scene_scaling.hpp"
 #include "sim/geometry/contact_depth.hpp"
 #include "sim/scene/terms.hpp"
 

@@ -126,9 +126,8 @@ InputLog parse_input_log(const Json& json, const std::string& file) {
   return log;
 }
 
-std::unique_ptr<Device> logged_hand(const InputLog& log, const Scene& scene, const State& start) {
-  return std::make_unique<LoggedHand>(log, device_range(scene, 1).speed,
-                                      scene_scaling(scene).motion_to_hand(start.command));
+std::unique_ptr<Device> logged_hand(const InputLog& log, const TrialSetup& trial) {
+  return std::make_unique<LoggedHand>(log, device_range(*trial.scene, 1).speed, trial.hand());
 }
 
 }  // namespace ferrule

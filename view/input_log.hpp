@@ -45,6 +45,6 @@ InputLog parse_input_log(const Json& json, const std::string& file);
 
 // The hand that holds the fibre of `start` again, row by row; `log` outlives it. It is finished
 // after the last row.
-std::unique_ptr<Device> logged_hand(const InputLog& log, const Scene& scene, const State& start);
+std::unique_ptr<Device> logged_hand(const InputLog& log, const TrialSetup& trial);
 
 }  // namespace ferrule

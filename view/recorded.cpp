@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "sim/scene/draw.hpp"
+#include "insertion/trial_setup.hpp"
 #include "view/packed_rows.hpp"
 
 namespace ferrule {
@@ -207,21 +207,23 @@ ReplayRun replay_of(const Episode& episode, const Scene& scene, const std::strin
 ReplayRun replay_of(const Scene& toleranced, const MakeController& make_controller,
                     std::uint64_t seed, std::uint64_t trial, const std::string& run_name,
                     double period) {
-  const std::shared_ptr<const Scene> drawn = draw_scene(toleranced, seed, trial);
-  const Scene& scene = drawn ? *drawn : toleranced;
+  const auto setup = trial_setup(toleranced, seed, trial);
+  const Scene& scene = setup ? *setup->scene : toleranced;
   ReplayRun run{run_name, Outcome::infeasible, {}, scene_json(scene), {}, {}};
-  FrameMaker make(scene, ForceSensor(scene.sensor, seed, trial), period);
-  EventFinder events(run.events);
-  const auto controller = make_controller(trial);
-  const TrialResult result =
-      run_trial(toleranced, *controller, seed, trial, period, [&](const Tick& tick) {
-        run.frames.push_back(make(make_row(tick)));
-        events(run.frames.back(), run.frames.size() - 1);
-        return true;
-      });
-  run.outcome = result.outcome;
-  const auto& supervision = result.supervision;
-  finish(run, scene, supervision && supervision->gave_up ? name(*supervision->gave_up) : "");
+  std::string why;
+  if (setup) {
+    FrameMaker make(scene, setup->sensor, period);
+    EventFinder events(run.events);
+    const auto controller = make_controller(trial);
+    const TrialResult result = run_trial(*setup, *controller, period, [&](const Tick& tick) {
+      run.frames.push_back(make(make_row(tick)));
+      events(run.frames.back(), run.frames.size() - 1);
+      return true;
+    });
+    run.outcome = result.outcome;
+    if (result.supervision && result.supervision->gave_up) why = name(*result.supervision->gave_up);
+  }
+  finish(run, scene, why);
   return run;
 }
 

@@ -10,7 +10,7 @@
 #include "controller/controller_file.hpp"
 #include "controller/trial.hpp"
 #include "insertion/hand_device.hpp"
-#include "sim/scene/draw.hpp"
+#include "insertion/trial_setup.hpp"
 #include "view/said.hpp"
 
 namespace ferrule {
@@ -162,33 +162,27 @@ void Session::obey(const Message& message, bool (*stopped)() noexcept) {
   }
 }
 
-Session::Insertion Session::drawn(int number) const {
-  const FeasibleTrial trial =
-      feasible_trial(settings_.scene, settings_.seed, static_cast<std::uint64_t>(number));
-  return {trial.scene, trial.trial, draw_start(*trial.scene, settings_.seed, trial.trial)};
-}
-
 void Session::prepare(int first) {
   claim_.reset();
   claim_.emplace(settings_.out, first);
-  prepared_ = drawn(claim_->number());
+  prepared_ =
+      feasible_setup(settings_.scene, settings_.seed, static_cast<std::uint64_t>(claim_->number()));
   show_at_rest(prepared_);
   say_state();
 }
 
-void Session::show_at_rest(const Insertion& insertion) {
-  const Scaling scaling = scene_scaling(*insertion.scene);
-  StillDevice still(scaling.motion_to_hand(insertion.start.command));
-  FrameMaker make(*insertion.scene, ForceSensor(), kControlPeriod);
+void Session::show_at_rest(TrialSetup trial) {
+  trial.sensor = ForceSensor();
+  StillDevice still(trial.hand());
+  FrameMaker make(*trial.scene, trial.sensor, kControlPeriod);
   {
     const std::lock_guard lock(mutex_);
     recent_.clear();
   }
-  run_insertion(*insertion.scene, insertion.start, still, ForceSensor(), {.scaling = scaling},
-                [&](const Tick& tick) {
-                  show(make(make_row(tick)));
-                  return true;
-                });
+  run_insertion(trial, still, {}, [&](const Tick& tick) {
+    show(make(make_row(tick)));
+    return true;
+  });
   send_frames(true);
 }
 
@@ -215,12 +209,10 @@ Request Session::requested(bool& discard) {
 }
 
 TimedEpisode Session::run_shown(
-    const Insertion& insertion, Device& device, ForceFeedback* feedback, double period,
+    const TrialSetup& trial, Device& device, ForceFeedback* feedback, double period,
     const std::function<void(const RowVector&, const RawCounts&)>& record, bool& discard,
     bool (*stopped)() noexcept) {
-  const Scene& scene = *insertion.scene;
-  const ForceSensor sensor(scene.sensor, settings_.seed, insertion.trial);
-  FrameMaker make(scene, sensor, period);
+  FrameMaker make(*trial.scene, trial.sensor, period);
   WatchedDevice watched(device, feedback, period);
   {
     const std::lock_guard lock(mutex_);
@@ -238,11 +230,7 @@ TimedEpisode Session::run_shown(
   };
   try {
     TimedEpisode timed = run_in_time(
-        scene, insertion.start, watched, sensor,
-        {.scaling = scene_scaling(scene),
-         .period = period,
-         .past_success = settings_.goes_on,
-         .feedback = feedback},
+        trial, watched, {.period = period, .past_success = settings_.goes_on, .feedback = feedback},
         [&](const RowVector& row, const RawCounts& counts) {
           record(row, counts);
           show(make(row, watched.health()));
@@ -263,7 +251,7 @@ TimedEpisode Session::run_shown(
 }
 
 void Session::start_try(bool (*stopped)() noexcept) {
-  const Insertion now = last_ = prepared_;
+  const TrialSetup now = last_ = prepared_;
   const Scene& scene = *now.scene;
   std::unique_ptr<Device> device;
   std::unique_ptr<ForceFeedback> feedback;
@@ -272,9 +260,7 @@ void Session::start_try(bool (*stopped)() noexcept) {
     device = other->make(scene, now.start);
     if (other->feedback) feedback = other->feedback(scene, now.start);
   } else {
-    auto browser =
-        std::make_unique<BrowserDevice>(hand_, device_range(scene, 1).speed,
-                                        scene_scaling(scene).motion_to_hand(now.start.command));
+    auto browser = std::make_unique<BrowserDevice>(hand_, device_range(scene, 1).speed, now.hand());
     browser_ = browser.get();
     device = std::move(browser);
   }
@@ -323,9 +309,9 @@ void Session::start_try(bool (*stopped)() noexcept) {
 
 void Session::let_it_insert(bool (*stopped)() noexcept) {
   if (!controller_) throw BadInput("there is no controller yet: fit one first");
-  const Insertion now = last_.scene ? last_ : prepared_;
+  const TrialSetup& now = last_.scene ? last_ : prepared_;
   const std::unique_ptr<Controller> controller = controller_(now.trial);
-  ControllerHand hand = recorded_hand(*now.scene, now.start, *controller);
+  ControllerHand hand = recorded_hand(now, *controller);
   running_ = "insert";
   bool discard = false;
   const TimedEpisode timed = run_shown(

@@ -69,12 +69,6 @@ class Session {
   void run(bool (*stopped)() noexcept);
 
  private:
-  // One insertion: who holds the fibre, and what it started from.
-  struct Insertion {
-    std::shared_ptr<const Scene> scene;
-    std::uint64_t trial = 0;
-    State start;
-  };
   // What the list says of an episode.
   struct Listed {
     std::string file;
@@ -85,11 +79,10 @@ class Session {
   std::optional<Message> next_command();
   void measure_yardstick();
   void obey(const Message& message, bool (*stopped)() noexcept);
-  Insertion drawn(int number) const;
   void prepare(int first);
   void start_try(bool (*stopped)() noexcept);
   void let_it_insert(bool (*stopped)() noexcept);
-  TimedEpisode run_shown(const Insertion& insertion, Device& device, ForceFeedback* feedback,
+  TimedEpisode run_shown(const TrialSetup& trial, Device& device, ForceFeedback* feedback,
                          double period,
                          const std::function<void(const RowVector&, const RawCounts&)>& record,
                          bool& discard, bool (*stopped)() noexcept);
@@ -102,7 +95,7 @@ class Session {
   void list(const EpisodeInfo& info, const Measures& m, const std::string& file,
             const Scene& scene);
 
-  void show_at_rest(const Insertion& insertion);
+  void show_at_rest(TrialSetup trial);
   void show(const Frame& frame);
   void send_frames(bool all);
   void say(const char* type, Json json);
@@ -118,7 +111,7 @@ class Session {
 
   // Of the thread that runs.
   std::optional<EpisodeClaim> claim_;
-  Insertion prepared_, last_;
+  TrialSetup prepared_, last_;
   std::optional<Recorder> kept_;  // the last try, finished
   std::optional<Yardstick> yardstick_;
   bool measured_ = false;           // the yardstick

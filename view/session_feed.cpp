@@ -98,7 +98,7 @@ void Session::complain(const std::string& why) {
 }
 
 void Session::say_state() {
-  const Insertion& shown = running_ && last_.scene ? last_ : prepared_;
+  const TrialSetup& shown = running_ && last_.scene ? last_ : prepared_;
   say("state_of_session", {{"running", running_ != nullptr},
                            {"what", running_ ? Json(running_) : Json(nullptr)},
                            {"episode", claim_ ? claim_->number() : 0},

@@ -8,12 +8,9 @@
 #include "learn/fit_law.hpp"
 #include "learn/fit_search.hpp"
 #include "learn/fit_warnings.hpp"
-#include "sim/scene/draw.hpp"
 
 namespace ferrule::python {
 namespace {
-
-constexpr double kPeriod = 1e-3;  // of control and simulation [s]
 
 // Episode by episode as `ferrule record` has them; returns their files.
 std::vector<std::string> record(const SharedScene& scene, const std::filesystem::path& place,
@@ -31,14 +28,13 @@ std::vector<std::string> record(const SharedScene& scene, const std::filesystem:
   for (int n = 0; n < episodes && !interrupts(); ++n, ++next) {
     EpisodeClaim claim(folder, next);
     const int number = next = claim.number();
-    const FeasibleTrial drawn = feasible_trial(*scene, seed, static_cast<std::uint64_t>(number));
-    const State start = draw_start(*drawn.scene, seed, drawn.trial);
-    const auto hand = simulated_operator(*drawn.scene, start, skill, kPeriod, seed, drawn.trial);
-    EpisodeInfo info = episode_info(*drawn.scene, *hand, seed, drawn.trial);
+    const TrialSetup trial = feasible_setup(*scene, seed, static_cast<std::uint64_t>(number));
+    const auto hand = simulated_operator(trial, skill);
+    EpisodeInfo info = episode_info(*trial.scene, *hand, seed, trial.trial);
     info.operator_ = simulated_operator_name(skill);
     auto recorder = std::make_unique<Recorder>(std::move(claim), info);
     int ticks = 0;
-    const InsertionEnd end = record_insertion(*drawn.scene, start, *hand, *recorder,
+    const InsertionEnd end = record_insertion(trial, *hand, *recorder,
                                               [&] { return ++ticks % 1000 != 0 || !interrupts(); });
     recorder->end(end.outcome);
     if (before) files.push_back(before->written());

@@ -259,14 +259,12 @@ class Trials {
     const nb::gil_scoped_release release;
     const std::lock_guard lock(mutex_);
     for_each([&](std::size_t i) {
-      courses_[i] = Course::of(kept[i], kPeriod);
+      courses_[i] = Course::of(kept[i], kControlPeriod);
       show(i);
     });
   }
 
  private:
-  static constexpr double kPeriod = 1e-3;  // [s]
-
   void expect_each(std::initializer_list<std::size_t> sizes) const {
     for (const std::size_t size : sizes)
       if (size != courses_.size()) throw nb::value_error("one for each environment");
@@ -277,7 +275,7 @@ class Trials {
     for (std::size_t i = 0; i < courses_.size(); ++i) work(i);
   }
   void begin(std::size_t i, const SharedScene& scene, std::uint64_t seed, std::uint64_t trial) {
-    courses_[i] = Course(scene, seed, trial, true, kPeriod);
+    courses_[i] = Course(scene, seed, trial, true, kControlPeriod);
     show(i);
   }
   void show(std::size_t i) noexcept {

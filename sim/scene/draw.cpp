@@ -35,8 +35,8 @@ void draw_particle(Scene& drawn, RandomStream random) {
 
 }  // namespace
 
-std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
-                                        std::uint64_t trial) {
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed, std::uint64_t trial,
+                                        const std::string& redrawn) {
   const std::optional<Particle>& law = scene.parameters.laws.particle;
   const bool particle = law && std::isnan(law->height);
   if (scene.drawn.empty() && !particle) return {std::shared_ptr<const Scene>(), &scene};
@@ -46,17 +46,15 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
                [](const DrawnNumber& number) { return !number.implied; });
   std::shared_ptr<Scene> drawn;
   try {
-    drawn = std::make_shared<Scene>(
-        parse_scene(drawn_document(scene.document, first.empty() ? scene.drawn : first, seed, trial,
-                                   scene.redrawn),
-                    scene.name));
-    drawn->redrawn = scene.redrawn;
+    drawn = std::make_shared<Scene>(parse_scene(
+        drawn_document(scene.document, first.empty() ? scene.drawn : first, seed, trial, redrawn),
+        scene.name));
   } catch (const RefusedKey&) {  // each of the numbers can be, but not these together
     return nullptr;
   }
-  if (!drawn->drawn.empty()) return draw_scene(*drawn, seed, trial);
+  if (!drawn->drawn.empty()) return draw_scene(*drawn, seed, trial, redrawn);
   if (particle) {
-    draw_particle(*drawn, {seed_of("laws.particle", scene.redrawn, seed), trial, Draw::particle});
+    draw_particle(*drawn, {seed_of("laws.particle", redrawn, seed), trial, Draw::particle});
     drawn->world.laws.particle = ferrule::particle(drawn->parameters);
   }
   return drawn;

@@ -10,9 +10,10 @@ namespace ferrule {
 
 // The scene of trial `trial` under `seed`, with the numbers that chance decides (Scene::drawn) and
 // its particle, where there is one; null where such parts cannot be together: the fibre is wider
-// than the bore, say. `scene` itself, which it must not outlive, where nothing is drawn.
-std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed,
-                                        std::uint64_t trial);
+// than the bore, say. `scene` itself, which it must not outlive, where nothing is drawn. What is
+// named `redrawn` is drawn as under another seed (seed_of).
+std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed, std::uint64_t trial,
+                                        const std::string& redrawn = "");
 
 // The first of trials trial, trial + 2^32, trial + 2 2^32 ... whose parts can be together.
 struct FeasibleTrial {

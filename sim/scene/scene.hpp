@@ -108,9 +108,6 @@ struct Scene {
   // centres cannot be together (a fibre as wide as the bore), it is as in a trial in which the
   // numbers can.
   std::vector<DrawnNumber> drawn;
-  // What is drawn as under another seed while all else stays as it is: the name of some of these, or
-  // of kDrawnBesides; empty: nothing.
-  std::string redrawn{};
   // The scene as resolved: file plus settings; parsing it gives this scene again. Where something
   // is drawn the scene of a trial is read from it, so that what is changed above alone is lost.
   Json document;

@@ -1,6 +1,7 @@
 #include "capture/force_history.hpp"
 
 #include "insertion/scene_scaling.hpp"
+#include "sim/scene/draw.hpp"
 #include "tests/compare.hpp"
 #include "tests/episodes.hpp"
 #include "tests/scenes.hpp"
@@ -142,7 +143,7 @@ TEST(ForceHistory, OfAnInsertionSharesOutWhatIsFelt) {
   const State start = draw_start(scene, 1, 2);
   Episode episode;
   episode.rows =
-      testing::record_rows(scene, start, *simulated_operator(scene, start, 0.8, 1e-3, 1, 2))
+      testing::record_rows(scene, start, *simulated_operator(testing::setup(scene, 2), 0.8))
           .matrix();
   double sum = 0;
   for (const TermActivity& t : force_history(episode, scene).terms) {

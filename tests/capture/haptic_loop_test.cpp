@@ -91,8 +91,8 @@ TimedEpisode run(const Scene& scene, Device& device,
                  const std::function<void(const RowVector&, const RawCounts&)>& record,
                  const std::function<Request()>& request = go_on,
                  ForceFeedback* feedback = nullptr) {
-  return run_in_time(scene, draw_start(scene, 1, 1), device, {},
-                     testing::recording_settings(scene, T, feedback), record, request, never);
+  return run_in_time(testing::felt_exactly(scene), device, testing::recording_settings(T, feedback),
+                     record, request, never);
 }
 
 ForceFeedback feedback_of(const Scene& scene) {
@@ -108,12 +108,13 @@ TimedEpisode felt(const Scene& scene, PushingHand& hand, Kept& kept) {
 TEST(HapticLoopInSeconds, RowsAreThoseOfTheLoopWithoutTime) {
   const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
-  const auto hand = simulated_operator(scene, start, 1, 1e-3, 1, 1);
+  const auto hand = simulated_operator(testing::setup(scene, 1), 1);
   const auto [end, alone] = testing::record_rows(scene, start, *hand);
   Kept kept;
-  const auto again = simulated_operator(scene, start, 1, 1e-3, 1, 1);
-  const TimedEpisode timed = run_in_time(
-      scene, start, *again, {}, testing::recording_settings(scene), std::ref(kept), go_on, never);
+  const auto again = simulated_operator(testing::setup(scene, 1), 1);
+  const TimedEpisode timed =
+      run_in_time(testing::setup(scene, start), *again, testing::recording_settings(),
+                  std::ref(kept), go_on, never);
   EXPECT_EQ(timed.end.outcome, end.outcome);
   ASSERT_EQ(kept.rows.size(), alone.size());
   for (std::size_t n = 0; n < alone.size(); ++n) ASSERT_EQ(kept.rows[n], alone[n]) << n;
@@ -175,8 +176,8 @@ TEST(HapticLoop, AfterAStallTheForceRampsUpAgain) {
   ForceFeedback feedback = feedback_of(scene);
   const ForceSensor noisy({.noise = 1e-8}, 1, 1);  // there is something to feel
   const TimedEpisode episode =
-      run_in_time(scene, draw_start(scene, 1, 1), hand, noisy,
-                  testing::recording_settings(scene, T, &feedback), std::ref(kept), go_on, never);
+      run_in_time(testing::setup(scene, draw_start(scene, 1, 1), noisy), hand,
+                  testing::recording_settings(T, &feedback), std::ref(kept), go_on, never);
   EXPECT_EQ(episode.end.outcome, Outcome::stopped_short) << episode.end.why;
   ASSERT_GT(hand.forces.size(), static_cast<std::size_t>(kAt + 500));
   const auto at = hand.forces.begin() + kAt;
@@ -228,7 +229,7 @@ TEST(HapticLoop, ADiskThatStandsEndsTheEpisode) {
   PushingHand hand(scene);
   std::size_t rows = 0;
   const TimedEpisode episode = run_in_time(
-      scene, draw_start(scene, 1, 1), hand, {}, testing::recording_settings(scene, 1e-5),
+      testing::felt_exactly(scene), hand, testing::recording_settings(1e-5),
       [&](const RowVector&, const RawCounts&) {
         const int most = static_cast<int>(kRing);
         while (rows == 0 && hand.reads < most) std::this_thread::yield();
@@ -262,7 +263,7 @@ TEST(HapticLoop, StoppedItEndsWithinTwoPeriodsWhileTheDiskStands) {
   int reads = 0;
   g_stopped = false;
   const TimedEpisode episode = run_in_time(
-      scene, draw_start(scene, 1, 1), hand, noisy, testing::recording_settings(scene),
+      testing::setup(scene, draw_start(scene, 1, 1), noisy), hand, testing::recording_settings(),
       [&](const RowVector& row, const RawCounts& counts) {
         if (kept.rows.empty()) {
           while (hand.reads < 50) std::this_thread::yield();

@@ -65,10 +65,10 @@ TEST(Recorder, AKilledProcessLosesAtMostATenthOfASecond) {
     const pid_t child = ::fork();
     if (child == 0) {
       const State start = draw_start(scene, 1, 1);
-      auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+      auto device = simulated_operator(testing::setup(scene, 1), 0.8);
       Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
       std::size_t n = 0;
-      run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+      run_insertion(testing::setup(scene, start), *device, testing::recording_settings(),
                     [&](const Tick& tick) {
                       recorder.add(make_row(tick));
                       if (++n == killed_at) ::kill(::getpid(), SIGKILL);
@@ -118,10 +118,10 @@ TEST(Recover, TakesWhatIsWholeOfATornJournal) {
   const Scene scene = testing::quick();
   {
     const State start = draw_start(scene, 1, 1);
-    auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+    auto device = simulated_operator(testing::setup(scene, 1), 0.8);
     Recorder recorder(folder.path(), 1, testing::info_of(scene, 1, 1));
     std::size_t n = 0;
-    run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+    run_insertion(testing::setup(scene, start), *device, testing::recording_settings(),
                   [&](const Tick& tick) {
                     recorder.add(make_row(tick));
                     return ++n != 500;
@@ -169,10 +169,10 @@ TEST(Recover, LeavesAJournalAloneThatIsBeingWritten) {
 void leave_a_journal(const std::string& folder, std::size_t rows) {
   const Scene scene = testing::quick();
   const State start = draw_start(scene, 1, 1);
-  auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+  auto device = simulated_operator(testing::setup(scene, 1), 0.8);
   Recorder recorder(folder, 1, testing::info_of(scene, 1, 1));
   std::size_t n = 0;
-  run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+  run_insertion(testing::setup(scene, start), *device, testing::recording_settings(),
                 [&](const Tick& tick) {
                   recorder.add(make_row(tick));
                   return ++n != rows;

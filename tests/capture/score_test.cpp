@@ -301,7 +301,7 @@ TEST(ScoreAtLength, SkilledTraineesScoreBetter) {
 TEST(Score, AgreesWithTheWatchThatSawTheInsertion) {
   const Scene scene = testing::paper({"start.distance_um=10", "success.depth_um=8"});
   const State start = draw_start(scene, 1, 3);
-  const auto device = simulated_operator(scene, start, 0.7, 1e-3, 1, 3);
+  const auto device = simulated_operator(testing::setup(scene, 3), 0.7);
   const testing::RecordedRows recorded = testing::record_rows(scene, start, *device);
   const InsertionEnd& end = recorded.end;
   const Episode episode{testing::info_of(scene, 1, 3), recorded.matrix(), {}};

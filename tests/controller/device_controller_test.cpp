@@ -17,19 +17,17 @@ TEST(DeviceController, AnOperatorDoesInATrialWhatIsRecordedOfHim) {
     const Scene scene = load_scene(name);
     const std::uint64_t trial = 3;
     const Episode episode = read_episode(testing::record(scene, folder.path(), trial));
-    DeviceController controller(
-        simulated_operator(scene, draw_start(scene, 1, trial), 0.8, 1e-3, 1, trial), 1e-3);
+    DeviceController controller(simulated_operator(testing::setup(scene, trial), 0.8), 1e-3);
     const State start = draw_start(scene, 1, trial);
     ControllerHand hand(controller, scene_scaling(scene).motion_to_hand(start.command), INFINITY,
                         INFINITY);
     Eigen::Index n = 0;
-    run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, trial),
-                  testing::recording_settings(scene), [&](const Tick& tick) {
-                    const HandTwist recorded =
-                        episode.rows.row(n).segment<5>(kCommand.begin).transpose();
-                    EXPECT_LE((tick.command - recorded).norm(), 1e-9) << name << " row " << n;
-                    return ++n + 1 < episode.rows.rows() && !::testing::Test::HasFailure();
-                  });
+    run_insertion(
+        testing::setup(scene, trial), hand, testing::recording_settings(), [&](const Tick& tick) {
+          const HandTwist recorded = episode.rows.row(n).segment<5>(kCommand.begin).transpose();
+          EXPECT_LE((tick.command - recorded).norm(), 1e-9) << name << " row " << n;
+          return ++n + 1 < episode.rows.rows() && !::testing::Test::HasFailure();
+        });
     EXPECT_EQ(n + 1, episode.rows.rows());
     std::filesystem::remove(episode_files(folder.path()).front());
   }

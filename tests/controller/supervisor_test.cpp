@@ -3,6 +3,7 @@
 
 #include "capture/replay.hpp"
 #include "controller/campaign.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "tests/compare.hpp"
 #include "tests/demo_limits.hpp"
 #include "tests/episodes.hpp"

@@ -182,7 +182,7 @@ TEST(Trainee, InsertsAsInFig10OfThePaper) {
   const Scene scene = testing::paper();
   for (const std::uint64_t trial : {1u, 2u, 3u, 4u, 5u, 6u, 7u, 8u, 9u, 10u, 11u, 12u}) {
     const State start = draw_start(scene, 1, trial);
-    const auto device = simulated_operator(scene, start, 0.8, 1e-3, 1, trial);
+    const auto device = simulated_operator(testing::setup(scene, trial), 0.8);
     const auto [end, rows] = testing::record_rows(scene, start, *device);
     EXPECT_EQ(end.outcome, Outcome::inserted);
     const double to_um = 1e6 / scene_scaling(scene).motion;

@@ -36,8 +36,7 @@ EpisodeInfo info_of(const Scene& scene, const Device& device) {
 
 // Records until the device is done or lost; returns the outcome.
 Outcome run(const Scene& scene, Device& device, Recorder& recorder) {
-  return run_insertion(scene, draw_start(scene, 1, 1), device, {},
-                       testing::recording_settings(scene),
+  return run_insertion(testing::felt_exactly(scene), device, testing::recording_settings(),
                        [&](const Tick& tick) {
                          recorder.add(make_row(tick), tick.sample.counts);
                          return true;
@@ -159,7 +158,7 @@ TEST(HandDevice, AKilledRecordingIsRecoveredWithItsCounts) {
     const auto device = hand_on(FakeModel::space_mouse_split, scene, 1);
     Recorder recorder(folder.path(), 1, info_of(scene, *device));
     Eigen::Index n = 0;
-    run_insertion(scene, start, *device, {}, testing::recording_settings(scene),
+    run_insertion(testing::setup(scene, start), *device, testing::recording_settings(),
                   [&](const Tick& tick) {
                     recorder.add(make_row(tick), tick.sample.counts);
                     if (n < 300) counts.row(n) = tick.sample.counts.transpose();

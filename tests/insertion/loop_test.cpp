@@ -2,6 +2,7 @@
 
 #include <cstring>
 
+#include "insertion/scene_scaling.hpp"
 #include "sim/scene/draw.hpp"
 #include "tests/allocations.hpp"
 #include "tests/compare.hpp"
@@ -58,10 +59,10 @@ Ended run(const Scene& scene, const std::function<void(int, HandSample&)>& happe
   KnownHand hand(scene, start);
   hand.velocity = [&](const HandWrench&) { return straight_in(speed); };
   hand.happens = happens;
-  LoopSettings settings = testing::recording_settings(scene);
+  LoopSettings settings = testing::recording_settings();
   settings.past_success = past_success;
   Ended ended;
-  ended.end = run_insertion(scene, start, hand, {}, settings,
+  ended.end = run_insertion(testing::setup(scene, start), hand, settings,
                             [&](const Tick&) { return ++ended.ticks < stop_after; });
   return ended;
 }
@@ -99,8 +100,8 @@ TEST(Loop, WhatAHandFeelsIsRelativeToRest) {
   const State start = draw_start(scene, 1, 1);
   KnownHand hand(scene, start);
   std::vector<HandWrench> wrench, relative;
-  run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, 1),
-                testing::recording_settings(scene), [&](const Tick& tick) {
+  run_insertion(testing::setup(scene, 1), hand, testing::recording_settings(),
+                [&](const Tick& tick) {
                   wrench.push_back(tick.wrench);
                   relative.push_back(tick.relative);
                   return wrench.size() < 300;
@@ -124,17 +125,16 @@ TEST(Loop, ARecordingAndATrialOfAControllerAreTheSame) {
     ConstantVelocity controller(scaling.motion * scene.limits.speed);
     const TrialResult alone = run_trial(scene, controller, 1, trial);
     const State start = draw_start(scene, 1, trial);
-    ControllerHand hand = recorded_hand(scene, start, controller);
+    ControllerHand hand = recorded_hand(testing::setup(scene, start), controller);
     InsertionWatch watch(scene, start);
     std::optional<Outcome> first;
     int after = 0;
-    const InsertionEnd end =
-        run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, trial),
-                      testing::recording_settings(scene), [&](const Tick& tick) {
-                        if (first) ++after;
-                        if (!first) first = watch.after(tick.result);
-                        return true;
-                      });
+    const InsertionEnd end = run_insertion(testing::setup(scene, trial), hand,
+                                           testing::recording_settings(), [&](const Tick& tick) {
+                                             if (first) ++after;
+                                             if (!first) first = watch.after(tick.result);
+                                             return true;
+                                           });
     ASSERT_TRUE(first);
     EXPECT_EQ(*first, alone.outcome);
     EXPECT_EQ(std::memcmp(&watch.summary(), &alone.summary, sizeof alone.summary), 0) << trial;
@@ -157,9 +157,9 @@ TEST(Loop, ARecordedHandThatTheHolderFollowsLessGoesOnUntilTheFibreIsDeep) {
     ConstantVelocity controller(scaling.motion * scene.limits.speed);
     const TrialResult alone = run_trial(scene, controller, 1, trial);
     const State start = draw_start(scene, 1, trial);
-    ControllerHand hand = recorded_hand(scene, start, controller);
-    const InsertionEnd end = run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, trial),
-                                           testing::recording_settings(scene));
+    ControllerHand hand = recorded_hand(testing::setup(scene, start), controller);
+    const InsertionEnd end =
+        run_insertion(testing::setup(scene, trial), hand, testing::recording_settings());
     EXPECT_EQ(end.outcome, alone.outcome) << trial;
     inserted += alone.outcome == Outcome::inserted;
   }
@@ -287,15 +287,13 @@ TEST(Loop, ThereIsOneTickAtLeastAndWhoListensMayEndIt) {
 
 TEST(Loop, AllocatesNothingBetweenTicks) {
   const Scene scene = load_scene("bench");
-  const State start = draw_start(scene, 1, 1);
-  const auto hand = simulated_operator(scene, start, 0.8, 1e-3, 1, 1);
+  const auto hand = simulated_operator(testing::setup(scene, 1), 0.8);
   std::size_t first = 0, last = 0, ticks = 0;
-  run_insertion(scene, start, *hand, ForceSensor(scene.sensor, 1, 1),
-                testing::recording_settings(scene), [&](const Tick&) {
-                  last = testing::allocations();
-                  if (ticks++ == 0) first = last;
-                  return true;
-                });
+  run_insertion(testing::setup(scene, 1), *hand, testing::recording_settings(), [&](const Tick&) {
+    last = testing::allocations();
+    if (ticks++ == 0) first = last;
+    return true;
+  });
   EXPECT_GT(ticks, 1000u);
   EXPECT_EQ(last, first);
 }

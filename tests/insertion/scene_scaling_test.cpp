@@ -60,9 +60,9 @@ TEST(RegisteredEntrance, IsWhatEndsATrialOfTheControllersOwnAndNotWhatCountsAsIn
     const State start = draw_start(scene, 1, 1);
     const double speed = scene_scaling(scene).motion * scene.limits.speed;
     ConstantVelocity controller(speed);
-    ControllerHand hand = recorded_hand(scene, start, controller);
-    const InsertionEnd end = run_insertion(scene, start, hand, {},
-                                           {.scaling = scene_scaling(scene), .past_success = true});
+    ControllerHand hand = recorded_hand(testing::setup(scene, start), controller);
+    const InsertionEnd end =
+        run_insertion(testing::setup(scene, start), hand, {.past_success = true});
     const double depth = end.summary.depth, one_step = 1.01e-3 * scene.limits.speed;
     EXPECT_LE(std::abs(depth - (goal - 1e-6 * error)), one_step) << error;
     EXPECT_EQ(end.outcome == Outcome::inserted, depth >= scene.success.depth) << error;
@@ -73,9 +73,9 @@ TEST(RegisteredEntrance, IsWhatEndsATrialOfTheControllersOwnAndNotWhatCountsAsIn
 TEST(RegisteredEntrance, IsWhatAnOperatorGoesBy) {
   const Scene truth = straight(), scene = straight({"sensor.entrance_error_um=-7"});
   const State start = draw_start(truth, 1, 1);
-  EXPECT_CLOSE(
-      trainee_task(scene, start, 1e-3).distance - trainee_task(truth, start, 1e-3).distance,
-      scene_scaling(scene).motion * 7e-6, 1e-9);
+  EXPECT_CLOSE(trainee_task(testing::setup(scene, start)).distance -
+                   trainee_task(testing::setup(truth, start)).distance,
+               scene_scaling(scene).motion * 7e-6, 1e-9);
   EXPECT_CLOSE(scene_tare(scene).free_beyond - scene_tare(truth).free_beyond, -7e-6, 1e-6);
 }
 
@@ -83,15 +83,14 @@ TEST(RegisteredEntrance, IsLearnedFromAsItWasObserved) {
   const Scene scene = straight({"sensor.entrance_error_um=5"});
   const State start = draw_start(scene, 1, 1);
   Noting controller(scene_scaling(scene).motion * scene.limits.speed);
-  ControllerHand hand = recorded_hand(scene, start, controller);
+  ControllerHand hand = recorded_hand(testing::setup(scene, start), controller);
   Episode episode;
   episode.info.scene = scene.document.dump();
   std::vector<RowVector> rows;
-  run_insertion(scene, start, hand, {}, {.scaling = scene_scaling(scene), .past_success = true},
-                [&](const Tick& tick) {
-                  rows.push_back(make_row(tick));
-                  return true;
-                });
+  run_insertion(testing::setup(scene, start), hand, {.past_success = true}, [&](const Tick& tick) {
+    rows.push_back(make_row(tick));
+    return true;
+  });
   episode.rows.resize(static_cast<Eigen::Index>(rows.size()), Eigen::NoChange);
   for (std::size_t n = 0; n < rows.size(); ++n)
     episode.rows.row(static_cast<Eigen::Index>(n)) = rows[n];

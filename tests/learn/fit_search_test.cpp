@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "controller/searching_operator.hpp"
-#include "insertion/scene_scaling.hpp"
 #include "learn/record_again.hpp"
 #include "sim/scene/draw.hpp"
 #include "tests/episodes.hpp"
@@ -28,14 +27,13 @@ DemonstrationSet searched_with(const std::vector<double>& gains, const Scene& sc
   for (std::uint64_t trial = 1; trial <= episodes; ++trial) {
     const State start = draw_start(scene, 1, trial);
     SearchLaw law(gains);
-    ControllerHand hand = recorded_hand(scene, start, law);
+    ControllerHand hand = recorded_hand(testing::setup(scene, start), law);
     Episode episode;
     episode.info = testing::info_of(scene, 1, trial);
     std::vector<RowVector> rows;
     std::vector<PhaseBegin> phases;
     episode.info.outcome =
-        run_insertion(scene, start, hand, ForceSensor(scene.sensor, 1, trial),
-                      testing::recording_settings(scene),
+        run_insertion(testing::setup(scene, trial), hand, testing::recording_settings(),
                       [&](const Tick& tick) {
                         note_phase(phases, static_cast<Eigen::Index>(rows.size()),
                                    law.phase_name());

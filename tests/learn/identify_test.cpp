@@ -35,7 +35,7 @@ std::vector<Recording> recordings(const Scene& scene, double noise, std::uint64_
   std::vector<Recording> all;
   for (std::uint64_t trial = 1; trial <= episodes; ++trial) {
     const State start = draw_start(scene, seed, trial);
-    const auto device = simulated_operator(scene, start, 0.8, 1e-3, seed, trial);
+    const auto device = simulated_operator(testing::setup(scene, trial, seed), 0.8);
     const Episode episode{testing::info_of(scene, seed, trial),
                           testing::record_rows(scene, start, *device).matrix(),
                           {}};

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include "insertion/loop.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "insertion/simulated_operator.hpp"
 #include "sim/scene/draw.hpp"
+#include "tests/episodes.hpp"
 
 namespace ferrule {
 namespace {
@@ -17,22 +19,19 @@ struct Shown {
 };
 
 Shown shown(const Scene& scene, std::uint64_t trial) {
-  const State start = draw_start(scene, 1, trial);
-  const auto hand = simulated_operator(scene, start, 0.8, 1e-3, 1, trial);
+  const auto hand = simulated_operator(testing::setup(scene, trial), 0.8);
   FrameMaker make(scene, ForceSensor(scene.sensor, 1, trial), 1e-3);
   Shown all;
-  all.end = run_insertion(
-      scene, start, *hand, ForceSensor(scene.sensor, 1, trial), {.scaling = scene_scaling(scene)},
-      [&](const Tick& tick) {
-        all.rows.push_back(make_row(tick));
-        all.frames.push_back(make(all.rows.back()));
-        // What is felt is what the loop's sensor read.
-        const auto& felt = all.frames.back();
-        for (std::size_t i = 0; i < 3; ++i)
-          EXPECT_EQ(felt[14 + i], static_cast<float>(1e6 * (tick.relative[static_cast<int>(i)] /
-                                                            scene_scaling(scene).force)));
-        return true;
-      });
+  all.end = run_insertion(testing::setup(scene, trial), *hand, {}, [&](const Tick& tick) {
+    all.rows.push_back(make_row(tick));
+    all.frames.push_back(make(all.rows.back()));
+    // What is felt is what the loop's sensor read.
+    const auto& felt = all.frames.back();
+    for (std::size_t i = 0; i < 3; ++i)
+      EXPECT_EQ(felt[14 + i], static_cast<float>(1e6 * (tick.relative[static_cast<int>(i)] /
+                                                        scene_scaling(scene).force)));
+    return true;
+  });
   return all;
 }
 

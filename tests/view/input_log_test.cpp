@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include "insertion/scene_scaling.hpp"
 #include "sim/base/control_period.hpp"
 #include "sim/scene/draw.hpp"
+#include "tests/episodes.hpp"
 #include "view/browser_device.hpp"
 
 namespace ferrule {
@@ -52,7 +54,7 @@ TEST(InputLog, ItsHandIsThatOfThePage) {
   const InputLog log = example();
   const Scene scene = recorded_scene(log.info, "try.json");
   const State start = draw_start(scene, log.info.seed, log.info.trial);
-  const std::unique_ptr<Device> hand = logged_hand(log, scene, start);
+  const std::unique_ptr<Device> hand = logged_hand(log, testing::setup(scene, start));
   HandPose pose = scene_scaling(scene).motion_to_hand(start.command);
   HandTwist rate = HandTwist::Zero();
   std::int64_t n = 0;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "controller/campaign.hpp"
+#include "insertion/scene_scaling.hpp"
 #include "tests/compare.hpp"
 #include "view/page_file.hpp"
 

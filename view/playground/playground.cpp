@@ -26,7 +26,6 @@
 #include "sim/base/control_period.hpp"
 #include "sim/base/data_folder.hpp"
 #include "sim/base/shipped_files.hpp"
-#include "sim/scene/draw.hpp"
 #include "view/browser_device.hpp"
 #include "view/frame.hpp"
 #include "view/input_log.hpp"
@@ -91,17 +90,13 @@ class StoppedHand : public Device {
 
 // An insertion that runs, tick by tick.
 struct Running {
-  std::shared_ptr<const Scene> scene;
-  std::uint64_t trial;
-  State start;
+  TrialSetup trial;
   std::unique_ptr<Controller> controller;  // null: a person
   const BrowserDevice* browser;            // his hand; or null
   std::unique_ptr<Device> hand;
   StoppedHand stopped{*hand};
-  ForceSensor sensor{scene->sensor, kSeed, trial};
-  FrameMaker make{*scene, sensor, kControlPeriod};
-  Insertion insertion{
-      *scene, start, stopped, sensor, {.scaling = scene_scaling(*scene), .period = kControlPeriod}};
+  FrameMaker make{*trial.scene, trial.sensor, kControlPeriod};
+  Insertion insertion{trial, stopped, {}};
   double due = 0;                 // how much of it is still to be computed [s]
   std::vector<Frame> frames{};    // that the page has not got
   double said = 0, all_said = 0;  // when it got the newest, and all [s]
@@ -144,8 +139,7 @@ class Playground {
   std::unique_ptr<Scene> written_;        // before parts are drawn
   std::vector<std::string> controllers_;  // that know its scaling
   int number_ = 1;                        // of the next try
-  FeasibleTrial drawn_;
-  State start_;
+  TrialSetup prepared_;
   BrowserHand hand_;
   std::unique_ptr<Running> running_;
   bool discards_ = false;
@@ -211,8 +205,7 @@ void Playground::choose(const std::string& scene) {
 
 // The next start, and its picture.
 void Playground::prepare() {
-  drawn_ = feasible_trial(*written_, kSeed, static_cast<std::uint64_t>(number_));
-  start_ = draw_start(*drawn_.scene, kSeed, drawn_.trial);
+  prepared_ = feasible_setup(*written_, kSeed, static_cast<std::uint64_t>(number_));
   say_state();
   start_try();
   running_->stopped.finish();
@@ -224,17 +217,16 @@ void Playground::prepare() {
 
 void Playground::begin(std::unique_ptr<Controller> controller, const BrowserDevice* browser,
                        std::unique_ptr<Device> hand) {
-  running_.reset(new Running{drawn_.scene, drawn_.trial, start_, std::move(controller), browser,
-                             std::move(hand)});
+  running_.reset(new Running{prepared_, std::move(controller), browser, std::move(hand)});
 }
 
 void Playground::start_try() {
-  const Scene& scene = *drawn_.scene;
-  auto hand = std::make_unique<BrowserDevice>(hand_, device_range(scene, 1).speed,
-                                              scene_scaling(scene).motion_to_hand(start_.command));
+  const Scene& scene = *prepared_.scene;
+  auto hand =
+      std::make_unique<BrowserDevice>(hand_, device_range(scene, 1).speed, prepared_.hand());
   const BrowserDevice& browser = *hand;
   begin(nullptr, &browser, std::move(hand));
-  EpisodeInfo& info = running_->log.info = episode_info(scene, browser, kSeed, drawn_.trial);
+  EpisodeInfo& info = running_->log.info = episode_info(scene, browser, kSeed, prepared_.trial);
   info.operator_ = (trainee_.empty() ? "" : trainee_ + ", ") + std::string(kBrowser);
   info.trainee = trainee_;
   info.date = date_now();
@@ -245,8 +237,8 @@ void Playground::insert(const std::string& controller) {
   if (running_) throw BadInput("an insertion runs: stop or discard it first");
   if (std::find(controllers_.begin(), controllers_.end(), controller) == controllers_.end())
     throw BadInput("no controller of that name knows the scaling of this scene");
-  std::unique_ptr<Controller> inserts = load_controller(controller)(drawn_.trial);
-  auto hand = std::make_unique<ControllerHand>(recorded_hand(*drawn_.scene, start_, *inserts));
+  std::unique_ptr<Controller> inserts = load_controller(controller)(prepared_.trial);
+  auto hand = std::make_unique<ControllerHand>(recorded_hand(prepared_, *inserts));
   begin(std::move(inserts), nullptr, std::move(hand));
   say_state();
 }
@@ -276,7 +268,7 @@ void Playground::end() {
   const InsertionEnd end = *running_->insertion.end();
   send_frames(true);
   const bool discards = std::exchange(discards_, false), inserts = running_->controller != nullptr;
-  Json ended = ended_json(end, drawn_.trial);
+  Json ended = ended_json(end, prepared_.trial);
   ended["what"] = inserts ? "insert" : "try";
   if (!discards && !inserts) end_try(end, ended);
   running_.reset();
@@ -304,7 +296,7 @@ void Playground::end_try(const InsertionEnd& end, Json& ended) {
   const std::string file = fmt::format("try_{:04}.json", number_);
   logs_[file] = to_json(log).dump() + "\n";
   ended["file"] = file;
-  const Scene& scene = *running_->scene;
+  const Scene& scene = *running_->trial.scene;
   const Measures measures = measure(episode, scene);
   measure_yardstick();
   std::optional<Score> scored;
