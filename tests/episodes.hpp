@@ -62,7 +62,7 @@ inline RecordedRows record_rows(const Scene& scene, const State& start, Device& 
 // Records trial `trial` into `folder`; a simulated operator unless a controller is given.
 inline std::string record(const Scene& toleranced, const std::string& folder, std::uint64_t trial,
                           Controller* controller = nullptr, double skill = 0.8) {
-  const TrialSetup drawn = testing::setup(*feasible_trial(toleranced, 1, trial).scene, trial);
+  const TrialSetup drawn = feasible_setup(toleranced, 1, trial);
   std::unique_ptr<Device> device;
   if (controller)
     device = std::make_unique<ControllerHand>(recorded_hand(drawn, *controller));
