@@ -209,30 +209,28 @@ def elsewhere(*results: Result) -> str:
 def by_demonstrations(_: Result, compared: Result) -> str:
     rows = compared["by_demonstrations"]
 
-    def cell(of_it: list[Result]) -> str:
-        worst, median = worst_and_median(of_it)
-        return f"{worst['successes']}, {median['successes']}; {time(median)}, {force(median)}"
+    def cell(r: Result) -> str:
+        share = f" ({interval(r)})" if r["successes"] < r["feasible"] else ""
+        return f"{r['successes']}{share}, {time(r)}, {force(r)}"
 
-    names = list(by_controller(rows))
+    names = list(dict.fromkeys(r["controller"] for r in rows))
     return markdown(["demonstrations", *names],
-                    [[str(n), *(cell(of_it) for of_it in by_controller([r for r in rows if r["demonstrations"] == n])
-                                .values())]
-                     for n in sorted({r["demonstrations"] for r in rows})])
+                    [[str(n), *(cell(r) for r in rows if r["demonstrations"] == n)]
+                     for n in dict.fromkeys(r["demonstrations"] for r in rows)])
 
 
 def scenes(_: Result, from_20: Result, __: Result, from_5: Result) -> str:
-    def cell(rows: list[Result]) -> str:
-        worst, median = worst_and_median(rows)
-        return f"{counts(rows)} ({interval(worst)}), {time(median)}, {force(median)}"
+    def cell(s: Result) -> str:
+        return f"{inserted(s)} ({interval(s)}), {time(s)}, {force(s)}"
 
-    lines = []
+    rows = []
     for compared in (from_20, from_5):
-        learned = [r for r in compared["transfer"] if r["training_seed"] is not None]
-        for scene in dict.fromkeys(r["scene"] for r in learned):
-            for name, rows in by_controller([r for r in learned if r["scene"] == scene]).items():
-                lines.append([f"`{scene}`", name, str(compared["demonstrations"]), cell(rows),
-                              cell([r["supervised"] for r in rows])])
-    return markdown(columns("scene | learner | demonstrations | alone | under the supervisor"), lines)
+        here = [r | {"scene": compared["scene"]} for r in compared["rows"] if r["parameters"]]
+        learners = [r["controller"] for r in here]
+        there = [r for r in compared["transfer"] if r["controller"] in learners]
+        rows += [[f"`{r['scene']}`", r["controller"], str(compared["demonstrations"]), cell(r),
+                  cell(r["supervised"])] for r in here + there]
+    return markdown(columns("scene | learner | demonstrations | alone | under the supervisor"), rows)
 
 
 METHODS = {"quasi_static": "quasi-static", "backward_euler": "backward Euler", "explicit_euler": "explicit Euler",
@@ -270,14 +268,9 @@ def by_rung(compared: Result) -> dict[str, dict[str, list[Any]]]:
     return rungs
 
 
-def worst_to_median(rates: list[float]) -> str:
-    worst, middle = (digits(100 * rate, 3) for rate in (min(rates), median(rates)))
-    return worst if worst == middle else f"{worst} to {middle}"
-
-
-def rate(rows: list[Any]) -> str:
-    """Of several recordings the worst to the median."""
-    return worst_to_median([r["success_rate"] for r in rows]) + " %"
+def mean_and_worst(rows: list[Any]) -> str:
+    rates = [100 * r["success_rate"] for r in rows]
+    return f"{sum(rates) / len(rates):.1f} ({min(rates):.1f}) %"
 
 
 def climbers(_: Result, compared: Result) -> str:
@@ -285,7 +278,7 @@ def climbers(_: Result, compared: Result) -> str:
     for rung, of in by_rung(compared).items():
         (operator,), (search,), (spiral,) = of["simulated operator"], of["search"], of["blind spiral"]
         rows.append([f"`{rung}`", digits(100 * operator["success_rate"], 3, " %"),
-                     *(rate(of[name]) for name in names),
+                     *(mean_and_worst(of[name]) for name in names),
                      digits(100 * search["success_rate"], 3, " %"), digits(search["search_s"], 2, " s"),
                      digits(spiral["search_s"], 2, " s")])
     return markdown(columns(f"rung | operator | {' | '.join(names)} | search | its search"
@@ -296,16 +289,13 @@ def supervised(_: Result, compared: Result) -> str:
     def both(alone: float | None, kept: float | None, unit: str) -> str:
         return f"{fixed(alone, 1)}, {fixed(kept, 1)}{unit}"
 
-    def rates(rows: list[Result]) -> str:
-        alone, kept = ([r["success_rate"] for r in of_it] for of_it in (rows, [r["supervised"] for r in rows]))
-        return f"{worst_to_median(alone)}, {worst_to_median(kept)} %"
-
     who = ("constant velocity", "tuned by hand", "torch", "search")
     lines = []
     for rung, of in by_rung(compared).items():
-        (search,) = of["search"]
-        kept = search["supervised"]
-        lines.append([f"`{rung}`", *(rates(of[name]) for name in who),
+        rows = [of[name][0] for name in who]
+        search, kept = rows[-1], rows[-1]["supervised"]
+        lines.append([f"`{rung}`",
+                      *(both(100 * r["success_rate"], 100 * r["supervised"]["success_rate"], " %") for r in rows),
                       both(search["time_s"], kept["time_s"]["median"], " s"),
                       str(kept["interventions"]["retreat"]["count"]), str(kept["outcomes"]["force_limit"])])
     return markdown(columns(f"rung | {' | '.join(who)} | time of the search | its retreats | over the force limit"),
@@ -315,7 +305,7 @@ def supervised(_: Result, compared: Result) -> str:
 def ablations(_: Result, compared: Result) -> str:
     less = dict.fromkeys(r["controller"] for r in compared["ladder"] if r["without"])
     names = sorted({name.partition(", no ")[0] for name in less} | set(less))
-    rows = [[f"`{rung}`", *(rate(of[name]) for name in names)]
+    rows = [[f"`{rung}`", *(digits(100 * of[name][0]["success_rate"], 3, " %") for name in names)]
             for rung, of in by_rung(compared).items()]
     return markdown(columns(f"rung | {' | '.join(names)}"), rows)
 
@@ -328,7 +318,7 @@ def followers(_: Result, compared: Result) -> str:
     lines = []
     for rung, of in by_rung(compared).items():
         learned, (search,) = of["ceres, search"], of["search"]
-        lines.append([f"`{rung}`", rate(learned), digits(100 * search["success_rate"], 3, " %"),
+        lines.append([f"`{rung}`", mean_and_worst(learned), digits(100 * search["success_rate"], 3, " %"),
                       *(", ".join(fixed(mean(rows, key), 1) for rows in (learned, [search]))
                         for key in ("time_s", "search_s", "peak_force_uN"))])
     return markdown(columns("rung | learned | search | time [s], of both | its search [s] | peak force [uN]"), lines)

@@ -19,8 +19,8 @@ COMPARE = "./ferrule compare bench-episodes --scene bench --seeds 1..5 --plot co
 QUICK_COMPARE = "./ferrule compare five --learners linear,torch --seeds 1..2 --trials 10"
 SEEDS = "--learners insertion,torch,dagger --seeds 1..5"
 QUICK_SEEDS = "./ferrule compare five --learners linear --seeds 1..2 --trials 4"
-OTHERS = "--trials 100 --learners insertion,dagger --seeds 1..5 --transfer tight,sticky,sloppy,epoxy --seed 8"
-QUICK_TRANSFER = "./ferrule compare five --learners linear --seeds 1..2 --transfer tight,epoxy --trials 4"
+OTHERS = "--trials 200 --learners insertion,dagger --transfer tight,sticky,sloppy,epoxy --seed 8"
+QUICK_TRANSFER = "./ferrule compare five --learners linear --transfer tight,epoxy --trials 4"
 STEPPING = "./ferrule bench --plot plots"
 EXPORT = "./ferrule export-episodes bench-episodes --robomimic all.h5 --lerobot dataset --relative"
 RNN = "$python examples/learners/robomimic_bc_rnn.py"
@@ -78,9 +78,9 @@ def wider(trials: int) -> list[str]:
 KNOWN = ("search --baseline constant-velocity", "tuned_by_hand --baseline spiral")
 CLIMB = f"search --ladder {SEEDS} --trials 200"
 SEARCHED = "./ferrule record --operator searching --scene by_hand/sharp --episodes 20 --out searched"
-SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --learners torch --seeds 1..5 --trials 100"
+SUPERVISE = "./ferrule compare bench-episodes search --ladder --supervise --learners torch --trials 200"
 ABLATE = ("./ferrule compare bench-episodes search --ladder --ablate force,memory,tilt,variation --learners torch"
-          " --seeds 1..5 --trials 100")
+          " --trials 200")
 FOLLOW = "./ferrule compare searched search --scene ladder/d --ladder --learners search --seeds 1..5 --trials 200"
 IMPROVE = ("./ferrule improve searched.json --scene ladder/f --also ladder/b,ladder/b1,ladder/b3"
            " --objective success,time --trials 24000 --trials-each 40 --out improved.json")
@@ -102,10 +102,11 @@ TABLES = [
            f"{RNN} train all.h5 bc-rnn --epochs 2 --rollouts 1", f"{ACT} train dataset act --steps 30",
            *policies("evaluate --scene bench --trials 2"), *policies(COST.replace("insertion,torch", "linear"))]),
     Table("demonstrations", "counts",
-          [TWENTY.replace("20", "50").replace("bench-episodes", "fifty"),
-           f"./ferrule compare fifty --scene bench --trials 200 {SEEDS} --demonstrations 5,10,20,50"],
+          [TWENTY.replace("20", "100").replace("bench-episodes", "hundred"),
+           "./ferrule compare hundred --scene bench --trials 200 --learners insertion,torch,dagger"
+           " --demonstrations 5,10,20,50,100"],
           layouts.by_demonstrations,
-          [FIVE, "./ferrule compare five --trials 4 --learners linear --seeds 1..2 --demonstrations 3,5"]),
+          [FIVE, "./ferrule compare five --trials 4 --learners linear --demonstrations 3,5"]),
     Table("scenes", "counts",
           [TWENTY, f"./ferrule compare bench-episodes {OTHERS}", FIVE, f"./ferrule compare five {OTHERS}"],
           layouts.scenes, [FIVE, QUICK_TRANSFER, FIVE, QUICK_TRANSFER]),
@@ -114,9 +115,9 @@ TABLES = [
     Table("climbers", "counts", [TWENTY, f"./ferrule compare bench-episodes {CLIMB}"], layouts.climbers,
           [FIVE, QUICK_CLIMB]),
     Table("supervised", "counts", [TWENTY, SUPERVISE], layouts.supervised,
-          [FIVE, SUPERVISE.replace("bench-episodes", "five").replace("100", "2").replace("1..5", "1..2")]),
+          [FIVE, "./ferrule compare five search --ladder --supervise --learners torch --trials 2"]),
     Table("ablations", "counts", [TWENTY, ABLATE], layouts.ablations,
-          [FIVE, ABLATE.replace("bench-episodes", "five").replace("100", "2").replace("1..5", "1..2")]),
+          [FIVE, ABLATE.replace("bench-episodes", "five").replace("200", "2")]),
     Table("followers", "counts", [SEARCHED, FOLLOW], layouts.followers,
           [SEARCHED.replace("20", "5"), FOLLOW.replace("1..5", "1..2").replace("200", "2")]),
     Table("improved", "counts",
