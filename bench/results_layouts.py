@@ -168,19 +168,18 @@ def demonstrations_text(r: Result) -> str:
 
 def seeds(_: Result, from_20: Result, __: Result, from_5: Result) -> str:
     rows = []
-    learners = by_controller(from_5["by_seeds"])
     for compared in (from_20, from_5):
-        for name, of_it in by_controller(compared["by_seeds"]).items():
-            if name not in learners:
-                continue
-            median = worst_and_median(of_it)[1]
+        for name in dict.fromkeys(r["controller"] for r in compared["by_seeds"]):
+            of_it = [r for r in compared["by_seeds"] if r["controller"] == name]
+            of_it.sort(key=lambda r: r["success_rate"])
+            median = of_it[len(of_it) // 2]
             rates = [100 * r["success_rate"] for r in of_it]
             times = [r["time_s"]["median"] for r in of_it if r["time_s"]["median"] is not None]
             rows.append([name, demonstrations_text(median), f"{100 * median['success_rate']:.1f} %",
-                         interval(median), f"{min(rates):.1f} to {max(rates):.1f} %",
+                         interval(median), f"{rates[0]:.1f} to {rates[-1]:.1f} %",
                          f"{min(times):.1f} to {max(times):.1f} s" if times else "-"])
-    return markdown(columns("learner | demonstrations | inserted, median of the recordings | interval over trials"
-                            " | over recordings | time over recordings"), rows)
+    return markdown(columns("learner | demonstrations | inserted, median of the seeds | interval over trials"
+                            " | over seeds | time over seeds"), rows)
 
 
 def elsewhere(*results: Result) -> str:
