@@ -4,7 +4,7 @@
 // The child is in a process group of its own: Ctrl-C at a terminal reaches this program alone. A
 // guard stands between the two. When the child ends, or is no longer wanted, or this program ends,
 // by kill -9 too, the guard kills the child and all that it started in turn, also what has left
-// the group or the session (setsid). Only what kills the guard first is out of its reach; on a
+// the group by setpgid or setsid. Only what kills the guard first is out of its reach; on a
 // kernel that does not list the children of a process (CONFIG_PROC_CHILDREN), also what has left
 // the group.
 #pragma once

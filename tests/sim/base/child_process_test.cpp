@@ -99,8 +99,8 @@ TEST(ChildProcess, WhatLeftItsGroupAndSessionIsKilledToo) {
   }
 }
 
-// The child itself may begin a session.
-TEST(ChildProcess, BeginsASessionAndIsKilled) {
+// The child itself may call setsid.
+TEST(ChildProcess, CallsSetsidAndIsKilled) {
   const testing::TemporaryFolder folder;
   auto child = std::make_unique<ChildProcess>(std::vector<int>(), [&] {
     if (::setsid() < 0) ::_exit(9);
