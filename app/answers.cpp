@@ -11,7 +11,6 @@
 #include "app/best_rows.hpp"
 #include "app/varied_plots.hpp"
 #include "app/verb.hpp"
-#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -320,8 +319,7 @@ Answer of_map(const Json& result) {
                            x.name, y.name, result.at("controller").get<std::string>(),
                            100 * result.at("target").get<double>());
   for (const double share : {0.1, 0.5, 0.9}) {
-    const double at = x_axis.at("log") ? low * elementary::exp(share * elementary::log(high / low))
-                                       : low + share * (high - low);
+    const double at = interpolate(low, high, share, x_axis.at("log"));
     a.lines.push_back(fmt::format("With a {} of {:.4g}{}: {}.", x.name, at,
                                   x.unit.empty() ? "" : " " + x.unit,
                                   reached_in_words(stretches(result, at), y)));

@@ -89,6 +89,13 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   return all;
 }
 
+// Null: he is not there.
+const std::vector<TrialResult>* results_of_teacher(const std::vector<Entry>& entries) {
+  const auto teacher = std::find_if(entries.begin(), entries.end(),
+                                    [](const Entry& e) { return e.candidate.name == kTeacher; });
+  return teacher == entries.end() ? nullptr : &teacher->results;
+}
+
 std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
                               const std::vector<Candidate>& candidates,
                               const Demonstration& demonstration) {
@@ -98,12 +105,9 @@ std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
     entries.push_back(tried(a, scene, c, demonstration));
     tell_failures(c.name, entries.back().results);
   }
-  const auto teacher = std::find_if(entries.begin(), entries.end(),
-                                    [](const Entry& e) { return e.candidate.name == kTeacher; });
-  if (teacher == entries.end()) return entries;
-  for (Entry& e : entries)
-    if (e.candidate.name != kTeacher)
-      e.against_teacher = compare_shared(e.results, teacher->results);
+  if (const std::vector<TrialResult>* teacher = results_of_teacher(entries))
+    for (Entry& e : entries)
+      if (e.candidate.name != kTeacher) e.against_teacher = compare_shared(e.results, *teacher);
   return entries;
 }
 
@@ -258,16 +262,13 @@ std::vector<Climber> learn_again(const CompareArguments& a, const Scene& scene,
     for (std::size_t i = first; i < given; ++i)
       add_ablated(a, set, &learned_by[i - first], candidates[i]);
   } else {
-    const auto teacher = std::find_if(found.entries.begin(), found.entries.end(),
-                                      [](const Entry& e) { return e.candidate.name == kTeacher; });
+    const std::vector<TrialResult>* teacher = results_of_teacher(found.entries);
     for (const std::uint64_t seed : parse_seeds(a.seeds)) {
       const DemonstrationSet again = record_again(set, seed, end_if_interrupted);
       CompareArguments with = a;
       with.fit_seed = seed;
       learn_from_fewer(with, scene, again, learned_by, found.learning);
-      for (const BySeed& each :
-           learned_again(with, scene, again, learned_by,
-                         teacher == found.entries.end() ? nullptr : &teacher->results)) {
+      for (const BySeed& each : learned_again(with, scene, again, learned_by, teacher)) {
         add_ablated(with, again, &each.chosen, each.candidate);
         found.by_seeds.push_back(each);
       }

@@ -262,16 +262,16 @@ void print_transfer(const std::vector<Transfer>& transfer) {
       supervised.push_back(t.supervised);
     }
     const std::string& name = of.front().controller;
-    const CampaignSummary &first = alone.front(), worst = worst_and_median(alone).first;
-    fmt::print("{:<26}{}{}{}\n", name, outcome_columns(worst),
-               outcome_columns(worst_and_median(supervised).first),
+    const CampaignSummary& first = alone.front();
+    const auto [worst, median] = worst_and_median(alone);
+    const auto [worst_supervised, median_supervised] = worst_and_median(supervised);
+    fmt::print("{:<26}{}{}{}\n", name, outcome_columns(worst), outcome_columns(worst_supervised),
                first.feasible < first.trials
                    ? fmt::format("  ({} infeasible)", first.trials - first.feasible)
                    : std::string());
     if (of.size() > 1)
-      fmt::print("{:<26}{}{}\n", fmt::format("  median of {}", of.size()),
-                 outcome_columns(worst_and_median(alone).second),
-                 outcome_columns(worst_and_median(supervised).second));
+      fmt::print("{:<26}{}{}\n", fmt::format("  median of {}", of.size()), outcome_columns(median),
+                 outcome_columns(median_supervised));
   }
   if (groups.size() < transfer.size())
     fmt::print("of several seeds the worst, and below it the median\n");

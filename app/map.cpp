@@ -11,7 +11,6 @@
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/refined_grid.hpp"
-#include "sim/base/elementary.hpp"
 
 namespace ferrule {
 namespace {
@@ -29,10 +28,7 @@ struct Axis {
   double low, high;
   bool log;
 
-  double at(double share) const {
-    return log ? low * elementary::exp(share * elementary::log(high / low))
-               : low + share * (high - low);
-  }
+  double at(double share) const { return interpolate(low, high, share, log); }
 };
 
 Axis axis(const std::string& text) {

@@ -324,11 +324,15 @@ std::vector<double> parse_range(const std::string& text, const std::string& opti
   std::vector<double> values(n, from);
   for (std::size_t i = 1; i < n; ++i) {
     const double part = static_cast<double>(i) / static_cast<double>(n - 1);
-    values[i] = logarithmic ? from * elementary::exp(part * elementary::log(to / from))
-                            : from + part * (to - from);
+    values[i] = interpolate(from, to, part, logarithmic);
   }
   if (n > 1) values.back() = to;
   return values;
+}
+
+double interpolate(double from, double to, double part, bool logarithmic) {
+  return logarithmic ? from * elementary::exp(part * elementary::log(to / from))
+                     : from + part * (to - from);
 }
 
 }  // namespace ferrule

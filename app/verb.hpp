@@ -143,4 +143,7 @@ void expect_place_for(const std::string& file);
 // "10", "1:500:50" (from:to:count, both ends in), "1:500:50:log". Throws BadInput naming `option`.
 std::vector<double> parse_range(const std::string& text, const std::string& option);
 
+// That part of the way, 0 to 1, between two ends; `logarithmic`: in equal ratios, both ends > 0.
+double interpolate(double from, double to, double part, bool logarithmic);
+
 }  // namespace ferrule

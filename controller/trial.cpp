@@ -53,6 +53,15 @@ TrialResult trial_result(const Scene& scene, Outcome outcome,
   return {outcome, summary, loss, {}, {}, light};
 }
 
+namespace {
+
+TrialResult with_supervision(TrialResult result, const Controller& controller) {
+  if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
+  return result;
+}
+
+}  // namespace
+
 TrialResult run_trial(const TrialSetup& trial, Controller& controller, double period,
                       const OnTick& on_tick, const std::function<bool()>& stop) {
   const Scene& scene = *trial.scene;
@@ -61,8 +70,7 @@ TrialResult run_trial(const TrialSetup& trial, Controller& controller, double pe
                       trial.scaling.force * scene.limits.force);
   const InsertionEnd end =
       run_insertion(trial, hand, {.period = period, .past_success = false, .stop = stop}, on_tick);
-  TrialResult result = trial_result(scene, end.outcome, end.summary);
-  if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
+  TrialResult result = with_supervision(trial_result(scene, end.outcome, end.summary), controller);
   result.why = controller.failure();
   return result;
 }
@@ -72,9 +80,7 @@ TrialResult run_trial(const Scene& scene, Controller& controller, std::uint64_t 
                       const std::function<bool()>& stop, const std::string& redrawn) {
   if (const auto setup = trial_setup(scene, seed, trial, redrawn))
     return run_trial(*setup, controller, period, on_tick, stop);
-  TrialResult result = trial_result(scene, Outcome::infeasible, {});
-  if (const Supervision* supervision = controller.supervision()) result.supervision = *supervision;
-  return result;
+  return with_supervision(trial_result(scene, Outcome::infeasible, {}), controller);
 }
 
 }  // namespace ferrule
