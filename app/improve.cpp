@@ -211,7 +211,7 @@ void show(const ImproveArguments& a, const ControllerFile& before, const Control
 std::vector<TrialResult> in_unseen_trials(const ImproveArguments& a,
                                           const ControllerFile& controller, const Scene& scene) {
   return run_campaign(scene, maker(controller), a.seed, a.unseen, a.settings.threads, {},
-                      interrupted, {}, a.settings.shared);
+                      interrupted, {}, a.settings.kept);
 }
 
 // How the controller inserts before, and what its trials cost in units of that.
@@ -241,7 +241,7 @@ void refuse_too_few(const ImproveSettings& settings, std::size_t least) {
 }
 
 int improve_verb(ImproveArguments a) {
-  a.settings.shared = shared_trials();
+  a.settings.kept = shared_trials();
   if (!runs_a_shard()) expect_place_for(a.out);
   const ControllerFile before =
       own_controller(a.controller, "has no gains to improve; give a law or a search");

@@ -158,7 +158,7 @@ int run_command(const std::vector<std::string>& words) {
   Run run;
   add_verbs(app, run);
   if (const std::optional<int> code = parse(app, words)) return *code;
-  refuse_to_replace(words, shared_trials() ? shared_trials()->folder() : "");
+  refuse_to_replace(words, shared_folder());
   watch_for_interrupt();
   return run_shard(app, run);
 }

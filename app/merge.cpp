@@ -17,7 +17,7 @@ struct MergeArguments {
 
 using Clock = std::chrono::steady_clock;
 
-std::string how_far(const SharedTrials::Progress& p, double rate) {
+std::string how_far(const JobProgress& p, double rate) {
   std::string text = fmt::format("{} of {} trials, {} of {} shards whole", p.trials, p.begun,
                                  p.count() - p.not_done().count, p.count());
   if (rate > 0 && p.begun > p.trials)
@@ -27,8 +27,8 @@ std::string how_far(const SharedTrials::Progress& p, double rate) {
 }
 
 // Until all shards are whole.
-void watch(SharedTrials& trials) {
-  SharedTrials::Progress p = trials.progress();
+void watch(ShardFiles& files) {
+  JobProgress p = files.progress();
   const std::size_t before = p.trials;
   const auto begin = Clock::now();
   std::size_t told = SIZE_MAX;
@@ -41,19 +41,19 @@ void watch(SharedTrials& trials) {
     told = p.trials;
     for (int i = 0; i < 20 && !interrupted(); ++i)
       std::this_thread::sleep_for(std::chrono::milliseconds(100));
-    p = trials.progress();
+    files.read_all();
+    p = files.progress();
   }
 }
 
-void expect_whole(const std::string& folder) {
-  const SharedTrials::Progress p = shared_trials()->progress();
+void expect_whole(const std::string& folder, const JobProgress& p) {
   if (p.others > 0)
     fmt::print(stderr, "note: {}: {} blocks are of another job and are left out\n", folder,
                p.others);
   for (const std::string& file : p.damaged)
     fmt::print(stderr, "note: {}: a part of it is damaged and is left out\n", file);
   if (p.counts.empty()) throw FileTrouble(folder + ": no shard of this job has begun");
-  if (const SharedTrials::Progress::NotDone left = p.not_done(); left.count > 0)
+  if (const JobProgress::NotDone left = p.not_done(); left.count > 0)
     throw FileTrouble(fmt::format("{}: {} {} not whole ({}): run {} again, or wait with --watch",
                                   folder, to_text(left.first, left.count),
                                   left.count == 1 ? "is" : "are", how_far(p, 0),
@@ -71,13 +71,15 @@ int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling)
     throw BadInput(fmt::format(
         "{}: the job runs a program with your rights: {}; read it, and merge with --programs",
         a.folder, printable(program, 300)));
+  ShardFiles files(a.folder, job.hash);
+  files.read_all();
+  if (a.watch) watch(files);
+  expect_whole(a.folder, files.progress());
   share_all(a.folder, job);
-  if (a.watch) watch(*shared_trials());
-  expect_whole(a.folder);
   std::vector<std::string> words = job.arguments;
   words.insert(words.end(), telling.begin(), telling.end());
   const int code = run_command(words);
-  if (const std::size_t twice = shared_trials()->progress().twice; twice > 0)
+  if (const std::size_t twice = shared_trials()->twice(); twice > 0)
     fmt::print(stderr, "note: {}: {} trials are there twice, and count once\n", a.folder, twice);
   return code;
 }

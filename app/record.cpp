@@ -248,64 +248,62 @@ EpisodeClaim claim_again(const std::string& folder, int number, const Holding& h
 }
 
 // What record_shared keeps of an episode. Throws Json::exception where it is something else.
-void expect_row(const Json& kept) {
-  kept.at("infeasible").get<std::size_t>();
-  const Json& row = kept.at("row");
+Json kept_row(const KeptTrial& kept) {
+  kept["infeasible"].get<std::size_t>();
+  const Json& row = kept["row"];
   for (const char* text : {"file", "outcome", "why"}) row.at(text).get<std::string>();
   for (const char* number :
        {"time_s", "recorded_s", "peak_force_uN", "depth_um", "steps", "unfinished_steps"})
     row.at(number).get<double>();
+  return {{"row", row}, {"infeasible", kept["infeasible"]}};
 }
 
 // Those of a shard; in a merge all of them, by what their shards kept.
 Recordings record_shared(const RecordArguments& a, const Scene& toleranced, const Holding& holding,
-                         SharedTrials& shared, const std::string& head) {
+                         TrialStore& store, const std::string& head) {
   const auto count = static_cast<std::size_t>(a.episodes);
-  const std::size_t recording = shared.begin(sha1(toleranced.document.dump()), count);
-  std::vector<Json> kept(count);  // null: not recorded
-  shared.found(recording, [&](const SharedTrials::Found& found) {
-    if (found.trial >= count || !kept[found.trial].is_null()) return;
-    expect_row(found.result);
-    kept[found.trial] = found.result;
-  });
-  std::vector<std::size_t> missing;
+  std::vector<Json> rows(count);  // null: not recorded, or by another shard
+  store.begin({{sha1(toleranced.document.dump()), count, [&](std::size_t k, const KeptTrial& kept) {
+                  if (rows[k].is_null()) rows[k] = kept_row(kept);
+                  return true;  // times differ
+                }}});
   std::optional<Keys> no_keys;
   Progress progress("recording", count);
   struct Begun {
-    std::size_t k, infeasible;
+    TrialStore::Trial trial;
+    std::size_t infeasible;
     bool cut_short;  // by a signal, after success too
     Recorded recorded;
   };
   std::deque<Begun> before;  // whose files are written while the next one is recorded
   const auto keep = [&](std::size_t but) {
     for (; before.size() > but; before.pop_front()) {
-      auto& [k, infeasible, cut_short, recorded] = before.front();
+      auto& [trial, infeasible, cut_short, recorded] = before.front();
       recorded.wait();
       if (cut_short) continue;
-      kept[k] = {{"row", episode_json(recorded)}, {"infeasible", infeasible}};
-      kept[k]["row"]["file"] = std::filesystem::path(recorded.file).filename().string();
-      shared.keep(recording, k, kept[k]);
+      Json& row = rows[trial.trial];
+      row = {{"row", episode_json(recorded)}, {"infeasible", infeasible}};
+      row["row"]["file"] = std::filesystem::path(recorded.file).filename().string();
+      store.put(trial, [&] { return row; });
     }
   };
-  for (std::size_t k = 0; k < count && !interrupted(); ++k) {
-    if (!kept[k].is_null()) continue;
-    if (shared.merges()) missing.push_back(k);
-    if (!shared.mine(k)) continue;
-    const int number = static_cast<int>(k) + 1;
+  while (!interrupted()) {
+    const auto next = store.next();
+    if (!next) break;
+    const int number = static_cast<int>(next->trial) + 1;
     const TrialSetup trial = feasible_setup(toleranced, a.seed, static_cast<std::uint64_t>(number));
     Recorded recorded =
         record_episode(a, holding, trial, claim_again(a.out, number, holding, trial), no_keys)
             .value();
-    before.push_back({k, trial.infeasible, interrupted(), std::move(recorded)});
+    before.push_back({*next, trial.infeasible, interrupted(), std::move(recorded)});
     keep(kWriting);
-    progress(k + 1);
+    progress(next->trial + 1);
   }
   keep(0);
-  shared.flush();
-  if (!missing.empty()) shared.refuse_missing(recording, missing);
+  store.done();
   fmt::print("{}", head);
   Recordings all;
-  for (const Json& each : kept) {
+  for (const Json& each : rows) {
     if (each.is_null()) continue;
     all.infeasible += each.at("infeasible").get<std::size_t>();
     Json row = each.at("row");
@@ -329,7 +327,7 @@ void expect_same_scaling(const std::string& folder, const Scaling& now) {
 }
 
 int record_verb(const RecordArguments& a) {
-  SharedTrials* const shared = shared_trials();
+  TrialStore* const shared = shared_trials();
   if (shared && (a.with_device || a.append))
     throw BadInput("--shard: does not go with --device or --append");
   const bool person = a.operator_ == "simulated" || a.operator_ == "searching" ||

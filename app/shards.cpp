@@ -35,8 +35,9 @@ ShardArguments& arguments() {
   return a;
 }
 
-std::unique_ptr<SharedTrials> g_shared;
+std::unique_ptr<TrialStore> g_shared;
 std::string g_folder;
+bool g_shard = false;
 
 Shard shard_of(const std::string& text) {
   const auto slash = text.find('/');
@@ -205,12 +206,16 @@ void add_shard(CLI::App& verb, bool waits) {
   shard->each([waits](const std::string&) { arguments().waits = waits; });
 }
 
-SharedTrials* shared_trials() noexcept {
+TrialStore* shared_trials() noexcept {
   return g_shared.get();
 }
 
+const std::string& shared_folder() noexcept {
+  return g_folder;
+}
+
 bool runs_a_shard() noexcept {
-  return g_shared && !g_shared->merges();
+  return g_shard;
 }
 
 TimedController learned_once(const std::string& what,
@@ -249,7 +254,8 @@ int run_shard(const CLI::App& app, const Run& run) {
       throw BadInput(fmt::format("{}: is for ferrule merge {}, not for a shard", telling, folder));
   const std::string job = begin_job(folder);
   g_folder = folder;
-  g_shared = std::make_unique<SharedTrials>(folder, job, shard, a.waits);
+  g_shard = true;
+  g_shared = std::make_unique<TrialStore>(folder, job, shard, a.waits);
   if (!g_shared->locked())
     fmt::print(stderr,
                "note: {}: its file system has no locks: run each shard in one process at a time\n",
@@ -289,7 +295,8 @@ std::string program_in(const std::vector<std::string>& words) {
 
 void share_all(const std::string& folder, const Job& job) {
   g_folder = folder;
-  g_shared = std::make_unique<SharedTrials>(folder, job.hash, std::nullopt, false);
+  g_shard = false;
+  g_shared = std::make_unique<TrialStore>(folder, job.hash, std::nullopt, false);
 }
 
 }  // namespace ferrule

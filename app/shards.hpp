@@ -1,5 +1,5 @@
 // --shard: the trials of a verb, shared by several processes, on one machine or many
-// (controller/shared_trials.hpp). FOLDER/job.json says what is shared: the command, the files that
+// (controller/trial_store.hpp). FOLDER/job.json says what is shared: the command, the files that
 // it reads, and the program. `ferrule merge` brings the trials together.
 #pragma once
 
@@ -11,18 +11,19 @@
 
 #include "app/verb.hpp"
 #include "controller/controller_file.hpp"
-#include "controller/shared_trials.hpp"
+#include "controller/trial_store.hpp"
 
 namespace ferrule {
 
-// Adds --shard, and --out where the verb has none. `waits`: as of SharedTrials.
+// Adds --shard, and --out where the verb has none. `waits`: as of TrialStore.
 void add_shard(CLI::App& verb, bool waits = false);
 
 // Throws BadInput where a word is not UTF-8: a job.json could not keep it.
 void expect_utf_8(const std::vector<std::string>& words);
 
 // What this process shares, for run_campaigns; null: nothing.
-SharedTrials* shared_trials() noexcept;
+TrialStore* shared_trials() noexcept;
+const std::string& shared_folder() noexcept;
 // Does it run a shard? What it finds is not told then, and need not be computed.
 bool runs_a_shard() noexcept;
 

@@ -98,16 +98,18 @@ Work measured(const Words& job, const std::string& out) {
   constexpr std::size_t kEach = 8, kAll = 200;  // trials: of each campaign, and together, at least
   const double empty = run_part(job, {kNone, kNone}, folder + "/empty");
   const auto begun = [](const std::string& part) {
-    return SharedTrials(part, read_job(part).hash, std::nullopt, false).progress();
+    ShardFiles files(part, read_job(part).hash);
+    files.read_all();
+    return files.progress();
   };
-  const SharedTrials::Progress all = begun(folder + "/empty");
+  const JobProgress all = begun(folder + "/empty");
   if (all.begun == 0) throw BadInput("submit: the job has no trials");
   const std::size_t some = std::min(all.begun, std::max(kAll, kEach * all.campaigns));
   fs::create_directories(folder + "/some");
   if (fs::exists(folder + "/empty/learned"))
     fs::copy(folder + "/empty/learned", folder + "/some/learned", fs::copy_options::recursive);
   const double took = run_part(job, {1, all.begun / some}, folder + "/some");
-  const SharedTrials::Progress done = begun(folder + "/some");
+  const JobProgress done = begun(folder + "/some");
   return {all.begun,
           std::max(0.0, took - empty) / static_cast<double>(std::max<std::size_t>(1, done.trials))};
 }

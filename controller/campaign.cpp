@@ -12,10 +12,9 @@
 #include <map>
 #include <mutex>
 #include <stdexcept>
-#include <thread>
 
-#include "controller/kept_trial.hpp"
 #include "controller/program_policy.hpp"
+#include "controller/trial_fields.hpp"
 #include "sim/base/content_hash.hpp"
 #include "sim/base/control_period.hpp"
 #include "sim/base/error.hpp"
@@ -43,79 +42,43 @@ TrialResult run_trial_of(const Campaign& campaign, std::uint64_t seed, std::size
   }
 }
 
-// A campaign while it runs: its trials are begun in their order, and its results taken in it.
-class Running {
+bool same(const TrialResult& a, const TrialResult& b) {
+  return Json::to_cbor(kept_trial(a)) == Json::to_cbor(kept_trial(b));  // NaN is like NaN
+}
+
+// The results of a campaign while it runs, taken in the order of the trials.
+class Ordered {
  public:
-  Running(const Campaign& campaign, std::uint64_t seed, std::size_t trials, SharedTrials* shared)
-      : campaign_(campaign), shared_(shared), trials_(trials) {
-    if (shared_) number_ = shared_->begin(fingerprint(campaign, seed, trials), trials);
-  }
+  explicit Ordered(const Campaign& campaign) : campaign_(campaign) {}
 
-  // The next trial to be run; empty: none is left.
-  std::optional<std::size_t> begin() {
+  // Is it long enough?
+  bool enough() const noexcept { return enough_; }
+
+  // False where trial `k` is known, as far as results are kept, and went differently.
+  bool put(std::size_t k, TrialResult result) {
     const std::lock_guard lock(mutex_);
-    while (!known_ && next_ < trials_) {
-      const std::size_t k = next_++;
-      if (!shared_ || (!done(k) && shared_->mine(k))) return k;
+    if (enough_) return true;
+    if (k < shown_) return k >= results_.size() || same(results_[k], result);
+    const auto [at, added] = ahead_.try_emplace(k, std::move(result));
+    if (!added) return same(at->second, result);  // which try_emplace has not moved
+    for (auto next = ahead_.begin(); !enough_ && next != ahead_.end() && next->first == shown_;
+         next = ahead_.erase(next), ++shown_) {
+      enough_ = campaign_.enough && campaign_.enough(next->second);
+      if (campaign_.each) campaign_.each(next->second);
+      if (shown_ < campaign_.keep) results_.push_back(std::move(next->second));
     }
-    return std::nullopt;
-  }
-
-  // Runs it. False where that was ended before the trial was over.
-  bool run(std::size_t k, std::uint64_t seed, const std::function<bool()>& stop) {
-    const std::function<bool()> ends = [&] { return known_ || (stop && stop()); };
-    TrialResult result = run_trial_of(campaign_, seed, k, ends);
-    if (ends()) return false;
-    if (shared_) shared_->keep(number_, k, kept_trial(result));
-    const std::lock_guard lock(mutex_);
-    put(k, std::move(result));
     return true;
-  }
-
-  // What another process, or this shard before it was killed, has run.
-  void take(const SharedTrials::Found& found) {
-    const std::lock_guard lock(mutex_);
-    if (known_ || found.trial >= trials_) return;
-    if (!done(found.trial)) return put(found.trial, trial_of(found.result));
-    const auto ahead = ahead_.find(found.trial);
-    const TrialResult* before = ahead != ahead_.end() ? &ahead->second : nullptr;
-    if (found.trial < results_.size()) before = &results_[found.trial];
-    shared_->again(found, before ? kept_trial(*before) : found.result);  // else it is not kept
-  }
-
-  // Of a shared one: the trials that are not there and would count.
-  std::vector<std::size_t> missing() const {
-    std::vector<std::size_t> trials;
-    for (std::size_t k = shown_; !known_ && k < trials_; ++k)
-      if (!done(k)) trials.push_back(k);
-    return trials;
   }
 
   std::vector<TrialResult> results() { return std::move(results_); }
 
-  std::size_t number() const { return number_; }
-
  private:
-  bool done(std::size_t k) const { return k < shown_ || ahead_.contains(k); }
-
-  void put(std::size_t k, TrialResult result) {
-    ahead_.emplace(k, std::move(result));
-    for (auto next = ahead_.begin(); !known_ && next != ahead_.end() && next->first == shown_;
-         next = ahead_.erase(next), ++shown_) {
-      known_ = campaign_.enough && campaign_.enough(next->second);
-      if (campaign_.each) campaign_.each(next->second);
-      if (shown_ < campaign_.keep) results_.push_back(std::move(next->second));
-    }
-  }
-
   const Campaign& campaign_;
-  SharedTrials* shared_;
-  std::size_t trials_, number_ = 0;           // number_: of it among those that are shared
   std::vector<TrialResult> results_;          // the first ones
   std::map<std::size_t, TrialResult> ahead_;  // of the trials before which one is not done
-  std::atomic<bool> known_ = false;
+  std::atomic<bool> enough_ = false;
   std::mutex mutex_;
-  std::size_t next_ = 0, shown_ = 0;  // shown_: to `enough` and `each`
+  std::size_t shown_ = 0;  // to `enough` and `each`
 };
 
 // Has one of the cores thrown what ends all?
@@ -132,106 +95,51 @@ void on_all_cores(int threads, const std::function<void()>& work) {
   });
 }
 
-// A shard for which it makes no difference what the others run.
-bool stands_alone(const SharedTrials& shared, const std::vector<Campaign>& campaigns) {
-  return !shared.merges() && !shared.waits() &&
-         std::none_of(campaigns.begin(), campaigns.end(),
-                      [](const Campaign& c) { return c.enough != nullptr; });
-}
-
-// The trials of a shard that needs no others, of which it remembers none.
-void run_alone(const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials,
-               int threads, const std::function<void(std::size_t)>& progress,
-               const std::function<bool()>& stop, SharedTrials& shared) {
-  std::vector<std::size_t> numbers;
-  for (const Campaign& campaign : campaigns)
-    numbers.push_back(shared.begin(fingerprint(campaign, seed, trials), trials));
-  if (campaigns.empty()) return;
-  const std::size_t own = shared.own_of(trials);
-  std::vector<bool> kept(own * campaigns.size());  // from before, one campaign after the other
-  std::atomic<std::size_t> next = 0, count = 0;
-  shared.found(numbers.front(), [&](const SharedTrials::Found& found) {
-    if (!shared.mine(found.trial) || found.trial >= trials) return;
-    const std::size_t i = (found.campaign - numbers.front()) * own + shared.own_place(found.trial);
-    count += !kept[i];
-    kept[i] = true;
-  });
-  on_all_cores(threads, [&] {
-    for (std::size_t i; (i = next++) < own * campaigns.size();) {
-      const Campaign& campaign = campaigns[i / own];
-      const std::size_t number = numbers[i / own], k = shared.own_trial(i % own);
-      if (kept[i]) continue;
-      if ((stop && stop()) || others_ended()) return;
-      const TrialResult result = run_trial_of(campaign, seed, k, stop);
-      if (stop && stop()) return;
-      shared.keep(number, k, kept_trial(result));
-      const std::size_t so_far = ++count;
-      if (progress) progress(so_far);
-    }
-  });
-  shared.flush();
-}
-
-// What was run before, here or elsewhere, and is new; and how many trials that is.
-std::size_t take_found(SharedTrials& shared, std::deque<Running>& all) {
-  const std::size_t first = all.front().number();
-  return shared.found(
-      first, [&](const SharedTrials::Found& found) { all[found.campaign - first].take(found); });
-}
-
-// Waits for what others have not run yet, or in a merge refuses that.
-void complete(SharedTrials& shared, std::deque<Running>& all, const std::function<bool()>& stop) {
-  constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
-  for (Running& one : all) {
-    if (const auto missing = one.missing(); shared.merges() && !missing.empty())
-      shared.refuse_missing(one.number(), missing);
-    while (shared.waits() && !one.missing().empty() && !(stop && stop())) {
-      std::this_thread::sleep_for(kBetweenLooks);
-      shared.look_around();
-      take_found(shared, all);
-    }
-  }
-}
-
 }  // namespace
 
 std::vector<std::vector<TrialResult>> run_campaigns(
     const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
     const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop,
-    SharedTrials* shared) {
+    TrialStore* kept) {
+  std::vector<std::vector<TrialResult>> results(campaigns.size());
+  const auto stopped = [&] { return stop && stop(); };
   // Which campaign comes after trials that were cut short is not what the other processes run.
-  if (shared && stop && stop()) return std::vector<std::vector<TrialResult>>(campaigns.size());
-  if (shared && stands_alone(*shared, campaigns)) {
-    run_alone(campaigns, seed, trials, threads, progress, stop, *shared);
-    return std::vector<std::vector<TrialResult>>(campaigns.size());
-  }
-  std::deque<Running> all;
-  for (const Campaign& campaign : campaigns) all.emplace_back(campaign, seed, trials, shared);
-  if (all.empty()) return {};
+  if (campaigns.empty() || stopped()) return results;
+  TrialStore nowhere;
+  TrialStore& store = kept ? *kept : nowhere;
+  const bool enough =
+      std::ranges::any_of(campaigns, [](const Campaign& c) { return c.enough != nullptr; });
+  const bool tells = enough || store.tells();  // otherwise no result is remembered
+  std::deque<Ordered> all;
   std::atomic<std::size_t> count = 0;
-  if (shared) {
-    if (!shared->merges()) shared->look_around();  // a merge has read all
-    count += take_found(*shared, all);
+  std::vector<TrialStore::Campaign> begun;
+  for (std::size_t i = 0; i < campaigns.size(); ++i) {
+    all.emplace_back(campaigns[i]);
+    begun.push_back({kept ? fingerprint(campaigns[i], seed, trials) : "", trials,
+                     [&, i](std::size_t k, const KeptTrial& found) {
+                       ++count;
+                       const bool agrees = !tells || all[i].put(k, trial_of(found));
+                       if (all[i].enough()) store.end(i);
+                       return agrees;
+                     }});
   }
+  store.begin(std::move(begun), enough);
   on_all_cores(threads, [&] {
-    for (Running& one : all)
-      while (const auto k = one.begin()) {
-        if ((stop && stop()) || others_ended()) return;
-        if (!one.run(*k, seed, stop)) continue;
-        const std::size_t so_far = ++count;
-        if (progress) progress(so_far);
-        if (shared && shared->wrote()) {
-          shared->look_around();
-          count += take_found(*shared, all);
-        }
-      }
+    while (const auto next = store.next()) {
+      if (stopped() || others_ended()) return;
+      const auto& [i, k] = *next;
+      const auto ends = [&, &one = all[i]] { return one.enough() || stopped(); };
+      TrialResult result = run_trial_of(campaigns[i], seed, k, ends);
+      if (ends()) continue;
+      store.put(*next, [&] { return kept_trial(result); });
+      if (tells) all[i].put(k, std::move(result));
+      if (all[i].enough()) store.end(i);
+      const std::size_t so_far = ++count;
+      if (progress) progress(so_far);
+    }
   });
-  if (shared) {
-    shared->flush();
-    complete(*shared, all, stop);
-  }
-  std::vector<std::vector<TrialResult>> results;
-  for (Running& one : all) results.push_back(one.results());
+  store.done(stop);
+  for (std::size_t i = 0; tells && i < all.size(); ++i) results[i] = all[i].results();
   return results;
 }
 
@@ -239,8 +147,8 @@ std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& 
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop, const IsEnough& enough,
-                                      SharedTrials* shared) {
-  return run_campaigns({{&scene, make, enough}}, seed, trials, threads, progress, stop, shared)
+                                      TrialStore* kept) {
+  return run_campaigns({{&scene, make, enough}}, seed, trials, threads, progress, stop, kept)
       .front();
 }
 

@@ -9,9 +9,9 @@
 #include "controller/graded_joint.hpp"
 #include "controller/mated_pairs.hpp"
 #include "controller/quantiles.hpp"
-#include "controller/shared_trials.hpp"
 #include "controller/statistics.hpp"
 #include "controller/trial.hpp"
+#include "controller/trial_store.hpp"
 #include "controller/worst_tenth.hpp"
 
 namespace ferrule {
@@ -23,16 +23,15 @@ using IsEnough = std::function<bool(const TrialResult&)>;
 // Results in the order of the trials. `threads` 0: all cores. `progress` is called with the number
 // of trials done, from any thread. Once `stop` says so, from any thread, all trials end: the
 // results are those of the first trials up to one that was not done, fewer than `trials`. The trial
-// after which it is `enough` is the last. With `shared` it runs those of its shard that are not
-// kept yet, and returns none, unless what comes next depends on them: then it waits for those of
-// the other shards; once stopped it shares nothing more. In a merge it returns what the shards
-// kept. A trial whose policy the system ended is run again. Throws what `make` and `shared` throw,
-// and BadInput where that does not help.
+// after which it is `enough` is the last. `kept`: where other processes have their part in the
+// trials and this one goes on with what it has (controller/trial_store.hpp); a shard returns none,
+// unless what comes next depends on them. A trial whose policy the system ended is run again.
+// Throws what `make` and `kept` throw, and BadInput where that does not help.
 std::vector<TrialResult> run_campaign(const Scene& scene, const MakeController& make,
                                       std::uint64_t seed, std::size_t trials, int threads,
                                       const std::function<void(std::size_t)>& progress,
                                       const std::function<bool()>& stop = {},
-                                      const IsEnough& enough = {}, SharedTrials* shared = nullptr);
+                                      const IsEnough& enough = {}, TrialStore* kept = nullptr);
 
 // Several at once, each with the same trials, so that those of all fill the cores.
 struct Campaign {
@@ -48,7 +47,7 @@ struct Campaign {
 std::vector<std::vector<TrialResult>> run_campaigns(
     const std::vector<Campaign>& campaigns, std::uint64_t seed, std::size_t trials, int threads,
     const std::function<void(std::size_t)>& progress, const std::function<bool()>& stop = {},
-    SharedTrials* shared = nullptr);
+    TrialStore* kept = nullptr);
 
 struct Spread {
   double median, p95;  // NaN where there is nothing to take them of

@@ -4,6 +4,8 @@
 
 #include <cmath>
 
+#include "controller/trial_fields.hpp"
+
 namespace ferrule {
 namespace {
 
@@ -224,23 +226,11 @@ std::string to_text(const Comparison& c) {
 void add_trials(const std::string& controller, const std::vector<TrialResult>& results,
                 const std::vector<DrawnQuantity>& drawn, Json& rows) {
   for (std::size_t k = 0; k < results.size(); ++k) {
-    const auto& [outcome, summary, loss_dB, supervision, why, light] = results[k];
-    Json& row = rows.emplace_back(Json{{"controller", controller},
-                                       {"trial", k},
-                                       {"outcome", name(outcome)},
-                                       {"time_s", summary.time},
-                                       {"peak_force_uN", 1e6 * summary.peak_force},
-                                       {"depth_um", 1e6 * summary.depth},
-                                       {"offset_um", 1e6 * summary.offset},
-                                       {"tilt_mrad", 1e3 * summary.tilt},
-                                       {"loss_dB", number_or_null(loss_dB)},
-                                       {"why", why}});
+    Json& row = rows.emplace_back(told_trial(results[k]));
+    row["controller"] = controller;
+    row["trial"] = k;
     for (const DrawnQuantity& quantity : drawn)
       row[quantity.name] = number_or_null(quantity.values[k]);
-    if (!supervision) continue;
-    row["gave_up"] = supervision->gave_up ? Json(name(*supervision->gave_up)) : Json();
-    for (std::size_t i = 0; i < kInterventions; ++i)
-      row["interventions"][kInterventionNames[i]] = supervision->interventions[i];
   }
 }
 

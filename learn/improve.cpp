@@ -159,7 +159,7 @@ Improved improve(const ControllerFile& controller, const std::vector<ImproveTask
       for (const ImproveTask& task : tasks) campaigns.push_back({task.scene, make});
     }
     Results results = run_campaigns(campaigns, seed_of_generation(settings.seed, generation++),
-                                    trials, settings.threads, {}, stop, settings.shared);
+                                    trials, settings.threads, {}, stop, settings.kept);
     bool whole = true;
     for (const std::vector<TrialResult>& each : results) {
       done.trials += each.size();

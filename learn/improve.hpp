@@ -43,7 +43,7 @@ struct ImproveSettings {
                                  // then others
   std::uint64_t seed = 1;
   int threads = 0;
-  SharedTrials* shared = nullptr;  // of run_campaigns
+  TrialStore* kept = nullptr;  // of run_campaigns
 };
 
 // What one generation takes, and the choice in the end: with fewer trials nothing is changed.

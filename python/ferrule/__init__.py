@@ -236,14 +236,29 @@ class Evaluation:
 
     statistics: dict[str, Any]  #: with the keys of ``ferrule evaluate --json``
     outcome: list[str]  #: of each trial
-    time_s: np.ndarray  #: of each trial [s], shape (N,)
-    peak_force_N: np.ndarray  #: of each trial [N], shape (N,)
-    loss_dB: np.ndarray  #: of each trial; NaN unless inserted or high_loss
+    #: of each trial, shape (N,), by the name with its unit, as in time_s: peak_stress_Pa,
+    #: friction_work_J, depth_m, offset_m, tilt_rad, touched_s (< 0: never), ...
+    numbers: dict[str, np.ndarray]
 
     @property
     def success_rate(self) -> float:
         """Of the feasible trials."""
         return self.statistics["success_rate"]
+
+    @property
+    def time_s(self) -> np.ndarray:
+        """Of each trial [s]."""
+        return self.numbers["time_s"]
+
+    @property
+    def peak_force_N(self) -> np.ndarray:
+        """Of each trial [N]."""
+        return self.numbers["peak_force_N"]
+
+    @property
+    def loss_dB(self) -> np.ndarray:
+        """Of each trial; NaN unless inserted or high_loss."""
+        return self.numbers["loss_dB"]
 
 
 def evaluate(

@@ -5,6 +5,7 @@
 #include "controller/baseline.hpp"
 #include "controller/campaign_table.hpp"
 #include "controller/supervisor.hpp"
+#include "controller/trial_fields.hpp"
 #include "insertion/scene_scaling.hpp"
 
 namespace ferrule::python {
@@ -76,16 +77,16 @@ nb::tuple evaluate(nb::handle policy, const SharedScene& scene, std::size_t tria
   if (failure.raised) std::rethrow_exception(failure.raised);
   interrupts.rethrow();
   std::vector<std::string> outcomes;
-  std::vector<double> time, force, loss;
-  for (const TrialResult& r : results) {
-    outcomes.emplace_back(name(r.outcome));
-    time.push_back(r.summary.time);
-    force.push_back(r.summary.peak_force);
-    loss.push_back(r.loss_dB);
+  for (const TrialResult& r : results) outcomes.emplace_back(name(r.outcome));
+  nb::dict numbers;
+  for (const TrialField& field : kTrialFields) {
+    std::vector<double> of_each;
+    for (const TrialResult& r : results) of_each.push_back(value(field, r));
+    std::string key = field.name;
+    if (*field.unit) key.append("_").append(field.unit);
+    numbers[key.c_str()] = array(of_each.data(), {of_each.size()});
   }
-  return nb::make_tuple(to_json(summarise(results)).dump(), outcomes,
-                        array(time.data(), {time.size()}), array(force.data(), {force.size()}),
-                        array(loss.data(), {loss.size()}));
+  return nb::make_tuple(to_json(summarise(results)).dump(), outcomes, numbers);
 }
 
 nb::object number_or_none(double x) {

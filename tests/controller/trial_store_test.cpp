@@ -1,4 +1,4 @@
-#include "controller/shared_trials.hpp"
+#include "controller/trial_store.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,8 +7,8 @@
 #include <thread>
 
 #include "controller/campaign.hpp"
-#include "controller/kept_trial.hpp"
 #include "controller/supervisor.hpp"
+#include "controller/trial_fields.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "tests/refusal.hpp"
 #include "tests/scenes.hpp"
@@ -61,31 +61,36 @@ void expect_same(const std::vector<TrialResult>& a, const std::vector<TrialResul
   }
 }
 
-struct SharedTrialsOfACampaign : ::testing::Test {
+struct StoredTrials : ::testing::Test {
   testing::TemporaryFolder folder;
   MakeController make = straight();
 
   std::vector<TrialResult> alone(const IsEnough& enough = {}) {
     return run_campaign(task(), make, kSeed, kTrials, 0, {}, {}, enough);
   }
-  std::vector<TrialResult> run(SharedTrials& shared, const IsEnough& enough = {},
+  std::vector<TrialResult> run(TrialStore& shared, const IsEnough& enough = {},
                                const std::function<bool()>& stop = {}) {
     return run_campaign(task(), make, kSeed, kTrials, 0, {}, stop, enough, &shared);
   }
   std::vector<TrialResult> shard(std::size_t index, std::size_t count,
                                  const IsEnough& enough = {}) {
-    SharedTrials shared(folder.path(), "job", Shard{index, count}, false);
+    TrialStore shared(folder.path(), "job", Shard{index, count}, false);
     std::vector<TrialResult> results = run(shared, enough);
     shared.finish();
     return results;
   }
+  JobProgress progress() {
+    ShardFiles files(folder.path(), "job");
+    files.read_all();
+    return files.progress();
+  }
   std::vector<TrialResult> merged(const IsEnough& enough = {}) {
-    SharedTrials shared(folder.path(), "job", std::nullopt, false);
+    TrialStore shared(folder.path(), "job", std::nullopt, false);
     return run(shared, enough);
   }
 };
 
-TEST_F(SharedTrialsOfACampaign, AreThoseOfOneProcess) {
+TEST_F(StoredTrials, AreThoseOfOneProcess) {
   for (const std::size_t count : {1, 3, 40}) {  // of 40 most have no trial
     for (std::size_t i = count; i >= 1; --i) EXPECT_TRUE(shard(i, count).empty());
     expect_same(merged(), alone());
@@ -94,8 +99,8 @@ TEST_F(SharedTrialsOfACampaign, AreThoseOfOneProcess) {
   }
 }
 
-using SharedTrialsOfACampaignInSeconds = SharedTrialsOfACampaign;
-TEST_F(SharedTrialsOfACampaignInSeconds, KeepWhatASupervisorDid) {
+using StoredTrialsInSeconds = StoredTrials;
+TEST_F(StoredTrialsInSeconds, KeepWhatASupervisorDid) {
   make = supervised(make, supervisor_limits(task()));
   for (const std::size_t i : {1, 2}) shard(i, 2);
   const auto results = merged();
@@ -106,11 +111,11 @@ TEST_F(SharedTrialsOfACampaignInSeconds, KeepWhatASupervisorDid) {
 }
 
 // Those that are shown one by one, and the first ones that are returned.
-TEST_F(SharedTrialsOfACampaign, ComeInTheirOrder) {
+TEST_F(StoredTrials, ComeInTheirOrder) {
   for (const std::size_t i : {1, 2, 3}) shard(i, 3);
   const std::vector<TrialResult> expected = alone();
-  SharedTrials shared(folder.path(), "job", std::nullopt, false);
-  for (SharedTrials* const from : {static_cast<SharedTrials*>(nullptr), &shared}) {
+  TrialStore shared(folder.path(), "job", std::nullopt, false);
+  for (TrialStore* const from : {static_cast<TrialStore*>(nullptr), &shared}) {
     std::vector<TrialResult> shown;
     const auto kept =
         run_campaigns({{&task(), make, {}, [&](const TrialResult& r) { shown.push_back(r); }, 5}},
@@ -121,7 +126,7 @@ TEST_F(SharedTrialsOfACampaign, ComeInTheirOrder) {
 }
 
 // Three insertions are enough: those of the shards in the order of the trials.
-TEST_F(SharedTrialsOfACampaign, EndWhereItIsEnough) {
+TEST_F(StoredTrials, EndWhereItIsEnough) {
   const auto after_three = [] {
     return [left = 3](const TrialResult& r) mutable {
       return r.outcome == Outcome::inserted && --left == 0;
@@ -134,10 +139,10 @@ TEST_F(SharedTrialsOfACampaign, EndWhereItIsEnough) {
 }
 
 // Stopped after a few trials, and once killed while it wrote.
-TEST_F(SharedTrialsOfACampaign, GoOnWhereTheyWereStopped) {
+TEST_F(StoredTrials, GoOnWhereTheyWereStopped) {
   std::atomic<int> asked = 0;
   {
-    SharedTrials shared(folder.path(), "job", Shard{1, 1}, false);
+    TrialStore shared(folder.path(), "job", Shard{1, 1}, false);
     std::atomic<std::size_t> done = 0;
     run_campaign(
         task(), make, kSeed, kTrials, 1, [&](std::size_t n) { done = n; },
@@ -146,7 +151,7 @@ TEST_F(SharedTrialsOfACampaign, GoOnWhereTheyWereStopped) {
   const std::string file = folder / "shard_0001_of_0001.trials";
   std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
   {
-    SharedTrials shared(folder.path(), "job", Shard{1, 1}, false);
+    TrialStore shared(folder.path(), "job", Shard{1, 1}, false);
     std::atomic<std::size_t> done = 0;
     run_campaign(
         task(), make, kSeed, kTrials, 1, [&](std::size_t n) { done = n; },
@@ -162,34 +167,31 @@ TEST_F(SharedTrialsOfACampaign, GoOnWhereTheyWereStopped) {
   expect_same(merged(), alone());
 }
 
-TEST_F(SharedTrialsOfACampaign, AreRefusedWhereSomeAreMissing) {
+TEST_F(StoredTrials, AreRefusedWhereSomeAreMissing) {
   shard(1, 3);
   shard(3, 3);
   EXPECT_EQ(testing::refusal([&] { merged(); }),
             "trouble: " + folder.path() +
                 ": of campaign 1, 8 trials are missing, 1 the first: run shard 2/3 again");
-  SharedTrials shared(folder.path(), "job", std::nullopt, false);
-  const SharedTrials::Progress::NotDone left = shared.progress().not_done();
+  const JobProgress::NotDone left = progress().not_done();
   EXPECT_EQ(to_text(left.first, left.count), "shard 2/3");
 }
 
 // The same trials in shards of two counts: they are counted once, unless they went differently.
-TEST_F(SharedTrialsOfACampaign, MayBeThereTwiceIfTheyAreTheSame) {
+TEST_F(StoredTrials, MayBeThereTwiceIfTheyAreTheSame) {
   shard(1, 1);
   for (const std::size_t i : {1, 2}) shard(i, 2);
   {
-    SharedTrials shared(folder.path(), "job", std::nullopt, false);
+    TrialStore shared(folder.path(), "job", std::nullopt, false);
     expect_same(run(shared), alone());
-    EXPECT_EQ(shared.progress().twice, kTrials);
+    EXPECT_EQ(shared.twice(), kTrials);
   }
   {  // begun once more, in shards of which two are not run: it is whole all the same
-    SharedTrials third(folder.path(), "job", Shard{1, 3}, false);
+    TrialStore third(folder.path(), "job", Shard{1, 3}, false);
     run(third);
     third.finish();
-    const SharedTrials::Progress progress =
-        SharedTrials(folder.path(), "job", std::nullopt, false).progress();
-    EXPECT_EQ(progress.count(), 3);
-    EXPECT_EQ(progress.not_done().count, 0);
+    EXPECT_EQ(progress().count(), 3);
+    EXPECT_EQ(progress().not_done().count, 0);
   }
   make = controller_maker(ConstantVelocity(1e-3));
   for (const std::size_t i : {1, 2, 3}) shard(i, 3);
@@ -197,31 +199,30 @@ TEST_F(SharedTrialsOfACampaign, MayBeThereTwiceIfTheyAreTheSame) {
             std::string::npos);
 }
 
-TEST_F(SharedTrialsOfACampaign, OfOtherJobsAreLeftOut) {
+TEST_F(StoredTrials, OfOtherJobsAreLeftOut) {
   for (const std::size_t i : {1, 2}) {
-    SharedTrials other(folder.path(), "other job", Shard{i, 2}, false);
+    TrialStore other(folder.path(), "other job", Shard{i, 2}, false);
     run(other);
     other.finish();
   }
-  SharedTrials shared(folder.path(), "job", std::nullopt, false);
-  EXPECT_TRUE(shared.progress().counts.empty());
-  EXPECT_EQ(shared.progress().trials, 0);
-  EXPECT_GT(shared.progress().others, 0);
+  EXPECT_TRUE(progress().counts.empty());
+  EXPECT_EQ(progress().trials, 0);
+  EXPECT_GT(progress().others, 0);
 }
 
-TEST_F(SharedTrialsOfACampaign, OfAnotherSceneAreRefused) {
+TEST_F(StoredTrials, OfAnotherSceneAreRefused) {
   shard(1, 1);
-  SharedTrials shared(folder.path(), "job", std::nullopt, false);
+  TrialStore shared(folder.path(), "job", std::nullopt, false);
   const std::string why = testing::refusal(
       [&] { run_campaign(task(), make, kSeed + 1, kTrials, 0, {}, {}, {}, &shared); });
   EXPECT_NE(why.find("has trials of another scene as campaign 1"), std::string::npos) << why;
 }
 
 // What comes next depends on the results: both have all of them.
-TEST_F(SharedTrialsOfACampaign, WaitForEachOther) {
+TEST_F(StoredTrials, WaitForEachOther) {
   std::vector<std::vector<TrialResult>> found(2);
   const auto run_waiting = [&](std::size_t i) {
-    SharedTrials shared(folder.path(), "job", Shard{i + 1, 2}, true);
+    TrialStore shared(folder.path(), "job", Shard{i + 1, 2}, true);
     found[i] = run(shared);
   };
   std::thread other(run_waiting, 0);
@@ -231,56 +232,80 @@ TEST_F(SharedTrialsOfACampaign, WaitForEachOther) {
 }
 
 // As a stranger may make them: right checksums, the right job, and something else in it.
-TEST_F(SharedTrialsOfACampaign, RefusesWhatNoShardHasWritten) {
-  const Json trial = kept_trial(run_campaign(task(), make, kSeed, 1, 1, {}).front());
-  std::string what;
+TEST_F(StoredTrials, RefuseWhatNoShardHasWritten) {
+  Json good;
   shard(1, 1);
-  BlockReader(folder / "shard_0001_of_0001.trials")
-      .read(
-          [&](const Json& block, const BlockReader::Place&) { what = block.value("what", what); });
-  const Json good = {{"job", "job"}, {"shard", {1, 1}}, {"campaign", 0},
-                     {"what", what}, {"of", kTrials},   {"trials", {{0, trial}}}};
-  const auto changed = [&](const char* place, const Json& value) {
+  const std::string file = folder / "shard_0001_of_0001.trials";
+  BlockReader(file).read([&](const Json& block, const BlockReader::Place&) {
+    if (!block.value("trial", Json::array()).empty()) good = block;
+  });
+  ASSERT_FALSE(good.is_null());
+  const auto refused = [&](const Json& block) {
+    std::filesystem::remove(file);
+    BlockWriter(file).append(block);
+    return testing::refusal([&] {
+      TrialStore shared(folder.path(), "job", std::nullopt, false);
+      run(shared);
+    });
+  };
+  const auto changed = [&](const std::string& place, const Json& value) {
     Json block = good;
     block[Json::json_pointer(place)] = value;
     return block;
   };
-  const Json blocks[] = {
-      Json(3),
-      Json::array({1, 2}),
-      changed("/job", 5),
-      changed("/shard", "1/1"),
-      changed("/shard", {1}),
-      changed("/shard", {0, 1}),
-      changed("/shard", {2, 1}),
-      changed("/shard", {-1, 1}),
-      changed("/campaign", "first"),
-      changed("/campaign", -1),
-      changed("/what", Json::object()),
-      changed("/of", "many"),
-      changed("/trials", 7),
-      changed("/trials", {7}),
-      changed("/trials/0", Json::array()),
-      changed("/trials/0/0", -3),
-      changed("/trials/0/0", 1.5),
-      changed("/trials/0/1", "inserted"),
-      changed("/trials/0/1/0", 1000),
-      changed("/trials/0/1/0", -1),
-      changed("/trials/0/1/1", Json::array()),
-      changed("/trials/0/1/7", 3),
-      changed("/trials/0/1/8", {Json::array(), 99}),
-  };
-  const std::string file = folder / "shard_0001_of_0001.trials";
-  for (const Json& block : blocks) {
-    std::filesystem::remove(file);
-    BlockWriter(file).append(block);
-    const std::string said = testing::refusal([&] {
-      SharedTrials shared(folder.path(), "job", std::nullopt, false);
-      run(shared);
-    });
-    EXPECT_EQ(said, "trouble: " + file + ": has no trials of this program in the block at byte 12")
-        << block;
+  std::vector<Json> blocks = {Json(3),
+                              Json::array({1, 2}),
+                              changed("/version", "2"),
+                              changed("/job", 5),
+                              changed("/shard", "1/1"),
+                              changed("/shard", {1}),
+                              changed("/shard", {0, 1}),
+                              changed("/shard", {2, 1}),
+                              changed("/shard", {-1, 1}),
+                              changed("/campaign", "first"),
+                              changed("/campaign", -1),
+                              changed("/what", Json::object()),
+                              changed("/of", "many"),
+                              changed("/trial", 7),
+                              changed("/trial/0", -3),
+                              changed("/trial/0", 1.5),
+                              changed("/trial/0", Json::array()),
+                              changed("/columns", Json::array()),
+                              changed("/columns/outcome/0", "flew away"),
+                              changed("/columns/outcome/0", 0),
+                              changed("/columns/interventions/0", {{"held", 1}}),
+                              changed("/columns/why/0", 3)};
+  for (const TrialField& field : kTrialFields) {
+    const std::string column = std::string("/columns/") + field.name;
+    blocks.push_back(changed(column, Json::array()));
+    blocks.push_back(changed(column + "/0", "much"));
+    blocks.push_back(good);
+    blocks.back()["columns"].erase(field.name);
   }
+  for (const Json& block : blocks)
+    EXPECT_EQ(refused(block),
+              "trouble: " + file + ": has no trials of this program in the block at byte 12")
+        << block;
+  for (const int version : {1, 3})
+    EXPECT_EQ(refused(changed("/version", version)),
+              "trouble: " + file + ": is of version " + std::to_string(version) +
+                  " of these files, this program has 2: run its shard again, in another folder");
+}
+
+// Each field is a number of its own, and all numbers of a result are fields.
+TEST(TrialFields, HoldEveryNumber) {
+  TrialResult result{};
+  double next = 1;
+  for (const TrialField& field : kTrialFields) field.of(result) = next++;
+  const double expected = (next - 1) * next / 2;
+  double sum = 0;
+  for (const TrialField& field : kTrialFields) sum += value(field, result);
+  EXPECT_EQ(sum, expected);
+  const InsertionSummary& s = result.summary;
+  EXPECT_EQ(s.time + s.reached + s.touched + s.outside + s.peak_force + s.peak_stress +
+                s.friction_work + s.depth + s.offset + s.tilt + s.tip.sum() + result.loss_dB +
+                result.light.offset.sum() + result.light.slope.sum(),
+            expected);
 }
 
 }  // namespace
