@@ -83,9 +83,9 @@ std::array<double, kRowNames.size()> row_of(const EpisodeRows& episode, Eigen::I
   const auto row = episode.row(n);
   const auto um = [&](int column) { return 1e6 * row[column]; };
   return {row[kTime.begin],
-          um(kStates.begin),
-          um(kStates.begin + 1),
-          um(kStates.begin + 2),
+          um(state_column("tip_x")),
+          um(state_column("tip_y")),
+          um(state_column("tip_z")),
           um(kCommand.begin) / motion,
           um(kCommand.begin + 1) / motion,
           um(kCommand.begin + 2) / motion,
@@ -131,9 +131,9 @@ void take_times(Replayed& r) {
   bool reached = false;
   for (Eigen::Index n = 0; n < r.episode.count(); ++n) {
     const auto row = r.episode.row(n);
-    r.recorded = row[kStates.begin + 10];  // the time of the state
+    r.recorded = row[state_column("time")];
     if (!reached) r.time = r.recorded;
-    reached |= -row[kStates.begin] >= r.scene.success.depth;
+    reached |= -row[state_column("tip_x")] >= r.scene.success.depth;
   }
 }
 

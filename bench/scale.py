@@ -83,23 +83,25 @@ class Tasks:
 
     def rows_recovered(self, n):
         self.rows_recorded(n)
-        rows = self.rows()
+        rows, size = self.rows_and_bytes()
         journal = self.folder + "/killed/episode_0001.part"
         process = subprocess.Popen([self.program, *map(str, self.recording(1, *self.slow(2 * n), out="killed"))],
                                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        while not os.path.exists(journal) or os.path.getsize(journal) < 776 * rows:
+        while not os.path.exists(journal) or os.path.getsize(journal) < size:
             time.sleep(0.01)
         process.kill()
         process.wait()
         return rows, self.run("recover", self.folder + "/killed")
 
-    def rows(self):
+    def rows_and_bytes(self):
         import h5py
         (file,) = glob.glob(self.folder + "/episodes/*.h5")
         with h5py.File(file) as episode:
-            sizes = []
-            episode.visititems(lambda name, item: sizes.append(len(item) if getattr(item, "shape", ()) else 0))
-            return max(sizes)
+            demo = episode["data/demo_0"]
+            return len(demo["time"]), 8 * sum(table.size for table in (*demo["rows"].values(), demo["states"]))
+
+    def rows(self):
+        return self.rows_and_bytes()[0]
 
     def learners_compared(self, n):
         self.record(8)

@@ -133,8 +133,7 @@ RecordedSensor::RecordedSensor(const EpisodeInfo& info, const Scene& scene)
                    info.period, scene_tare(scene)) {}
 
 void RecordedSensor::read(const RowVector& row) noexcept {
-  SensedWrench::read(row.segment<5>(kHolder.begin).transpose(),
-                     row[kStates.begin + 5]);  // of the holder at the tip's scale
+  SensedWrench::read(row.segment<5>(kHolder.begin).transpose(), row[state_column("hand_x")]);
 }
 
 SensedRows sensed_wrench(const Episode& episode, const Scene& scene) {

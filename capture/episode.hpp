@@ -13,7 +13,7 @@
 //   /data                attributes: total, env_args (JSON)
 //   /data/demo_0         attribute: num_samples
 //     rows/<block>       every block of capture/row.hpp but `states`, float64, exact
-//     states             (N, 42) float64, exact
+//     states             that block, float64, exact
 //     actions            (N, 5) command / attribute `scale`, cut to [-1, 1]
 //     rewards, dones     1 in the last row of a successful episode; 1 in the last row
 //     obs/<key>          what a policy may see, in units of order one: wrench_N (N, 5) in the

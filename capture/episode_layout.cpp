@@ -187,7 +187,7 @@ Layout layout_of(const EpisodeInfo& info, Eigen::Index rows, const Scene& scene)
   for (const Block& block : kBlocks) {
     const Block b = block_of(block, version);
     layout.add({rows_path(b), b.width, Table::exact, b.width == 1},
-               {b.unit, b.columns, column_names(b)}, columns_of(b));
+               {b.unit, about(b), column_names(b)}, columns_of(b));
   }
   if (!info.mapping.empty()) {
     content.attributes[kDemo + std::string("/raw")];
@@ -207,21 +207,8 @@ std::string rows_path(const Block& b) {
 }
 
 Block block_of(Block block, std::uint64_t version) {
-  if (version > 2) return block;
-  const auto without = [](const Block& of, const std::string& last) {
-    const std::string text = of.columns;
-    return text.substr(0, text.size() - last.size());
-  };
-  static const std::string second = without(kForces, " particle"),
-                           first = without(kForces, " flow particle"),
-                           states = without(kStates, "; air");
-  if (block.begin == kForces.begin) {
-    block.width -= version == 1 ? 6 : 3;
-    block.columns = version == 1 ? first.c_str() : second.c_str();
-  } else if (block.begin == kStates.begin && version == 1) {
-    block.width -= 1;
-    block.columns = states.c_str();
-  }
+  if (block.begin == kForces.begin && version <= 2) block.width -= version == 1 ? 6 : 3;
+  if (block.begin == kStates.begin && version == 1) block.width -= 1;
   return block;
 }
 

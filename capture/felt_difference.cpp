@@ -27,7 +27,7 @@ std::map<long, Stretch> stretches(const Episode& episode, const Scene& scene) {
   std::map<long, Stretch> places;
   for (Eigen::Index n = 0; n < episode.rows.rows(); ++n) {
     const RowVector row = episode.rows.row(n);
-    Stretch& there = places[std::lround(row[kStates.begin + 5] / kStretch)];
+    Stretch& there = places[std::lround(row[state_column("hand_x")] / kStretch)];
     there.sum += to_hand * (row - rest).segment<3>(kHolder.begin).transpose();
     ++there.rows;
     there.touching += touches(row);

@@ -56,7 +56,7 @@ void extend(std::vector<double>& to, const std::vector<double>& more) {
 }  // namespace
 
 bool touches(const RowVector& row) noexcept {
-  return row[kStates.begin + 13] != 0 || row[kStates.begin + 19] != 0;
+  return row[state_column("end_closed")] != 0 || row[state_column("side_closed")] != 0;
 }
 
 InsertionForces::InsertionForces(const Scene& scene) : to_hand_(scene_scaling(scene).force) {

@@ -35,22 +35,17 @@ class RecordedHand : public Device {
 
 std::string column_name(Eigen::Index column) {
   for (const Block& b : kBlocks)
-    if (column < b.begin + b.width) return fmt::format("{}[{}]", b.name, column - b.begin);
+    if (column < b.end()) return fmt::format("{}[{}]", b.name, column - b.begin);
   return "?";
 }
 
 // Of each column the largest number of its unit in its block.
 Eigen::RowVectorXd row_scale(const EpisodeRows& rows) {
-  const std::string contact = " 1 m m m m 1", pose = " m m m rad rad";
-  const std::string rates = " m/s m/s m/s rad/s rad/s";
   Eigen::RowVectorXd scale = Eigen::RowVectorXd::Zero(kRowSize);
   for (Eigen::Index n = 0; n < rows.count(); n += EpisodeRows::kBlock)
     for (const Block& b : kBlocks) {
-      const Eigen::RowVectorXd largest = largest_by_unit(
-          rows.part_of(n).rows.middleCols(b.begin, b.width),
-          b.begin == kStates.begin
-              ? pose + pose + " s 1 1" + contact + contact + rates + pose + rates + " s J"
-              : b.unit);
+      const Eigen::RowVectorXd largest =
+          largest_by_unit(rows.part_of(n).rows.middleCols(b.begin, b.width), units(b));
       scale.segment(b.begin, b.width) = scale.segment(b.begin, b.width).cwiseMax(largest);
     }
   return scale;

@@ -12,43 +12,48 @@ std::vector<std::string> words(const std::string& text) {
   return all;
 }
 
-std::vector<std::string> prefixed(const std::string& prefix, const std::string& names) {
-  std::vector<std::string> all = words(names);
-  for (std::string& name : all) name.insert(0, prefix);
-  return all;
-}
-
-constexpr const char* kPoseNames = "x y z tilt_y tilt_z";
-
-std::vector<std::string> state_names() {
-  std::vector<std::string> all;
-  const auto add = [&](const std::string& prefix, const std::string& names) {
-    for (std::string& name : prefixed(prefix, names)) all.push_back(std::move(name));
-  };
-  add("tip_", kPoseNames);
-  add("hand_", kPoseNames);
-  add("", "time on_face bridge");
-  for (const char* place : {"end_", "side_"})
-    add(place, "closed depth stuck_x stuck_y stuck_z branch");
-  for (const char* part : {"velocity_", "tip_before_", "velocity_before_"}) add(part, kPoseNames);
-  add("", "period_before air");
-  return all;
-}
-
 }  // namespace
 
 std::vector<std::string> column_names(const Block& block) {
-  if (block.begin == kStates.begin) return state_names();
   if (block.width == 1) return {block.name};
-  if (block.begin != kForces.begin) {
-    const std::string text = block.columns;
-    return words(text.substr(0, text.find(';')));
-  }
   std::vector<std::string> all;
-  for (const char* term : kTermNames)
-    for (const std::string& name : prefixed(std::string(term) + "_", "x y z")) all.push_back(name);
+  const auto add = [&](const std::string& prefix, const std::string& names) {
+    for (const std::string& name : words(names)) all.push_back(prefix + name);
+  };
+  if (block.begin == kForces.begin) {
+    for (const char* term : kTermNames) add(std::string(term) + "_", block.columns);
+  } else if (block.begin == kStates.begin) {
+    for_each_field([&](const StateField& field, auto) { add(field.prefix, field.names); });
+  } else {
+    const std::string text = block.columns;
+    add("", text.substr(0, text.find(';')));
+  }
   all.resize(static_cast<std::size_t>(block.width));
   return all;
+}
+
+std::string about(const Block& block) {
+  std::string text = block.columns;
+  if (block.begin == kForces.begin) {
+    text += " of each of";
+    for (int term = 0; term < block.width / 3; ++term)
+      text += std::string(" ") + kTermNames[static_cast<std::size_t>(term)];
+  } else if (block.begin == kStates.begin) {
+    std::size_t columns = 0;
+    for_each_field([&](const StateField& field, auto) {
+      if (columns < static_cast<std::size_t>(block.width))
+        text += (columns ? "; " : "") + std::string(field.about);
+      columns += words(field.names).size();
+    });
+  }
+  return text;
+}
+
+std::string units(const Block& block) {
+  if (block.begin != kStates.begin) return block.unit;
+  std::string text;
+  for_each_field([&](const StateField& field, auto) { text += std::string(" ") + field.units; });
+  return text;
 }
 
 RowVector make_row(const Tick& tick) noexcept {

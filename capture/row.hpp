@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <string>
 #include <string_view>
@@ -20,59 +21,61 @@ namespace ferrule {
 struct Block {
   const char* name;
   int begin, width;
-  const char* unit;
-  const char* columns;
+  const char* unit;     // of each, or of all
+  const char* columns;  // their names and, after a semicolon, what they are
+
+  constexpr int end() const noexcept { return begin + width; }
 };
 
 inline constexpr int kPose = 5;
 inline constexpr Block kTime{"time", 0, 1, "s", "t"};
-inline constexpr Block kHandPose{"hand_pose", 1, 5, "m m m rad rad", "x y z tilt_y tilt_z"};
-inline constexpr Block kHandVelocity{"hand_velocity", 6, 5, "m/s m/s m/s rad/s rad/s",
+inline constexpr Block kHandPose{"hand_pose", kTime.end(), kPose, "m m m rad rad",
+                                 "x y z tilt_y tilt_z"};
+inline constexpr Block kHandVelocity{"hand_velocity", kHandPose.end(), kPose,
+                                     "m/s m/s m/s rad/s rad/s",
                                      "x y z tilt_y tilt_z; over [t_n-1, t_n)"};
-inline constexpr Block kCommand{"command", 11, 5, "m/s m/s m/s rad/s rad/s",
+inline constexpr Block kCommand{"command", kHandVelocity.end(), kPose, "m/s m/s m/s rad/s rad/s",
                                 "x y z tilt_y tilt_z; of the hand over [t_n, t_n+1)"};
-inline constexpr Block kHolder{"holder_wrench", 16, 5, "N N N N.m N.m",
+inline constexpr Block kHolder{"holder_wrench", kCommand.end(), kPose, "N N N N.m N.m",
                                "Fx Fy Fz My Mz; at the tip's scale, of the fibre on the hand"};
-// "x y z of each of " and the names of the table of terms.
-inline constexpr auto kForceColumns = [] {
-  constexpr std::string_view head = "x y z of each of";
-  constexpr std::size_t size = [head] {
-    std::size_t sum = head.size() + 1;
-    for (const char* name : kTermNames) sum += 1 + std::string_view(name).size();
-    return sum;
-  }();
-  std::array<char, size> text{};
-  std::size_t at = 0;
-  for (const char c : head) text[at++] = c;
-  for (const char* name : kTermNames) {
-    text[at++] = ' ';
-    for (const char c : std::string_view(name)) text[at++] = c;
-  }
-  return text;
-}();
-inline constexpr Block kForces{"forces", 21, 3 * static_cast<int>(kTerms), "N",
-                               kForceColumns.data()};
-// Where a term's force begins in a row.
-constexpr int force_column(Term term) noexcept {
-  return kForces.begin + 3 * static_cast<int>(term);
-}
-inline constexpr Block kStatus{"status", kForces.begin + kForces.width, 1, "1",
+// Those of each term.
+inline constexpr Block kForces{"forces", kHolder.end(), 3 * static_cast<int>(kTerms), "N", "x y z"};
+inline constexpr Block kStatus{"status", kForces.end(), 1, "1",
                                "0 ok, 1 not converged, 2 bad command, 3 capped"};
-inline constexpr Block kStates{
-    "states", kStatus.begin + 1, kStateSize, "m, rad, s",
-    "tip: x y z tilt_y tilt_z; hand at the tip's scale: x y z tilt_y tilt_z; time; on_face; "
-    "bridge; "
-    "end contact: closed depth stuck_x stuck_y stuck_z branch; side contact: the same; "
-    "velocity (5); tip before (5); velocity before (5); period before; air"};
-inline constexpr int kRowSize = kStates.begin + kStateSize;
+// The fields of a state (sim/model/state.hpp) name them.
+inline constexpr Block kStates{"states", kStatus.end(), kStateSize, "m, rad, s", ""};
+inline constexpr int kRowSize = kStates.end();
 inline constexpr std::array kBlocks = {kTime,   kHandPose, kHandVelocity, kCommand,
                                        kHolder, kForces,   kStatus,       kStates};
 
 using RowVector = Eigen::Matrix<double, 1, kRowSize>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, kRowSize, Eigen::RowMajor>;
 
-// The names of a block's columns, one each; of the forces also those of its first columns.
+// Where a term's force begins in a row.
+constexpr int force_column(Term term) noexcept {
+  return kForces.begin + 3 * static_cast<int>(term);
+}
+// Where a number of the state is in a row, by its name: "tip_x", "end_closed".
+consteval int state_column(std::string_view name) {
+  int column = kStates.begin, found = -1;
+  for_each_field([&](const StateField& field, auto) {
+    const std::string_view prefix = field.prefix, names = field.names;
+    for (std::size_t begin = 0; begin < names.size(); ++column) {
+      const std::size_t end = std::min(names.find(' ', begin), names.size());
+      if (name.starts_with(prefix) &&
+          name.substr(prefix.size()) == names.substr(begin, end - begin))
+        found = column;
+      begin = end + 1;
+    }
+  });
+  return found < 0 ? throw "a state has no such number" : found;
+}
+
+// Of a block, of which older files have fewer columns (capture/episode_layout.hpp): their names, one
+// each; what they are, in one text; the unit of each, or of all, in one text.
 std::vector<std::string> column_names(const Block& block);
+std::string about(const Block& block);
+std::string units(const Block& block);
 
 RowVector make_row(const Tick& tick) noexcept;
 

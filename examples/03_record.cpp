@@ -37,7 +37,7 @@ int main(int argc, char** argv) {
   const Episode episode = read_episode(file);
   const Eigen::Index last = episode.rows.rows() - 1;
   std::printf("%s: %td rows; the end came to x = %.2f um\n", file.c_str(), last + 1,
-              1e6 * episode.rows(last, kStates.begin));
+              1e6 * episode.rows(last, state_column("tip_x")));
   // The recorded hand drives the simulator through the same states, bit for bit.
   return last > 100 && !verify(episode) ? 0 : 1;
 }

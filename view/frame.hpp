@@ -1,30 +1,9 @@
 // What the operator's window shows of one tick: a frame, made of a row (capture/row.hpp), so that
 // an insertion that runs and one that was recorded look the same.
 //
-// Columns, all at the tip's scale, in the frame of sim/geometry/pose.hpp (x out of the bore, y up,
-// z to the viewer; insertion is motion along -x), in the units that end their names:
-//   t                          time of the row
-//   holder_*                   pose of the fibre's holder, as that of an end that nothing bends
-//   tip_*                      pose of the fibre's end: its bending is tip - holder
-//   velocity_*                 of the holder, until this row
-//   force_x, _y, _z            of the fibre on the holder as the force sensor reads it, less what
-//                              it read at rest: what is felt
-//   force, limit               magnitude at the holder, weight apart, and the most that is allowed:
-//                              what ends an insertion
-//   depth                      inserted length, >= 0
-//   clearance                  smallest gap between fibre and bore, at its mouth or at the fibre's
-//                              end; outside of it, what the end has left or lacks (< 0) to go in
-//   tilt                       angle between the axes
-//   way_y, way_z               how far the hand has to move sideways to be in the middle of the bore
-//                              (insertion/phase.hpp)
-//   contact0_*, contact1_*     the rim of the end, the side on the bore's mouth (ContactPlace): 1
-//                              where it touches, where on the fibre, and its normal force, pushing
-//                              positive; 0 where it does not
-//   <term>_*                   force on the fibre, of each term that there is (kTermNames)
-//   bridge_on, slip_on         1 while liquid spans the gap; where a contact slipped in this row
-//   phase                      place in kPhases (insertion/phase.hpp)
-//   loss_dB, _offset, _tilt    of the joint, were it to end here (sim/scene/joint.hpp)
-//   period, worst_period, missed, passivity   how the loop does (LoopHealth)
+// The table in view/frame.cpp says what the columns are. All are at the tip's scale, in the frame of
+// sim/geometry/pose.hpp (x out of the bore, y up, z to the viewer; insertion is motion along -x), in
+// the units that end their names.
 #pragma once
 
 #include <string>

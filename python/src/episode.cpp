@@ -128,9 +128,11 @@ void add_episode(nb::module_& module) {
       "Velocity of the hand over [t_n, t_n+1): what it answers to the force of the same row "
       "[m/s, rad/s], hand's world; (N, 5).");
   add("holder_wrench", kHolder, "Of the fibre on the hand [N, N m], at the tip's scale; (N, 5).");
-  add("forces", kForces, "x y z [N] of each of ferrule.terms, at the tip's scale; (N, 33).");
+  add("forces", kForces,
+      "x y z [N] of each of ferrule.terms, at the tip's scale; (N, 3 len(terms)).");
   add("status", kStatus, "0 ok, 1 not converged, 2 bad command, 3 capped; (N,).");
-  add("states", kStates, "The simulator's state, at the tip's scale; (N, 42).");
+  add("states", kStates,
+      "The simulator's state, at the tip's scale: the columns of the file's `states`.");
 }
 
 }  // namespace ferrule::python

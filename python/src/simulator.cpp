@@ -407,7 +407,7 @@ void add_simulator(nb::module_& module) {
           [](const Simulator& s) {
             return s.look([](const SteppedTrial& t) { return array(to_row(t.result().state)); });
           },
-          kOwned, "The state as an episode's `states` have it, at the tip's scale; shape (42,).")
+          kOwned, "The state as a row of an episode's `states` has it, at the tip's scale.")
       .def_prop_ro(
           "tip",
           [](const Simulator& s) {

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <tuple>
+#include <type_traits>
 
 #include "sim/geometry/contact_depth.hpp"
 #include "sim/model/breakdown.hpp"
@@ -36,40 +38,92 @@ struct State {
   double inserted_length() const noexcept { return tip[0] < 0 ? -tip[0] : 0.0; }
 };
 
-// A state as a row of numbers: for files and for comparing bit for bit.
-inline constexpr int kStateSize = 42;
+// A state as a row of numbers: for files and for comparing bit for bit. Some of its numbers:
+struct StateField {
+  const char* prefix;  // of their names
+  const char* names;   // one each
+  const char* units;   // one each
+  const char* about;   // how a file describes them
+};
+
+constexpr auto contact_numbers(auto& contact) {
+  return std::tie(contact.closed, contact.depth, contact.stuck, contact.branch);
+}
+
+// Calls visit(field, numbers_of) for each field, in the order of the row. numbers_of(state) is a
+// tuple of references to the numbers, and to vectors of them.
+template <class Visit>
+constexpr void for_each_field(const Visit& visit) {
+  const char* const pose = "x y z tilt_y tilt_z";
+  const char* const lengths = "m m m rad rad";
+  const char* const rates = "m/s m/s m/s rad/s rad/s";
+  const char* const contact = "closed depth stuck_x stuck_y stuck_z branch";
+  const char* const of_contact = "1 m m m m 1";
+  using Field = StateField;
+  visit(Field{"tip_", pose, lengths, "tip: x y z tilt_y tilt_z"},
+        [](auto& s) { return std::tie(s.tip); });
+  visit(Field{"hand_", pose, lengths, "hand at the tip's scale: x y z tilt_y tilt_z"},
+        [](auto& s) { return std::tie(s.command); });
+  visit(Field{"", "time", "s", "time"}, [](auto& s) { return std::tie(s.time); });
+  visit(Field{"", "on_face", "1", "on_face"}, [](auto& s) { return std::tie(s.side); });
+  visit(Field{"", "bridge", "1", "bridge"}, [](auto& s) { return std::tie(s.bridge); });
+  visit(Field{"end_", contact, of_contact,
+              "end contact: closed depth stuck_x stuck_y stuck_z branch"},
+        [](auto& s) { return contact_numbers(s.contact[kEnd]); });
+  visit(Field{"side_", contact, of_contact, "side contact: the same"},
+        [](auto& s) { return contact_numbers(s.contact[kSide]); });
+  visit(Field{"velocity_", pose, rates, "velocity (5)"},
+        [](auto& s) { return std::tie(s.velocity); });
+  visit(Field{"tip_before_", pose, lengths, "tip before (5)"},
+        [](auto& s) { return std::tie(s.tip_before); });
+  visit(Field{"velocity_before_", pose, rates, "velocity before (5)"},
+        [](auto& s) { return std::tie(s.velocity_before); });
+  visit(Field{"", "period_before", "s", "period before"},
+        [](auto& s) { return std::tie(s.dt_before); });
+  visit(Field{"", "air", "J", "air"}, [](auto& s) { return std::tie(s.air); });
+}
+
+inline constexpr int kStateSize = [] {
+  int size = 0;
+  for_each_field([&](const StateField& field, auto) {
+    ++size;
+    for (const char* c = field.names; *c; ++c) size += *c == ' ';
+  });
+  return size;
+}();
 using StateRow = Eigen::Matrix<double, kStateSize, 1>;
 
-inline StateRow to_row(const State& s) noexcept {
+inline StateRow to_row(const State& state) noexcept {
   StateRow row;
-  row << s.tip, s.command, s.time, s.side == EdgeSide::face ? 1.0 : 0.0, s.bridge ? 1.0 : 0.0,
-      StateRow::Zero().head<12>(), s.velocity, s.tip_before, s.velocity_before, s.dt_before, s.air;
-  for (int place = 0; place < kContactPlaces; ++place) {
-    const ContactState& c = s.contact[place];
-    row.segment<6>(13 + 6 * place) << (c.closed ? 1.0 : 0.0), c.depth, c.stuck,
-        static_cast<double>(c.branch);
-  }
+  double* at = row.data();
+  const auto put = [&](const auto& part) {
+    if constexpr (requires { part.rows(); })
+      for (const double x : part) *at++ = x;
+    else
+      *at++ = static_cast<double>(part);
+  };
+  for_each_field([&](const StateField&, auto numbers_of) {
+    std::apply([&](const auto&... parts) { (put(parts), ...); }, numbers_of(state));
+  });
   return row;
 }
 
 // The state of such a row.
 inline State state_of(const StateRow& row) noexcept {
-  State s;
-  s.tip = row.head<5>();
-  s.command = row.segment<5>(5);
-  s.time = row[10];
-  s.side = row[11] != 0 ? EdgeSide::face : EdgeSide::throat;
-  s.bridge = row[12] != 0;
-  for (int place = 0; place < kContactPlaces; ++place) {
-    const Eigen::Matrix<double, 6, 1> c = row.segment<6>(13 + 6 * place);
-    s.contact[place] = {c[0] != 0, c[1], c.segment<3>(2), static_cast<int>(c[5])};
-  }
-  s.velocity = row.segment<5>(25);
-  s.tip_before = row.segment<5>(30);
-  s.velocity_before = row.segment<5>(35);
-  s.dt_before = row[40];
-  s.air = row[41];
-  return s;
+  State state;
+  const double* at = row.data();
+  const auto take = [&]<class Part>(Part& part) {
+    if constexpr (requires { part.rows(); })
+      for (double& x : part) x = *at++;
+    else if constexpr (std::is_same_v<Part, double> || std::is_same_v<Part, int>)
+      part = static_cast<Part>(*at++);
+    else  // one of two
+      part = static_cast<Part>(*at++ != 0);
+  };
+  for_each_field([&](const StateField&, auto numbers_of) {
+    std::apply([&](auto&... parts) { (take(parts), ...); }, numbers_of(state));
+  });
+  return state;
 }
 
 }  // namespace ferrule

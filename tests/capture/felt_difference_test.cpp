@@ -18,10 +18,10 @@ Episode pushing(const Scene& scene, double felt) {
   for (int n = 0; n < 10 * kPlaces; ++n) {
     const int place = n / 10;
     episode.rows(n, kTime.begin) = 1e-3 * n;
-    episode.rows(n, kStates.begin + 5) = 1e-6 * (5 - place);
+    episode.rows(n, state_column("hand_x")) = 1e-6 * (5 - place);
     episode.rows(n, kHolder.begin + 1) = -3e-6;  // a weight, which is there at rest
     if (place < 5) continue;
-    episode.rows(n, kStates.begin + 13) = 1;
+    episode.rows(n, state_column("end_closed")) = 1;
     episode.rows(n, kHolder.begin) = to_tip * felt;
   }
   return episode;
@@ -52,7 +52,7 @@ TEST(FeltDifference, ComparesWhereBothHaveBeen) {
   Episode shorter = pushing(scene, 1);
   shorter.rows.conservativeResize(10 * 8, Eigen::NoChange);
   EXPECT_EQ(felt_difference(shorter, scene, pushing(scene, 2), scene).all.stretches, 8);
-  shorter.rows.col(kStates.begin + 5).array() += 1;
+  shorter.rows.col(state_column("hand_x")).array() += 1;
   const FeltDifference apart = felt_difference(shorter, scene, pushing(scene, 2), scene);
   EXPECT_EQ(apart.all.stretches, 0);
   EXPECT_TRUE(std::isnan(apart.all.noticed));
@@ -63,7 +63,7 @@ TEST(FeltDifference, TellsWhereBothTouchFromWhereOneDoes) {
   const Scene scene = testing::paper();
   const Episode touches = pushing(scene, 1);
   Episode later = pushing(scene, 2);
-  for (int n = 50; n < 80; ++n) later.rows(n, kStates.begin + 13) = 0;
+  for (int n = 50; n < 80; ++n) later.rows(n, state_column("end_closed")) = 0;
   const FeltDifference d = felt_difference(touches, scene, later, scene);
   EXPECT_EQ(d.either_touches.stretches, kPlaces - 5);
   EXPECT_EQ(d.both_touch.stretches, kPlaces - 8);

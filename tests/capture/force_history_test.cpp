@@ -23,7 +23,7 @@ class Recording {
     return *this;
   }
   Recording& touch(int row) {
-    episode_.rows(row, kStates.begin + 13) = 1;
+    episode_.rows(row, state_column("end_closed")) = 1;
     return *this;
   }
   ForceHistory history() const { return force_history(episode_, scene_); }

@@ -137,13 +137,13 @@ Episode hand_made(const Scene& scene) {
     const double t = 1e-3 * static_cast<double>(n);
     const bool touches = n >= 1000;
     const double force = !touches ? 0 : n < 2000 ? 4e-6 : 2e-6;
-    row[kTime.begin] = row[kStates.begin + 10] = t;
-    row[kStates.begin] = 10e-6 - 10e-6 * t;
-    row[kStates.begin + 13] = touches;
+    row[kTime.begin] = row[state_column("time")] = t;
+    row[state_column("tip_x")] = 10e-6 - 10e-6 * t;
+    row[state_column("end_closed")] = touches;
     row[kCommand.begin] = -10e-6 * scene_scaling(scene).motion;
     row.segment<kPose>(kHolder.begin) = scene.world.holder.weight.transpose();
     row[kHolder.begin + 2] += force;
-    row[kForces.begin + 3 * 6] = touches ? 0.5e-6 : 0;
+    row[force_column(Term::friction)] = touches ? 0.5e-6 : 0;
   }
   return episode;
 }
@@ -260,7 +260,7 @@ TEST(Score, WhatComesAfterTheGoalCountsAgainstItAndIsNoUnsteadiness) {
   const Episode on = hand_made(scene);
   Episode ended = on;
   Eigen::Index rows = 0;
-  while (on.rows(rows, kStates.begin) > -scene.success.depth) ++rows;
+  while (on.rows(rows, state_column("tip_x")) > -scene.success.depth) ++rows;
   ended.rows = on.rows.topRows(rows + 1).eval();
   const Measures short_one = measure(ended, scene), long_one = measure(on, scene);
   EXPECT_LT(rows + 1, on.rows.rows());

@@ -233,7 +233,7 @@ TEST(Trial, IsWhatARecordingOfTheControllerShows) {
     const auto n = static_cast<Eigen::Index>(std::lround(result.summary.time * 1e3));
     ASSERT_LT(n, episode.rows.rows());
     EXPECT_EQ(result.summary.offset,
-              Vector2d(episode.rows.row(n).segment<2>(kStates.begin + 1).transpose()).norm());
+              Vector2d(episode.rows.row(n).segment<2>(state_column("tip_y")).transpose()).norm());
   }
 }
 

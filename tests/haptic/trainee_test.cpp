@@ -197,8 +197,8 @@ TEST(Trainee, InsertsAsInFig10OfThePaper) {
     EXPECT_LT(sideways, 2.5);
     EXPECT_LT(std::abs(rows.back()[kCommand.begin] * to_um), 1.5);
     for (std::size_t n = rows.size() - 1000; n < rows.size(); ++n) {
-      const double adhesion_y = 1e6 * rows[n][kForces.begin + 3 * 4 + 1];
-      const double friction_y = 1e6 * rows[n][kForces.begin + 3 * 6 + 1];
+      const double adhesion_y = 1e6 * rows[n][force_column(Term::adhesion) + 1];
+      const double friction_y = 1e6 * rows[n][force_column(Term::friction) + 1];
       EXPECT_GT(adhesion_y + friction_y, -10) << trial;
       ASSERT_LT(adhesion_y + friction_y, -5) << trial;
     }

@@ -2,6 +2,7 @@ import glob
 import json
 import os
 import pty
+import re
 import signal
 import subprocess
 import time
@@ -111,6 +112,21 @@ class Recording(Case):
                     self.assertIn("columns", item.attrs, name)
 
             demo.visititems(units)
+
+    def test_the_readme_lists_the_columns_of_an_episode(self):
+        (file,) = self.record(self.path("listed"), episodes=1)
+        with open(os.path.join(SOURCE, "capture/README.md"), encoding="utf-8") as page:
+            readme = page.read()
+        listed = re.findall(r"^  ((?:rows/|obs/)?\w+) +\(N(?:, (\d+))?\)", readme, re.MULTILINE)
+        self.assertGreater(len(listed), 10)
+        with h5py.File(file) as f:
+            demo = f["data/demo_0"]
+            for name, width in listed:
+                self.assertEqual(demo[name].shape[1:], (int(width),) if width else (), name)
+            for name in ("rows/forces", "states"):
+                self.assertIn(demo[name].attrs["about"].decode(), " ".join(readme.split()))
+            numbers = sum(demo[name].size for name in [*("rows/" + key for key in demo["rows"]), "states"])
+            self.assertIn(f"{8 * numbers // len(demo['time'])} bytes each", readme)
 
     def test_dimensions_have_scales_and_columns_names(self):
         self.done("record", "--scene", "paper", "--set", "start.lateral_sd_um=0", "--seed", "5",

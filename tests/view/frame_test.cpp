@@ -18,6 +18,13 @@ struct Shown {
   InsertionEnd end;
 };
 
+std::size_t column(const std::string& name) {
+  const auto names = frame_columns();
+  const auto found = std::find(names.begin(), names.end(), name);
+  EXPECT_NE(found, names.end()) << name;
+  return static_cast<std::size_t>(found - names.begin());
+}
+
 Shown shown(const Scene& scene, std::uint64_t trial) {
   const auto hand = simulated_operator(testing::setup(scene, trial), 0.8);
   FrameMaker make(scene, ForceSensor(scene.sensor, 1, trial), 1e-3);
@@ -27,19 +34,13 @@ Shown shown(const Scene& scene, std::uint64_t trial) {
     all.frames.push_back(make(all.rows.back()));
     // What is felt is what the loop's sensor read.
     const auto& felt = all.frames.back();
+    static const std::size_t force = column("force_x_uN");
     for (std::size_t i = 0; i < 3; ++i)
-      EXPECT_EQ(felt[14 + i], static_cast<float>(1e6 * (tick.relative[static_cast<int>(i)] /
-                                                        scene_scaling(scene).force)));
+      EXPECT_EQ(felt[force + i], static_cast<float>(1e6 * (tick.relative[static_cast<int>(i)] /
+                                                           scene_scaling(scene).force)));
     return true;
   });
   return all;
-}
-
-std::size_t column(const std::string& name) {
-  const auto names = frame_columns();
-  const auto found = std::find(names.begin(), names.end(), name);
-  EXPECT_NE(found, names.end()) << name;
-  return static_cast<std::size_t>(found - names.begin());
 }
 
 TEST(Frame, HasANameOfItsOwnForEveryColumn) {

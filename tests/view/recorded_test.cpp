@@ -22,7 +22,7 @@ ReplayRun failed_run(const Scene& scene) {
 }
 
 float time_of(const Frame& frame) {
-  return frame[0];  // the first column, as view/frame.hpp has it
+  return frame[0];  // the first column, as view/frame.cpp has it
 }
 
 TEST(Recorded, ATrialMadeAgainEndsAsInItsCampaign) {

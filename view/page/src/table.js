@@ -1,4 +1,4 @@
-// Frames of an insertion: a table of float32, columns by name (view/frame.hpp says which).
+// Frames of an insertion: a table of float32, columns by name (view/frame.cpp says which).
 
 /** @typedef {(name: string) => number} Read  one row, read by the name of a column; NaN: no such column */
 
