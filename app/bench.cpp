@@ -388,7 +388,6 @@ std::string count_and_interval(std::size_t count, const Interval& i) {
 }
 Columns<PlanRow> plan_columns() {
   return {{"scene", "scene", "<10", &PlanRow::scene},
-          {"plan_for", "for", "<8", &PlanRow::plan_for},
           {"planning_s", "plan [s]", ">8.2f", &PlanRow::planning_s},
           {"error_bound", "bound", ">9.2g", &PlanRow::error_bound, "inf"},
           {"sampled_twice", "sampled twice", ">14.2g", &PlanRow::sampled_twice},

@@ -35,14 +35,12 @@ void run(const Scene& scene, std::uint64_t seed, std::size_t trials, Campaign& c
   campaign.us_per_simulated_s.push_back(1e6 * seconds / simulated);
 }
 
-PlanRow measured(const std::string& name, PlanFor quantity, std::uint64_t seed,
-                 std::size_t trials) {
+PlanRow measured(const std::string& name, std::uint64_t seed, std::size_t trials) {
   const Scene scene = load_scene(name);
   PlanRow row{};
   row.scene = name;
-  row.plan_for = quantity == PlanFor::success ? "success" : "motion";
   Plan plan;
-  row.planning_s = seconds_of([&] { plan = make_plan(scene, kTolerance, {}, quantity); });
+  row.planning_s = seconds_of([&] { plan = make_plan(scene, kTolerance, {}, PlanFor::success); });
   row.error_bound = plan.error_bound;
   row.sampled_twice = plan.sampled_twice;
   const Scene planned = parse_scene(plan.document, name);
@@ -75,8 +73,7 @@ std::vector<PlanRow> bench_plans(std::uint64_t seed, std::size_t trials,
                                  const std::vector<std::string>& scenes, const GoOn& go_on) {
   Cases<PlanRow> cases;
   for (const std::string& name : scenes)
-    for (const PlanFor quantity : {PlanFor::motion, PlanFor::success})
-      add_case(cases, [=] { return measured(name, quantity, seed, trials); });
+    add_case(cases, [=] { return measured(name, seed, trials); });
   return rows_of(cases, go_on);
 }
 

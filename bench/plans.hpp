@@ -1,4 +1,5 @@
-// Whether planning pays: campaigns of the full model beside those of the planned scene.
+// Whether planning for the success rate pays: campaigns of the full model beside those of the scene
+// as shipped and as planned.
 #pragma once
 
 #include <string>
@@ -12,9 +13,8 @@ namespace ferrule {
 
 struct PlanRow {
   std::string scene;
-  std::string plan_for;  // "motion", "success"
-  double planning_s;     // of the processor
-  double error_bound;    // the plan's
+  double planning_s;   // of the processor
+  double error_bound;  // the plan's
   double sampled_twice;
   // Of a campaign on one core, sensor, controller and all, in turns; the least of each [us of the
   // processor].
@@ -25,8 +25,7 @@ struct PlanRow {
   Interval full_interval, planned_interval;     // 95 %, Wilson
 };
 
-// Each scene, planned for a tolerance of 0.01 of the motion and of the success rate, and `trials`
-// trials of `seed`. The full model is the scene in the finest fidelity (16 nodes), every step
+// Each scene, planned for a tolerance of 0.01 of the success rate, and `trials` trials of `seed`. The full model is the scene in the finest fidelity (16 nodes), every step
 // solved.
 std::vector<PlanRow> bench_plans(std::uint64_t seed, std::size_t trials,
                                  const std::vector<std::string>& scenes, const GoOn& go_on = {});

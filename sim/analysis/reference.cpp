@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::size_t kEveryForSteps = 5;        // from which a step is compared
 constexpr std::size_t kEveryForIntervals = 500;  // and an interval
-constexpr double kFiner = 8;                     // times the steps that it is compared with
 constexpr double kMost = 0.95;  // of steps and intervals, whose error is below the bound
 
 // The value that all but a few are below.
@@ -59,9 +58,9 @@ void Reference::find_extremes(const StepResult& now) {
   }
 }
 
-double Reference::error(const World& reduced, double enough) const {
+double Reference::error(const World& reduced) const {
   double worst = 0;
-  for (std::size_t k = 0; k < probes.size() && worst <= enough; ++k) {
+  for (std::size_t k = 0; k < probes.size(); ++k) {
     if (!watch.next()) return INFINITY;
     const Probe& p = probes[k];
     const SampledRun r = sample_run(reduced, p.start, p.hand, INFINITY);

@@ -15,6 +15,7 @@
 
 namespace ferrule {
 
+inline constexpr double kFiner = 8;  // how much finer the steps are that a step is compared with
 inline constexpr std::size_t kResampled = 2;       // probes that are sampled twice as finely
 inline constexpr std::size_t kProbesForSteps = 4;  // along which steps are compared: one of a kind
 
@@ -48,7 +49,6 @@ struct Reference {
   double force_scale = INFINITY;              // what force errors are relative to [N]
   bool sticks = false;                        // or snaps
   std::vector<std::vector<State>> intervals;  // of each probe, where they begin
-  double step_error = 0;                      // of its own step, where that was chosen [-]
 
   Reference(Scene full, Runs& watched);
   const Extreme& extreme(Term term) const { return extremes[static_cast<std::size_t>(term)]; }
@@ -63,14 +63,13 @@ struct Reference {
     return changes(term == Term::particle && particle ? unusual_height(*particle) / compliance
                                                       : extreme(term).force);
   }
-  // The largest error of a reduced model in any probe, or the first beyond `enough`; infinite where
-  // that was not run to its end.
-  double error(const World& reduced, double enough) const;
+  // The largest error of a reduced model in any probe; infinite where not all were run.
+  double error(const World& reduced) const;
   // What all but a few of the steps of a reduced model miss those by that `full` makes from the
   // same states.
   double error_of_steps(const World& reduced, const World& full) const;
   // What all but a few short intervals miss those by that begin in the same states and are taken
-  // in much finer steps.
+  // in kFiner times finer steps.
   double error_of_intervals() const;
   // By how much the full model ends elsewhere where the hand is sampled twice as finely.
   double sampled_twice() const;

@@ -9,9 +9,9 @@
 namespace ferrule {
 namespace {
 
-// The planned scene with one of its terms alone, or with none for "".
-World with_only(const Plan& plan, const Scene& scene, const std::string& name) {
-  WorldParameters parameters = parse_scene(plan.document, scene.name).parameters;
+// The planned scene with one of the scene's terms alone, or with none for "".
+World with_only(const Scene& planned, const Scene& scene, const std::string& name) {
+  WorldParameters parameters = planned.parameters;
   parameters.laws = scene.parameters.laws;
   for (const Term term : kAllTerms)
     if (info(term).name != name) info(term).leave_out(parameters.laws);
@@ -25,7 +25,8 @@ World with_only(const Plan& plan, const Scene& scene, const std::string& name) {
 
 double term_cost(const Plan& plan, const Scene& scene, const PlannedTerm& term) {
   constexpr int kRounds = 8;  // both are timed in turns, so that neither is the one disturbed
-  const World with = with_only(plan, scene, term.name), without = with_only(plan, scene, "");
+  const Scene planned = parse_scene(plan.document, scene.name);
+  const World with = with_only(planned, scene, term.name), without = with_only(planned, scene, "");
   const auto time = [&](const World& world) {
     return nanoseconds_per_call(
         [&](long) {
