@@ -1,10 +1,10 @@
 // ferrule bench: speed against error.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <functional>
 #include <map>
-#include <optional>
 #include <tuple>
 
 #include "app/columns.hpp"
@@ -32,33 +32,26 @@ namespace {
 struct BenchArguments {
   std::string what, plot;
   std::uint64_t seed = 1;
-  std::optional<std::size_t> scenes;
-  std::size_t trials = 100;
+  std::size_t scenes = 0, trials = 100;  // scenes 0: as many as the benchmark takes by itself
   std::string scene;
   Output output;
 };
-
-constexpr std::size_t kScenes = 200;
 
 std::vector<std::string> scenes_of(const BenchArguments& a) {
   return a.scene.empty() ? shipped_scenes() : std::vector<std::string>{a.scene};
 }
 
-// Every benchmark makes its own scenes of one that ships. Partial where Ctrl-C ended it.
-Provenance provenance_of_bench() {
-  Provenance provenance;
-  provenance.read(scene_file("paper"));
-  if (interrupted()) provenance.partial("the cases as far as they were run");
-  return provenance;
-}
+// What a benchmark found.
+struct Told {
+  std::string text;  // tables, and notes that explain them
+  Json json;         // the table is its "rows"
+  bool passed = true;
+};
 
-// Of the benchmarks that draw motions in shipped scenes.
-Provenance provenance_of_steps(const BenchArguments& a, const std::vector<std::string>& scenes) {
-  Provenance provenance = provenance_of_bench();
-  for (const std::string& name : scenes)
-    if (name != "paper") provenance.read(scene_file(name));
-  provenance.seed("scenes, starts and motions", a.seed);
-  return provenance;
+// What was measured as a table, which `note` explains.
+template <class Row>
+Told told(const Columns<Row>& columns, const std::vector<Row>& rows, const std::string& note = "") {
+  return {table_text(columns, rows) + note, {{"rows", table_json(columns, rows)}}};
 }
 
 // Progress of a benchmark, which Ctrl-C ends between two cases.
@@ -68,10 +61,6 @@ GoOn watched(const std::string& what) {
     (*progress)(done, "", all);
     return !interrupted();
   };
-}
-
-int ended(bool passed) {
-  return interrupted() ? kInterrupted : passed ? kDone : kFailed;
 }
 
 // Error and cost of everything with a name, one line for each name.
@@ -151,7 +140,7 @@ Columns<CampaignRow> campaign_columns() {
           {"capped", "capped", ">7", &CampaignRow::capped}};
 }
 
-int speed_and_error(const BenchArguments& a) {
+Told speed_and_error(const BenchArguments& a) {
   const std::vector<LawRow> laws = bench_laws(watched("laws"));
   const std::vector<SteppingRow> stepping = bench_stepping(watched("stepping"));
   const std::vector<CampaignRow> campaigns = bench_campaigns(watched("campaigns"));
@@ -159,64 +148,39 @@ int speed_and_error(const BenchArguments& a) {
   if (!a.plot.empty() && !interrupted()) draw(a.plot, laws, stepping);
   const auto of_laws = cost_columns("law", "fidelity", &LawRow::fidelity);
   const auto of_controllers = cost_columns("controller", "shape", &ControllerRow::shape);
-  const Provenance provenance = provenance_of_bench();
   Json json = {{"laws", table_json(of_laws, laws)},
                {"stepping", table_json(stepping_columns(), stepping)},
                {"campaigns", table_json(campaign_columns(), campaigns)},
                {"controllers", table_json(of_controllers, controllers)}};
-  if (a.output.text()) {
-    print_table(of_laws, laws);
-    fmt::print("\n");
-    print_table(stepping_columns(), stepping);
-    fmt::print("\n");
-    print_table(campaign_columns(), campaigns);
-    fmt::print("\n");
-    print_table(of_controllers, controllers);
-    fmt::print("{}", provenance.foot());
-  } else if (a.output.csv) {  // the tables in one
-    json["table"] = Json::array();
+  if (a.output.csv) {  // the tables in one
+    Json rows = Json::array();
     for (const char* of : {"laws", "stepping", "campaigns", "controllers"})
       for (const Json& row : json[of]) {
-        json["table"].push_back({{"of", of}});
-        json["table"].back().update(row);
+        rows.push_back({{"of", of}});
+        rows.back().update(row);
       }
+    json["rows"] = rows;
   }
-  print_result(a.output, json, "table", provenance);
-  return ended(true);
-}
-
-// The rows of what was measured: as a table, which `note` explains, with the provenance below it,
-// or as what was asked for, with `more`.
-template <class Row>
-int show(const BenchArguments& a, const Columns<Row>& columns, const std::vector<Row>& rows,
-         const std::string& note, const Provenance& provenance, bool passed = true,
-         const Json& more = Json::object()) {
-  if (a.output.text()) {
-    print_table(columns, rows);
-    fmt::print("{}{}", note, provenance.foot());
-  }
-  Json json = {{"rows", table_json(columns, rows)}};
-  json.update(more);
-  print_result(a.output, json, "rows", provenance);
-  return ended(passed);
+  return {table_text(of_laws, laws) + "\n" + table_text(stepping_columns(), stepping) + "\n" +
+              table_text(campaign_columns(), campaigns) + "\n" +
+              table_text(of_controllers, controllers),
+          json};
 }
 
 const char* status(const HardRow& r) {
   return !r.finite ? "NaN" : r.gained ? "gained" : r.passed() ? "ok" : "wrong";
 }
 
-Columns<HardRow> hard_columns() {
-  return {{"case", "case", "<62", &HardRow::name},
-          {"step_s", "step [s]", ">8g", &HardRow::step_s},
-          {"error", "error", ">9.2g", &HardRow::error, "nan"},
-          {"status", "status", "<7", status},
-          {"result", "result", "", &HardRow::result}};
-}
-
-int hard(const BenchArguments& a) {
+Told hard(const BenchArguments&) {
   const std::vector<HardRow> rows = bench_hard(watched("hard cases"));
-  return show(a, hard_columns(), rows, "", provenance_of_bench(),
-              std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed)));
+  Told all = told({{"case", "case", "<62", &HardRow::name},
+                   {"step_s", "step [s]", ">8g", &HardRow::step_s},
+                   {"error", "error", ">9.2g", &HardRow::error, "nan"},
+                   {"status", "status", "<7", status},
+                   {"result", "result", "", &HardRow::result}},
+                  rows);
+  all.passed = std::all_of(rows.begin(), rows.end(), std::mem_fn(&HardRow::passed));
+  return all;
 }
 
 Columns<CaptureRow> capture_columns() {
@@ -244,143 +208,109 @@ Columns<CaptureCount> capture_count_columns() {
            [](auto& c) { return fmt::format("{} of {}", c.second.first, c.second.second); }}};
 }
 
-void print_capture(const std::vector<CaptureRow>& rows, std::size_t wrong) {
+Told capture(const BenchArguments&) {
+  const std::vector<CaptureRow> rows = bench_capture(watched("capture"));
+  std::size_t wrong = 0;
   std::map<CaptureCount::first_type, CaptureCount::second_type> counts;
   for (const CaptureRow& r : rows) {
+    wrong += r.inserted != r.expected();
     auto& [in, all] =
         counts[{r.lead_in, r.edge_um, r.cleave_deg, r.offset_clearances, r.expected()}];
     in += r.inserted;
     ++all;
   }
-  print_table(capture_count_columns(), {counts.begin(), counts.end()});
-  fmt::print(
-      "offsets in clearances; a sharp bore takes those below 1, a lead-in those below its rim; a "
+  const std::string text = fmt::format(
+      "{}offsets in clearances; a sharp bore takes those below 1, a lead-in those below its rim; a "
       "rounded end its radius more; a cleaved one while its foremost point is over the bore\n"
       "{} of {} wrong\n",
-      wrong, rows.size());
+      table_text(capture_count_columns(), {counts.begin(), counts.end()}), wrong, rows.size());
+  return {text, {{"rows", table_json(capture_columns(), rows)}, {"wrong", wrong}}, wrong == 0};
 }
 
-int capture(const BenchArguments& a) {
-  const std::vector<CaptureRow> rows = bench_capture(watched("capture"));
-  const Provenance provenance = provenance_of_bench();
-  std::size_t wrong = 0;
-  for (const CaptureRow& r : rows) wrong += r.inserted != r.expected();
-  if (a.output.text()) {
-    print_capture(rows, wrong);
-    fmt::print("{}", provenance.foot());
-  }
-  print_result(a.output, {{"rows", table_json(capture_columns(), rows)}, {"wrong", wrong}}, "rows",
-               provenance);
-  return ended(wrong == 0);
+Told recording(const BenchArguments&) {
+  return told(
+      {{"scene", "scene", "<10", &RecordingRow::scene},
+       {"rows", "rows", ">8", &RecordingRow::rows},
+       {"us_per_row", "us a row, recorded", ">18.2f", &RecordingRow::us_per_row},
+       {"us_per_row_written", "us a row, written", ">18.2f", &RecordingRow::us_per_row_written},
+       {"kB_per_s", "kB per second", ">14.0f", &RecordingRow::kB_per_s}},
+      bench_recording(watched("recording")),
+      "recorded: time of the loop's thread; written: until a child process has made the file\n");
 }
 
-Columns<RecordingRow> recording_columns() {
-  return {{"scene", "scene", "<10", &RecordingRow::scene},
-          {"rows", "rows", ">8", &RecordingRow::rows},
-          {"us_per_row", "us a row, recorded", ">18.2f", &RecordingRow::us_per_row},
-          {"us_per_row_written", "us a row, written", ">18.2f", &RecordingRow::us_per_row_written},
-          {"kB_per_s", "kB per second", ">14.0f", &RecordingRow::kB_per_s}};
+Told tail(const BenchArguments& a) {
+  return told({{"scene", "scene", "<10", &TailRow::scene},
+               {"steps", "steps", ">9", &TailRow::steps},
+               {"not_converged", "failed", ">7", &TailRow::not_converged},
+               {"capped", "capped", ">7", &TailRow::capped},
+               {"evaluations_p9999", "eval 99.99 %", ">12", &TailRow::evaluations_p9999},
+               {"evaluations_max", "eval most", ">9", &TailRow::evaluations_max},
+               {"p9999_us", "us 99.99 %", ">12.3g", &TailRow::p9999_us},
+               {"worst_us", "us most", ">9.3g", &TailRow::worst_us},
+               {"loops", "loops", ">6", &TailRow::loops},
+               {"loops_that_gained", "gained", ">7", &TailRow::loops_that_gained}},
+              bench_tail(a.seed, a.scenes, watched("tail")));
 }
 
-int recording(const BenchArguments& a) {
-  return show(
-      a, recording_columns(), bench_recording(watched("recording")),
-      "recorded: time of the loop's thread; written: until a child process has made the file\n",
-      provenance_of_bench());
+Told events(const BenchArguments& a) {
+  return told(
+      {{"scene", "scene", "<10", &EventRow::scene},
+       {"motion", "motion", "<10", &EventRow::motion},
+       {"step_s", "", "", &EventRow::step_s},
+       {"", "step [ms]", ">9.4g", [](auto& r) { return 1e3 * r.step_s; }},
+       {"pose_difference_clearances", "pose [clearances]", ">18.2g",
+        &EventRow::pose_difference_clearances},
+       {"force_difference_relative", "force", ">12.2g", &EventRow::force_difference_relative},
+       {"share_above_1_percent", "above 1 %", ">11.2g", &EventRow::share_above_1_percent},
+       {"us_per_simulated_s", "us per simul. s", ">16.4g", &EventRow::us_per_simulated_s},
+       {"not_converged", "failed", ">7", &EventRow::not_converged},
+       {"capped", "capped", ">7", &EventRow::capped}},
+      bench_events(a.seed, a.scenes, scenes_of(a), watched("events")));
 }
 
-Columns<TailRow> tail_columns() {
-  return {{"scene", "scene", "<10", &TailRow::scene},
-          {"steps", "steps", ">9", &TailRow::steps},
-          {"not_converged", "failed", ">7", &TailRow::not_converged},
-          {"capped", "capped", ">7", &TailRow::capped},
-          {"evaluations_p9999", "eval 99.99 %", ">12", &TailRow::evaluations_p9999},
-          {"evaluations_max", "eval most", ">9", &TailRow::evaluations_max},
-          {"p9999_us", "us 99.99 %", ">12.3g", &TailRow::p9999_us},
-          {"worst_us", "us most", ">9.3g", &TailRow::worst_us},
-          {"loops", "loops", ">6", &TailRow::loops},
-          {"loops_that_gained", "gained", ">7", &TailRow::loops_that_gained}};
-}
-
-int tail(const BenchArguments& a) {
-  return show(a, tail_columns(), bench_tail(a.seed, a.scenes.value_or(kScenes), watched("tail")),
-              "", provenance_of_steps(a, shipped_scenes()));
-}
-
-Columns<EventRow> event_columns() {
-  return {{"scene", "scene", "<10", &EventRow::scene},
-          {"motion", "motion", "<10", &EventRow::motion},
-          {"step_s", "", "", &EventRow::step_s},
-          {"", "step [ms]", ">9.4g", [](auto& r) { return 1e3 * r.step_s; }},
-          {"pose_difference_clearances", "pose [clearances]", ">18.2g",
-           &EventRow::pose_difference_clearances},
-          {"force_difference_relative", "force", ">12.2g", &EventRow::force_difference_relative},
-          {"share_above_1_percent", "above 1 %", ">11.2g", &EventRow::share_above_1_percent},
-          {"us_per_simulated_s", "us per simul. s", ">16.4g", &EventRow::us_per_simulated_s},
-          {"not_converged", "failed", ">7", &EventRow::not_converged},
-          {"capped", "capped", ">7", &EventRow::capped}};
-}
-
-int events(const BenchArguments& a) {
-  const auto rows = bench_events(a.seed, a.scenes.value_or(2), scenes_of(a), watched("events"));
-  return show(a, event_columns(), rows, "", provenance_of_steps(a, scenes_of(a)));
-}
-
-Columns<ParameterRow> parameter_columns() {
-  return {{"parameter", "parameter", "<22", &ParameterRow::parameter},
-          {"factor", "factor", ">6.2g", &ParameterRow::factor},
-          {"value", "value", ">9.4g", &ParameterRow::value},
-          {"steps", "", "", &ParameterRow::steps},
-          {"evaluations", "evaluations", ">11.4f", &ParameterRow::evaluations},
-          {"evaluations_max", "most", ">9", &ParameterRow::evaluations_max},
-          {"not_converged", "failed", ">7", &ParameterRow::not_converged},
-          {"iteration_limit", "at limit", ">8", &ParameterRow::iteration_limit},
-          {"error_p99_clearances", "error 99 %", ">12.2g", &ParameterRow::error_p99},
-          {"error_max_clearances", "error most", ">12.2g", &ParameterRow::error_max}};
-}
-
-int parameters(const BenchArguments& a) {
-  const auto rows =
-      bench_parameters(a.seed, a.scenes.value_or(1), scenes_of(a), watched("parameters"));
-  return show(a, parameter_columns(), rows,
+Told parameters(const BenchArguments& a) {
+  return told({{"parameter", "parameter", "<22", &ParameterRow::parameter},
+               {"factor", "factor", ">6.2g", &ParameterRow::factor},
+               {"value", "value", ">9.4g", &ParameterRow::value},
+               {"steps", "", "", &ParameterRow::steps},
+               {"evaluations", "evaluations", ">11.4f", &ParameterRow::evaluations},
+               {"evaluations_max", "most", ">9", &ParameterRow::evaluations_max},
+               {"not_converged", "failed", ">7", &ParameterRow::not_converged},
+               {"iteration_limit", "at limit", ">8", &ParameterRow::iteration_limit},
+               {"error_p99_clearances", "error 99 %", ">12.2g", &ParameterRow::error_p99},
+               {"error_max_clearances", "error most", ">12.2g", &ParameterRow::error_max}},
+              bench_parameters(a.seed, a.scenes, scenes_of(a), watched("parameters")),
               "evaluations: of the potential, per step; error: of a step against a strict one from "
-              "the same state, in clearances\n",
-              provenance_of_steps(a, scenes_of(a)));
+              "the same state, in clearances\n");
 }
 
-Columns<TurnRow> turn_columns() {
-  return {{"scene", "scene", "<10", &TurnRow::scene},
-          {"motion", "motion", "<10", &TurnRow::motion},
-          {"turned_90", "turned by 90", ">13.2g", &TurnRow::quarter},
-          {"turned_37", "by 37 deg", ">12.2g", &TurnRow::any},
-          {"mirrored", "mirrored", ">12.2g", &TurnRow::mirrored},
-          {"starts", "starts", ">12", &TurnRow::starts},
-          {"off", "off by 1e-6", ">12", &TurnRow::off}};
+Told turns(const BenchArguments& a) {
+  return told({{"scene", "scene", "<10", &TurnRow::scene},
+               {"motion", "motion", "<10", &TurnRow::motion},
+               {"turned_90", "turned by 90", ">13.2g", &TurnRow::quarter},
+               {"turned_37", "by 37 deg", ">12.2g", &TurnRow::any},
+               {"mirrored", "mirrored", ">12.2g", &TurnRow::mirrored},
+               {"starts", "starts", ">12", &TurnRow::starts},
+               {"off", "off by 1e-6", ">12", &TurnRow::off}},
+              bench_turns(a.seed, a.scenes, watched("turns")));
 }
 
-int turns(const BenchArguments& a) {
-  return show(a, turn_columns(), bench_turns(a.seed, a.scenes.value_or(kScenes), watched("turns")),
-              "", provenance_of_steps(a, shipped_scenes()));
-}
-
-Columns<PartRow> part_columns() {
-  return {{"scene", "scene", "<10", &PartRow::scene},
-          {"part", "with", "<20", &PartRow::part},
-          {"controller", "controller", "<18", &PartRow::controller},
-          {"trials", "", "", &PartRow::trials},
-          {"inserted", "", "", &PartRow::inserted},
-          {"low", "", "", [](auto& r) { return r.interval.low; }},
-          {"high", "", "", [](auto& r) { return r.interval.high; }},
-          {"", "inserted", ">12",
-           [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }},
-          {"", "95 % [%]", ">18", [](auto& r) {
-             return fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low, 100 * r.interval.high);
-           }}};
-}
-
-int parts(const BenchArguments& a) {
-  return show(a, part_columns(), bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")),
-              "", provenance_of_steps(a, scenes_of(a)));
+Told parts(const BenchArguments& a) {
+  return told({{"scene", "scene", "<10", &PartRow::scene},
+               {"part", "with", "<20", &PartRow::part},
+               {"controller", "controller", "<18", &PartRow::controller},
+               {"trials", "", "", &PartRow::trials},
+               {"inserted", "", "", &PartRow::inserted},
+               {"low", "", "", [](auto& r) { return r.interval.low; }},
+               {"high", "", "", [](auto& r) { return r.interval.high; }},
+               {"", "inserted", ">12",
+                [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }},
+               {"", "95 % [%]", ">18",
+                [](auto& r) {
+                  return fmt::format("{:.1f} to {:.1f}", 100 * r.interval.low,
+                                     100 * r.interval.high);
+                }}},
+              bench_parts(a.seed, a.trials, scenes_of(a), watched("campaigns")));
 }
 
 std::string count_and_interval(std::size_t count, const Interval& i) {
@@ -408,56 +338,125 @@ Columns<PlanRow> plan_columns() {
            [](auto& r) { return count_and_interval(r.planned_inserted, r.planned_interval); }}};
 }
 
-int plans(const BenchArguments& a) {
-  return show(a, plan_columns(), bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")),
+Told plans(const BenchArguments& a) {
+  return told(plan_columns(), bench_plans(a.seed, a.trials, scenes_of(a), watched("campaigns")),
               "full (every step solved), shipped, planned: us of the processor per simulated s of "
-              "a campaign\n",
-              provenance_of_steps(a, scenes_of(a)));
+              "a campaign\n");
 }
 
-Columns<SensorRow> sensor_columns() {
-  return {{"scene", "scene", "<10", &SensorRow::scene},
-          {"sensor", "sensor", "<32", &SensorRow::sensor},
-          {"trials", "", "", &SensorRow::trials},
-          {"inserted", "", "", &SensorRow::inserted},
-          {"", "inserted", ">12",
-           [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }}};
-}
-
-int sensors(const BenchArguments& a) {
-  return show(a, sensor_columns(),
+Told sensors(const BenchArguments& a) {
+  return told({{"scene", "scene", "<10", &SensorRow::scene},
+               {"sensor", "sensor", "<32", &SensorRow::sensor},
+               {"trials", "", "", &SensorRow::trials},
+               {"inserted", "", "", &SensorRow::inserted},
+               {"", "inserted", ">12",
+                [](auto& r) { return fmt::format("{} of {}", r.inserted, r.trials); }}},
               bench_sensors(a.seed, a.trials, scenes_of(a), watched("sensors")),
               "inserted by the law of 20 demonstrations, of the pairs of parts that fit; errors as "
-              "parts of the force limit; none: straight in at constant velocity\n",
-              provenance_of_steps(a, scenes_of(a)));
+              "parts of the force limit; none: straight in at constant velocity\n");
 }
 
-Columns<PeerRow> peer_columns() {
-  return {
-      {"engine", "engine", "<8", &PeerRow::engine},
-      {"version", "version", "<8", &PeerRow::version},
-      {"segments", "", "", &PeerRow::segments},
-      {"", "segments", ">8",
-       [](auto& r) { return r.segments ? fmt::format("{}", r.segments) : "round"; }},
-      {"step_s", "step [s]", ">8g", &PeerRow::step_s},
-      {"us_per_simulated_ms", "us per ms", ">9.3g", &PeerRow::us_per_simulated_ms},
-      {"pose_error_um", "pose [um]", ">10.3g", &PeerRow::pose_error_um, "diverged"},
-      {"force_error_relative", "force error", ">11.2g", &PeerRow::force_error_relative, "diverged"},
-      {"penetration_um", "penetr.[um]", ">11.3g", &PeerRow::penetration_um, "diverged"},
-      {"outside", "", "", &PeerRow::outside},
-      {"let_in", "", "", &PeerRow::let_in},
-      {"", "let in", ">8", [](auto& r) { return fmt::format("{} of {}", r.let_in, r.outside); }},
-      {"settings", "settings", "", &PeerRow::settings}};
-}
-
-int peers(const BenchArguments& a) {
+Told peers(const BenchArguments&) {
   const PeerBench bench = bench_peers(watched("engines"));
   for (const std::string& missing : bench.missing)
     fmt::print(stderr, "ferrule: not measured: {}\n", missing);
-  return show(a, peer_columns(), bench.rows,
-              "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: "
-              "of fibres that start beside a sharp bore\n",
-              provenance_of_bench(), true, {{"not_measured", bench.missing}});
+  Told all = told(
+      {{"engine", "engine", "<8", &PeerRow::engine},
+       {"version", "version", "<8", &PeerRow::version},
+       {"segments", "", "", &PeerRow::segments},
+       {"", "segments", ">8",
+        [](auto& r) { return r.segments ? fmt::format("{}", r.segments) : "round"; }},
+       {"step_s", "step [s]", ">8g", &PeerRow::step_s},
+       {"us_per_simulated_ms", "us per ms", ">9.3g", &PeerRow::us_per_simulated_ms},
+       {"pose_error_um", "pose [um]", ">10.3g", &PeerRow::pose_error_um, "diverged"},
+       {"force_error_relative", "force error", ">11.2g", &PeerRow::force_error_relative,
+        "diverged"},
+       {"penetration_um", "penetr.[um]", ">11.3g", &PeerRow::penetration_um, "diverged"},
+       {"outside", "", "", &PeerRow::outside},
+       {"let_in", "", "", &PeerRow::let_in},
+       {"", "let in", ">8", [](auto& r) { return fmt::format("{} of {}", r.let_in, r.outside); }},
+       {"settings", "settings", "", &PeerRow::settings}},
+      bench.rows,
+      "pose, force and penetration: largest error in the motion, clearance 0.5 um; let in: "
+      "of fibres that start beside a sharp bore\n");
+  all.json["not_measured"] = bench.missing;
+  return all;
+}
+
+// Which options a benchmark has.
+struct BenchOptions {
+  std::size_t draws = 0;  // --scenes: how many unless given; 0: it has none
+  bool scene = false, trials = false;
+
+  bool seed() const { return draws > 0 || trials; }
+};
+constexpr BenchOptions kTrials{.scene = true, .trials = true};
+
+struct Benchmark {
+  const char* name;  // "": what is run unless one is named
+  const char* help;
+  Told (*run)(const BenchArguments& a);
+  BenchOptions options{};
+};
+
+constexpr std::size_t kDraws = 200;
+constexpr Benchmark kBenchmarks[] = {
+    {"", "laws, stepping, campaigns and controllers", speed_and_error},
+    {"hard", "the hard cases", hard},
+    {"capture", "from how far off the axis an end goes in", capture},
+    {"tail", "the worst steps", tail, {.draws = kDraws}},
+    {"events", "the same motions at ever finer steps", events, {.draws = 2, .scene = true}},
+    {"turns", "the same turned about the axis, and mirrored", turns, {.draws = kDraws}},
+    {"parameters",
+     "the solver's, each halved and doubled",
+     parameters,
+     {.draws = 1, .scene = true}},
+    {"peers", "other engines in the same motion", peers},
+    {"recording", "the cost of a row", recording},
+    {"parts", "success with curl, cleave, edge and the like", parts, kTrials},
+    {"plans", "planned against full campaigns", plans, kTrials},
+    {"sensors", "success against noise and bias of the force sensor", sensors, kTrials}};
+
+// Every benchmark makes its own scenes of one that ships, those with a seed draw motions in shipped
+// scenes too. Partial where Ctrl-C ended it.
+Provenance provenance_of(const Benchmark& benchmark, const BenchArguments& a) {
+  Provenance provenance;
+  provenance.read(scene_file("paper"));
+  if (interrupted()) provenance.partial("the cases as far as they were run");
+  if (!benchmark.options.seed()) return provenance;
+  for (const std::string& name : benchmark.options.scene ? scenes_of(a) : shipped_scenes())
+    if (name != "paper") provenance.read(scene_file(name));
+  return provenance.seed("scenes, starts and motions", a.seed);
+}
+
+int bench_verb(BenchArguments a) {
+  if (!a.what.empty() && !a.plot.empty())
+    throw BadInput("--plot: there is nothing to draw of bench " + a.what);
+  const Benchmark& benchmark = *std::find_if(std::begin(kBenchmarks), std::end(kBenchmarks),
+                                             [&](const Benchmark& b) { return b.name == a.what; });
+  if (a.scenes == 0) a.scenes = benchmark.options.draws;
+  const Told found = benchmark.run(a);
+  const Provenance provenance = provenance_of(benchmark, a);
+  if (a.output.text()) fmt::print("{}{}", found.text, provenance.foot());
+  print_result(a.output, found.json, "rows", provenance);
+  return interrupted() ? kInterrupted : found.passed ? kDone : kFailed;
+}
+
+// "a, b and c"
+std::string listed(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 < words.size() ? ", " : " and ") + words[i];
+  return text;
+}
+
+// Names of the benchmarks that have an option.
+template <class Has>
+std::string those_with(Has has) {
+  std::vector<std::string> names;
+  for (const Benchmark& b : kBenchmarks)
+    if (std::invoke(has, b.options)) names.push_back(b.name);
+  return listed(names);
 }
 
 }  // namespace
@@ -466,54 +465,34 @@ void add_bench(CLI::App& app, Run& run) {
   auto* verb =
       app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
   auto a = std::make_shared<BenchArguments>();
-  verb->add_option(
-          "what", a->what,
-          "Unless given: laws, stepping, campaigns and controllers; hard: the hard cases; capture: "
-          "from how far off the axis an end goes in; tail: the worst steps; events: the same "
-          "motions at ever finer steps; turns: the same turned about the axis, and mirrored; "
-          "parameters: the solver's, each halved and doubled; peers: "
-          "other engines in the same motion; recording: the cost of a row; parts: success with "
-          "curl, cleave, edge and the like; plans: planned against "
-          "full campaigns; sensors: success against noise and bias of the force sensor")
-      ->check(one_of({"hard", "capture", "tail", "events", "turns", "parameters", "peers",
-                      "recording", "parts", "plans", "sensors"}));
-  add_seed(
-      *verb, a->seed,
-      "Seed of the scenes, starts, motions and trials of tail, events, turns, parameters, parts, "
-      "plans and sensors");
+  std::vector<std::string> names, help, draws{std::to_string(kDraws)};
+  for (const Benchmark& b : kBenchmarks) {
+    help.push_back(fmt::format("{}: {}", *b.name ? b.name : "Unless given", b.help));
+    if (*b.name) names.push_back(b.name);
+    if (b.options.draws > 0 && b.options.draws != kDraws)
+      draws.push_back(fmt::format("{} for {}", b.options.draws, b.name));
+  }
+  verb->add_option("what", a->what, fmt::format("{}", fmt::join(help, "; ")))->check(one_of(names));
+  add_seed(*verb, a->seed,
+           "Seed of the scenes, starts, motions and trials of " + those_with(&BenchOptions::seed));
   verb->add_option(
           "--scene", a->scene,
-          "Scene of events, parameters, parts, plans and sensors; all shipped ones unless given")
+          "Scene of " + those_with(&BenchOptions::scene) + "; all shipped ones unless given")
       ->type_name("SCENE");
-  verb->add_option("--trials", a->trials,
-                   "Trials of each controller in each scene of parts, plans and sensors")
+  verb->add_option(
+          "--trials", a->trials,
+          "Trials of each controller in each scene of " + those_with(&BenchOptions::trials))
       ->check(whole_number(1, 1000000))
       ->capture_default_str();
-  verb->add_option("--scenes", a->scenes,
-                   "Random scenes, and starts in shipped scenes, of tail, events, turns and "
-                   "parameters; 200, 2 for events and 1 for parameters, unless given")
+  verb->add_option(
+          "--scenes", a->scenes,
+          fmt::format("Random scenes, and starts in shipped scenes, of {}; {}, unless given",
+                      those_with(&BenchOptions::draws), listed(draws)))
       ->check(whole_number(1, 1000000));
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
   add_examples(*verb, {"bench --plot pictures", "bench hard --json", "bench peers"});
-  verb->callback([a, &run] {
-    run = [a] {
-      if (!a->what.empty() && !a->plot.empty())
-        throw BadInput("--plot: there is nothing to draw of bench " + a->what);
-      return a->what == "hard"         ? hard(*a)
-             : a->what == "capture"    ? capture(*a)
-             : a->what == "tail"       ? tail(*a)
-             : a->what == "events"     ? events(*a)
-             : a->what == "turns"      ? turns(*a)
-             : a->what == "parameters" ? parameters(*a)
-             : a->what == "peers"      ? peers(*a)
-             : a->what == "recording"  ? recording(*a)
-             : a->what == "parts"      ? parts(*a)
-             : a->what == "plans"      ? plans(*a)
-             : a->what == "sensors"    ? sensors(*a)
-                                       : speed_and_error(*a);
-    };
-  });
+  verb->callback([a, &run] { run = [a] { return bench_verb(*a); }; });
 }
 
 }  // namespace ferrule

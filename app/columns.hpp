@@ -27,19 +27,24 @@ using Columns = std::vector<Column<Row>>;
 std::string aligned(const char* format, const Json& cell, const char* not_finite);
 
 template <class Row>
-void print_table(const Columns<Row>& columns, const std::vector<Row>& rows) {
-  const auto print_line = [&](const auto& cell_of) {
+std::string table_text(const Columns<Row>& columns, const std::vector<Row>& rows) {
+  std::string text;
+  const auto add_line = [&](const auto& cell_of) {
     std::string line;
     for (const Column<Row>& column : columns) {
       if (!*column.heading) continue;
       if (!line.empty()) line += ' ';
       line += aligned(column.format, cell_of(column), column.not_finite);
     }
-    fmt::print("{}\n", line);
+    text += line + "\n";
   };
-  print_line([](const Column<Row>& column) { return Json(column.heading); });
-  for (const Row& row : rows)
-    print_line([&](const Column<Row>& column) { return column.cell(row); });
+  add_line([](const Column<Row>& column) { return Json(column.heading); });
+  for (const Row& row : rows) add_line([&](const Column<Row>& column) { return column.cell(row); });
+  return text;
+}
+template <class Row>
+void print_table(const Columns<Row>& columns, const std::vector<Row>& rows) {
+  fmt::print("{}", table_text(columns, rows));
 }
 
 template <class Row>
