@@ -9,8 +9,9 @@
 #include <optional>
 
 #include "app/best_rows.hpp"
+#include "app/output.hpp"
+#include "app/validators.hpp"
 #include "app/varied_plots.hpp"
-#include "app/verb.hpp"
 
 namespace ferrule {
 namespace {

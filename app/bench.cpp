@@ -8,8 +8,13 @@
 #include <tuple>
 
 #include "app/columns.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
 #include "app/plot.hpp"
-#include "app/verb.hpp"
+#include "app/progress.hpp"
+#include "app/trial_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "bench/campaigns.hpp"
 #include "bench/capture.hpp"
 #include "bench/controllers.hpp"

@@ -9,8 +9,8 @@
 #include <limits>
 #include <set>
 
+#include "app/validators.hpp"
 #include "app/varied_plots.hpp"
-#include "app/verb.hpp"
 #include "controller/statistics.hpp"
 #include "sim/scene/distribution.hpp"
 

@@ -8,8 +8,9 @@
 
 #include "app/compare_plot.hpp"
 #include "app/given_controller.hpp"
+#include "app/output.hpp"
+#include "app/scene_arguments.hpp"
 #include "app/stopping.hpp"
-#include "app/verb.hpp"
 #include "controller/campaign.hpp"
 #include "controller/worst_tenth.hpp"
 #include "learn/ablation.hpp"

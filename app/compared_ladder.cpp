@@ -3,6 +3,8 @@
 
 #include <cmath>
 
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
 #include "app/shards.hpp"
 #include "controller/supervisor.hpp"
 #include "sim/base/shipped_files.hpp"

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
 #include "app/shards.hpp"
 
 namespace ferrule {

@@ -1,8 +1,11 @@
 // ferrule contact: the adhesive contact of one lambda (Maugis 1992), dimensionless.
 #include <fmt/format.h>
 
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
 #include "app/plot.hpp"
-#include "app/verb.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "sim/laws/maugis.hpp"
 
 namespace ferrule {

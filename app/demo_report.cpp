@@ -10,7 +10,8 @@
 #include "app/force_table.hpp"
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
-#include "app/verb.hpp"
+#include "app/output.hpp"
+#include "app/validators.hpp"
 #include "controller/campaign_table.hpp"
 #include "sim/scene/draw.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "app/verb.hpp"
+#include "app/validators.hpp"
 #include "insertion/hand_device.hpp"
 #include "insertion/rendering.hpp"
 

@@ -8,7 +8,10 @@
 #include <thread>
 
 #include "app/connected.hpp"
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "sim/base/elementary.hpp"
 
 namespace ferrule {

@@ -4,7 +4,12 @@
 #include <cstring>
 
 #include "app/connected.hpp"
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "app/scene_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "capture/loop_timing.hpp"
 #include "insertion/rendering.hpp"
 #include "insertion/scene_scaling.hpp"

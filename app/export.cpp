@@ -2,7 +2,8 @@
 #include <fmt/format.h>
 
 #include "app/given_controller.hpp"
-#include "app/verb.hpp"
+#include "app/output.hpp"
+#include "app/verbs.hpp"
 #include "controller/c_header.hpp"
 #include "learn/torch_policy.hpp"
 #include "sim/base/written_file.hpp"

@@ -7,7 +7,10 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "capture/episode.hpp"
 
 namespace ferrule {

@@ -5,10 +5,14 @@
 #include <cmath>
 #include <filesystem>
 
+#include "app/interrupt.hpp"
 #include "app/law_plot.hpp"
+#include "app/output.hpp"
 #include "app/trained.hpp"
 #include "app/training_plot.hpp"
-#include "app/verb.hpp"
+#include "app/trial_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "controller/statistics.hpp"
 #include "learn/candidates.hpp"
 #include "learn/fit_warnings.hpp"

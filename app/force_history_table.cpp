@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "app/html.hpp"
-#include "app/verb.hpp"
+#include "app/output.hpp"
 #include "sim/scene/terms.hpp"
 
 namespace ferrule {

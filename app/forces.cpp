@@ -8,7 +8,12 @@
 
 #include "app/force_history_table.hpp"
 #include "app/force_table.hpp"
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "app/scene_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "app/interrupt.hpp"
+#include "app/validators.hpp"
 #include "controller/held_controller.hpp"
 #include "controller/program_policy.hpp"
 #include "learn/torch_policy.hpp"

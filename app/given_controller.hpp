@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "app/verb.hpp"
+#include "app/output.hpp"
 #include "controller/baseline.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/trial.hpp"

@@ -4,7 +4,12 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "app/scene_arguments.hpp"
+#include "app/trial_arguments.hpp"
+#include "app/verbs.hpp"
 #include "capture/episode_copies.hpp"
 #include "learn/shuffle.hpp"
 #include "sim/scene/draw.hpp"

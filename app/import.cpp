@@ -1,7 +1,9 @@
 // ferrule import: episodes of what a page that runs without the program has saved.
 #include <fmt/format.h>
 
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/verbs.hpp"
 #include "capture/recorder.hpp"
 #include "sim/base/content_hash.hpp"
 #include "sim/base/json_file.hpp"

@@ -7,6 +7,8 @@
 
 #include "app/columns.hpp"
 #include "app/shards.hpp"
+#include "app/trial_arguments.hpp"
+#include "app/validators.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/campaign_table.hpp"
 

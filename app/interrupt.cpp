@@ -9,7 +9,8 @@
 #include <string_view>
 
 #include "app/keys.hpp"
-#include "app/verb.hpp"
+#include "app/verbs.hpp"
+#include "sim/base/json_fields.hpp"
 
 namespace ferrule {
 namespace {

@@ -2,7 +2,10 @@
 #include <fmt/format.h>
 
 #include "app/damage.hpp"
-#include "app/verb.hpp"
+#include "app/output.hpp"
+#include "app/scene_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 
 namespace ferrule {
 namespace {

@@ -8,10 +8,12 @@
 #include <optional>
 #include <system_error>
 
+#include "app/interrupt.hpp"
+#include "app/provenance.hpp"
 #include "app/replaced_files.hpp"
 #include "app/shards.hpp"
 #include "app/standard_streams.hpp"
-#include "app/verb.hpp"
+#include "app/verbs.hpp"
 #include "capture/episode.hpp"
 #include "haptic/trouble.hpp"
 #include "sim/base/unknown_name.hpp"
@@ -148,6 +150,12 @@ int exit_code(const std::vector<std::string>& words) {
 }
 
 }  // namespace
+
+void add_examples(CLI::App& verb, const std::vector<std::string>& examples) {
+  std::string text = "Examples:";
+  for (const std::string& example : examples) text += "\n  ferrule " + example;
+  verb.footer(text);
+}
 
 int run_command(const std::vector<std::string>& words) {
   CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "app/shards.hpp"
+#include "app/validators.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
 #include "controller/refined_grid.hpp"

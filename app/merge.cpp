@@ -5,6 +5,8 @@
 #include <chrono>
 #include <thread>
 
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
 #include "app/shards.hpp"
 
 namespace ferrule {

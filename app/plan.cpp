@@ -6,7 +6,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "app/scene_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "sim/analysis/term_cost.hpp"
 
 namespace ferrule {

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string_view>
 
-#include "app/verb.hpp"
+#include "app/output.hpp"
 
 namespace ferrule {
 namespace {

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "app/given_controller.hpp"
+#include "app/interrupt.hpp"
 #include "app/trained.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/device_controller.hpp"

@@ -1,7 +1,8 @@
 // What `ferrule view` replays: an episode, a folder of them, or a trial made again.
 #pragma once
 
-#include "app/verb.hpp"
+#include "app/scene_arguments.hpp"
+#include "insertion/operator_skill.hpp"
 #include "view/recorded.hpp"
 
 namespace ferrule {

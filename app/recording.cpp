@@ -4,8 +4,9 @@
 
 #include <array>
 
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
 #include "app/status_line.hpp"
-#include "app/verb.hpp"
 #include "insertion/hand_device.hpp"
 
 namespace ferrule {

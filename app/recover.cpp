@@ -3,7 +3,10 @@
 
 #include <algorithm>
 
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "app/verbs.hpp"
 #include "capture/recorder.hpp"
 
 namespace ferrule {

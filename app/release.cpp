@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
-#include "app/verb.hpp"
+#include "app/output.hpp"
+#include "app/scene_arguments.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "sim/analysis/gap_forces.hpp"
 #include "sim/scene/terms.hpp"
 

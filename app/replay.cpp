@@ -9,7 +9,11 @@
 #include <filesystem>
 
 #include "app/demonstration_plot.hpp"
-#include "app/verb.hpp"
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
+#include "app/progress.hpp"
+#include "app/validators.hpp"
+#include "app/verbs.hpp"
 #include "insertion/scene_scaling.hpp"
 
 namespace ferrule {

@@ -13,9 +13,11 @@
 #include "app/answers.hpp"
 #include "app/best_rows.hpp"
 #include "app/html.hpp"
+#include "app/output.hpp"
 #include "app/scene_keys.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
+#include "app/verbs.hpp"
 #include "sim/base/child_process.hpp"
 #include "sim/base/json_file.hpp"
 

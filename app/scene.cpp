@@ -4,8 +4,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "app/output.hpp"
+#include "app/scene_arguments.hpp"
 #include "app/scene_keys.hpp"
-#include "app/verb.hpp"
+#include "app/verbs.hpp"
 #include "sim/scene/extends.hpp"
 #include "sim/scene/setting.hpp"
 

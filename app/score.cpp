@@ -6,8 +6,11 @@
 
 #include <algorithm>
 
+#include "app/interrupt.hpp"
+#include "app/output.hpp"
 #include "app/plot.hpp"
-#include "app/verb.hpp"
+#include "app/progress.hpp"
+#include "app/verbs.hpp"
 #include "capture/episode_copies.hpp"
 #include "controller/statistics.hpp"
 #include "sim/base/content_hash.hpp"

@@ -7,6 +7,7 @@
 
 #include "app/columns.hpp"
 #include "app/varied_scene.hpp"
+#include "app/verbs.hpp"
 #include "sim/scene/drawn_numbers.hpp"
 
 namespace ferrule {

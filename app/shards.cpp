@@ -14,7 +14,9 @@
 #include <filesystem>
 #include <map>
 
+#include "app/interrupt.hpp"
 #include "app/named_files.hpp"
+#include "app/provenance.hpp"
 #include "app/standard_streams.hpp"
 #include "capture/episode.hpp"
 #include "capture/recorder.hpp"

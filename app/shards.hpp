@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "app/verb.hpp"
+#include "app/verbs.hpp"
 #include "controller/controller_file.hpp"
 #include "controller/trial_store.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "app/verb.hpp"
+#include "app/validators.hpp"
 
 namespace ferrule {
 

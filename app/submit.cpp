@@ -13,8 +13,12 @@
 #include <optional>
 #include <thread>
 
+#include "app/interrupt.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
 #include "app/shards.hpp"
 #include "app/standard_streams.hpp"
+#include "app/validators.hpp"
 
 namespace ferrule {
 namespace {

@@ -7,8 +7,10 @@
 #include "app/best_rows.hpp"
 #include "app/columns.hpp"
 #include "app/stopping.hpp"
+#include "app/validators.hpp"
 #include "app/varied_plots.hpp"
 #include "app/varied_scene.hpp"
+#include "app/verbs.hpp"
 #include "controller/campaign_table.hpp"
 
 namespace ferrule {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "app/interrupt.hpp"
+
 namespace ferrule {
 
 BroughtScene brought_by(const TrainedOn& trained, const std::string& file) {

@@ -4,7 +4,8 @@
 
 #include <CLI/CLI.hpp>
 
-#include "app/verb.hpp"
+#include "app/progress.hpp"
+#include "app/provenance.hpp"
 #include "controller/trained_on.hpp"
 #include "learn/demonstrations.hpp"
 

@@ -4,6 +4,8 @@
 
 #include "app/damage.hpp"
 #include "app/shards.hpp"
+#include "app/trial_arguments.hpp"
+#include "app/validators.hpp"
 #include "controller/campaign_table.hpp"
 
 namespace ferrule {

@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "app/given_controller.hpp"
+#include "app/interrupt.hpp"
+#include "app/scene_arguments.hpp"
 #include "app/stopping.hpp"
 #include "app/trained.hpp"
 #include "controller/campaign.hpp"
