@@ -497,7 +497,7 @@ void add_bench(CLI::App& app, Run& run) {
   verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
   add_output(*verb, a->output);
   add_examples(*verb, {"bench --plot pictures", "bench hard --json", "bench peers"});
-  verb->callback([a, &run] { run = [a] { return bench_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return bench_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -30,7 +30,7 @@ std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
   const auto begin = std::chrono::steady_clock::now();
   std::vector<TrialResult> results =
       run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(what, a.trials), interrupted,
-                   when(a.stopping.enough), shared_trials());
+                   when(a.stopping.enough), a.job->trials());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;
@@ -158,7 +158,7 @@ std::vector<BySeed> learned_again(const CompareArguments& a, const Scene& scene,
       const Candidate c = fitted(a, chosen, set, "recorded again");
       const auto results =
           campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, a.fit_seed));
-      if (runs_a_shard() || a.stopping.whole(results, a.trials))
+      if (a.job->runs_a_shard() || a.stopping.whole(results, a.trials))
         all.push_back({c, chosen, a.fit_seed, set.demonstrations.size(),
                        a.stopping.summary(results),
                        teacher ? compare_shared(results, *teacher) : std::nullopt});
@@ -432,7 +432,8 @@ void add_compare(CLI::App& app, Run& run) {
       "Record the simulated demonstrations and fit again with each of these seeds, also for what "
       "follows here: the worst and the median of the success");
   add_threads(*verb, a->threads);
-  add_shard(*verb);
+  add_shard(*verb, run.job);
+  a->job = &run.job;
   a->policy.add_to(*verb);
   verb->add_option(
           "--plot", a->plot,
@@ -449,7 +450,7 @@ void add_compare(CLI::App& app, Run& run) {
                        "compare episodes search --ladder --learners insertion --seeds 1..5",
                        "compare episodes search --ladder --learners torch --ablate force,tilt",
                        "compare episodes --transfer tight,sloppy --plot compared --csv"});
-  verb->callback([a, &run] { run = [a] { return compare_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return compare_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -10,6 +10,7 @@
 #include "app/given_controller.hpp"
 #include "app/output.hpp"
 #include "app/scene_arguments.hpp"
+#include "app/shards.hpp"
 #include "app/stopping.hpp"
 #include "controller/campaign.hpp"
 #include "controller/worst_tenth.hpp"
@@ -31,6 +32,7 @@ struct CompareArguments {
   bool other_scaling = false, ladder = false, supervise = false;
   StoppingArguments stopping;
   Output output;
+  const SharedJob* job = nullptr;
 };
 
 inline constexpr const char* kTeacher = "simulated operator";

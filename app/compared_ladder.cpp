@@ -48,13 +48,13 @@ std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
   all.push_back({{.name = "blind spiral", .make = baseline(kSpiral, rung, a.seed)}});
   all.insert(all.end(), others.begin(), others.end());
   const std::vector<DrawnQuantity> drawn =
-      drawn_quantities(rung, a.seed, runs_a_shard() ? 0 : a.trials);
+      drawn_quantities(rung, a.seed, a.job->runs_a_shard() ? 0 : a.trials);
   std::vector<LadderRow> rows;
   for (const Climber& c : all) {
     const std::string& name = c.candidate.name;
     const auto trials = [&](const MakeController& make, const std::string& what) {
       return run_campaign(rung, make, a.seed, a.trials, a.threads, Progress(what, a.trials),
-                          interrupted, {}, shared_trials());
+                          interrupted, {}, a.job->trials());
     };
     const std::string what = rung.name + ", " + name;
     const auto results = trials(c.candidate.make, what);

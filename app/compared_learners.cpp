@@ -71,7 +71,7 @@ std::vector<std::string> learner_keys() {
 Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
                  const DemonstrationSet& set, const std::string& which) {
   const std::string what = fmt::format("{} seed {} {}", chosen.variant.key, a.fit_seed, which);
-  const TimedController found = learned_once(what, [&] {
+  const TimedController found = learned_once(*a.job, what, [&] {
     Progress progress(chosen.variant.name, 1);
     ControllerFile controller =
         learned(*chosen.learner, chosen.variant, set, a.fit_seed,

@@ -123,7 +123,7 @@ void add_contact(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   add_examples(*verb, {"contact --lambda 0.3 --radius 0.5:2:4",
                        "contact --lambda 1 --curve --plot curve.svg"});
-  verb->callback([a, &run] { run = [a] { return contact_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return contact_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -196,7 +196,7 @@ void add_demo(CLI::App& app, Run& run) {
   add_threads(*verb, a->threads);
   add_json(*verb, a->json);
   add_examples(*verb, {"demo", "demo --scene bench --seed 2 --out bench-demo"});
-  verb->callback([a, &run] { run = [a] { return demo_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return demo_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -207,7 +207,7 @@ void add_devices(CLI::App& app, Run& run) {
   verb->callback([a, test, &run] {
     a->test = test->count() > 0;
     if (a->device.empty()) a->device = "auto";
-    run = [a] { return a->test ? test_verb(*a) : list_verb(*a); };
+    run.verb = [a] { return a->test ? test_verb(*a) : list_verb(*a); };
   });
 }
 

@@ -218,7 +218,7 @@ void add_doctor(CLI::App& app, Run& run) {
   add_json(*verb, a->json);
   add_examples(*verb,
                {"doctor --scene demo --device pen", "doctor --scene bench --gain 0.5 --json"});
-  verb->callback([a, &run] { run = [a] { return doctor(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return doctor(*a); }; });
 }
 
 }  // namespace ferrule

@@ -35,6 +35,7 @@ struct EvaluateArguments {
   bool supervise = false, other_scaling = false;
   StoppingArguments stopping;
   Output output;
+  const SharedJob* job = nullptr;
 };
 
 // A controller and what it did.
@@ -70,7 +71,7 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
                              },
                              a.trials_out.empty() ? kKept : SIZE_MAX};
   tried.results = run_campaigns({campaign}, a.seed, a.trials, a.threads,
-                                Progress(tried.name, a.trials), interrupted, shared_trials())
+                                Progress(tried.name, a.trials), interrupted, a.job->trials())
                       .front();
 }
 
@@ -268,7 +269,8 @@ void add_evaluate(CLI::App& app, Run& run) {
   a->stopping.add_to(*verb);
   add_seed(*verb, a->seed, "Seed of the starts");
   add_threads(*verb, a->threads);
-  add_shard(*verb);
+  add_shard(*verb, run.job);
+  a->job = &run.job;
   verb->add_option("--baseline", a->baseline,
                    "A naive controller, or an operator who searches: alone, or on the same trials")
       ->check(one_of(baseline_names()));
@@ -288,7 +290,7 @@ void add_evaluate(CLI::App& app, Run& run) {
                 "evaluate controller.json --scene tight --supervise --trials-out trials.csv",
                 "evaluate controller.json --target 0.999 --trials 20000",
                 "evaluate --policy \"python3 examples/policy.py\" --policy-hz 50 --trials 20"});
-  verb->callback([a, &run] { run = [a] { return evaluate_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return evaluate_verb(*a); }; });
 }
 
 }  // namespace ferrule

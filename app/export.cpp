@@ -65,7 +65,7 @@ void add_export(CLI::App& app, Run& run) {
   verb->add_flag("--json", a->json, "One JSON document on stdout");
   add_examples(*verb, {"export controller.json --header controller.h",
                        "export policy.json --torchscript policy.pt"});
-  verb->callback([a, &run] { run = [a] { return export_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return export_verb(*a); }; });
 }
 
 }  // namespace ferrule

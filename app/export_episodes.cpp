@@ -90,7 +90,7 @@ void add_export_episodes(CLI::App& app, Run& run) {
   add_examples(*verb, {"export-episodes episodes --robomimic all.h5 --relative",
                        "export-episodes episodes --lerobot dataset --rate 50",
                        "export-episodes episodes --csv tables --mcap foxglove"});
-  verb->callback([a, &run] { run = [a] { return export_episodes_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return export_episodes_verb(*a); }; });
 }
 
 }  // namespace ferrule

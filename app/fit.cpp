@@ -251,7 +251,7 @@ void add_fit(CLI::App& app, Run& run) {
                 "fit episodes --method torch --dagger 3 --plot training.svg --out policy.json"});
   verb->callback([a, verb, &run] {
     refuse_others(*verb, chosen_learner(a->method));
-    run = [a] { return fit_verb(*a); };
+    run.verb = [a] { return fit_verb(*a); };
   });
 }
 

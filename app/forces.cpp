@@ -255,7 +255,7 @@ void add_forces(CLI::App& app, Run& run) {
     for (const char* of_curves : {"--scene", "--set", "--form", "--gap-nm", "--length-um",
                                   "--depth-nm", "--tilt-mrad", "--speed-um-s"})
       if (verb->count(of_curves) > 0) a->of_curves = of_curves;
-    run = [a] { return forces_verb(*a); };
+    run.verb = [a] { return forces_verb(*a); };
   });
 }
 

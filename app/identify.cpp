@@ -217,7 +217,7 @@ void add_identify(CLI::App& app, Run& run) {
   add_examples(*verb, {"identify episodes --parameters laws.friction.burgers_nm",
                        "identify episodes --parameters ferrule.bore_diameter_um --set "
                        "ferrule.bore_diameter_um=126.2"});
-  verb->callback([a, &run] { run = [a] { return identify_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return identify_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -88,7 +88,7 @@ void add_import(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   add_examples(*verb,
                {"import try_0001.json --out episodes", "import try_*.json --out episodes --json"});
-  verb->callback([a, &run] { run = [a] { return import_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return import_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -24,6 +24,7 @@ struct ImproveArguments {
   std::size_t unseen = 1000;
   std::uint64_t seed = 7;
   bool other_scaling = false, json = false;
+  const SharedJob* job = nullptr;
 };
 
 // A scene to insert in, and what its trials said.
@@ -243,8 +244,8 @@ void refuse_too_few(const ImproveSettings& settings, std::size_t least) {
 }
 
 int improve_verb(ImproveArguments a) {
-  a.settings.kept = shared_trials();
-  if (!runs_a_shard()) expect_place_for(a.out);
+  a.settings.kept = a.job->trials();
+  if (!a.job->runs_a_shard()) expect_place_for(a.out);
   const ControllerFile before =
       own_controller(a.controller, "has no gains to improve; give a law or a search");
   const BroughtScene brought = brought_by(trained_on(before), a.controller);
@@ -271,7 +272,7 @@ int improve_verb(ImproveArguments a) {
   }
   if (interrupted()) provenance.partial(fmt::format("{} trials", improved.trials));
   const ControllerFile after = as_improved(before, tried, improved);
-  if (!runs_a_shard()) write_controller(a.out, after);
+  if (!a.job->runs_a_shard()) write_controller(a.out, after);
   for (SceneTried& each : tried) {
     const std::vector<TrialResult> trials = in_unseen_trials(a, after, each.scene);
     if (interrupted()) break;
@@ -317,14 +318,15 @@ void add_improve(CLI::App& app, Run& run) {
       ->check(whole_number(1, 100000000));
   add_seed(*verb, a->seed, "Seed of those");
   add_threads(*verb, a->settings.threads);
-  add_shard(*verb, true);
+  add_shard(*verb, run.job, true);
+  a->job = &run.job;
   add_json(*verb, a->json);
   add_examples(*verb, {"improve tuned_by_hand --scene bench --out improved.json",
                        "improve search --scene ladder/d --objective success,time --trials 30000 "
                        "--out improved.json --json",
                        "improve tuned_by_hand --scene bench --also sticky,tight --trials 30000 "
                        "--out improved.json"});
-  verb->callback([a, &run] { run = [a] { return improve_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return improve_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -69,7 +69,7 @@ void add_limits(CLI::App& app, Run& run) {
       ->check(number_between(1e-6, 100));
   add_output(*verb, a->output);
   add_examples(*verb, {"limits --scene bench", "limits --scene bench --edge-um 0.02"});
-  verb->callback([a, &run] { run = [a] { return limits_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return limits_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -158,15 +158,20 @@ void add_examples(CLI::App& verb, const std::vector<std::string>& examples) {
 }
 
 int run_command(const std::vector<std::string>& words) {
+  SharedJob job;
+  return run_command(words, job);
+}
+
+int run_command(const std::vector<std::string>& words, SharedJob& job) {
   CLI::App app("Simulate, record and learn the insertion of an optical fibre into a ferrule.",
                "ferrule");
   app.set_version_flag("--version", program_version() + " (" + program_build() + ")");
   app.require_subcommand(1);
   remember_command(words);
-  Run run;
+  Run run{{}, job};
   add_verbs(app, run);
   if (const std::optional<int> code = parse(app, words)) return *code;
-  refuse_to_replace(words, shared_folder());
+  refuse_to_replace(words, job.folder);
   watch_for_interrupt();
   return run_shard(app, run);
 }

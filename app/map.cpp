@@ -75,11 +75,11 @@ class Map {
       return std::chrono::duration<double>(Clock::now() - begin).count();
     };
     const auto stopped = [&] {
-      return interrupted() || (!shared_trials() && seconds() > a_.seconds);
+      return interrupted() || (!a_.job->trials() && seconds() > a_.seconds);
     };
     for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
       const int before = cells();
-      const bool look = before == 0 && !shared_trials();
+      const bool look = before == 0 && !a_.job->trials();
       for (const std::size_t trials : {look ? std::min(kLook, a_.trials) : a_.trials, a_.trials}) {
         run(nodes, trials, stopped);
         std::erase_if(nodes, [&](const Node& node) { return whole(node); });
@@ -344,8 +344,8 @@ void add_map(CLI::App& app, Run& run) {
   verb->add_option("--width", a->width, "How closely the line is to be known, as a part of a range")
       ->capture_default_str()
       ->check(number_between(1.0 / 1024, 1));
-  a->add_options(*verb, "At most at each point; fewer where the target is shown or refuted before",
-                 true);
+  a->add_options(*verb, run.job,
+                 "At most at each point; fewer where the target is shown or refuted before", true);
   verb->add_option(
           "--time", a->seconds,
           "At most so long: 90s, 2min, 1h. The line gets finer until then. Shards take all "
@@ -362,7 +362,7 @@ void add_map(CLI::App& app, Run& run) {
                        "start.lateral_sd_um=2..30 --target 0.99 --plot map.svg",
                        "map constant-velocity limits.force_uN=5..500:log "
                        "start.lateral_sd_um=1..20 --scene bench --target 0.9 --json"});
-  verb->callback([a, &run] { run = [a] { return map_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return map_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -77,11 +77,12 @@ int merge_verb(const MergeArguments& a, const std::vector<std::string>& telling)
   files.read_all();
   if (a.watch) watch(files);
   expect_whole(a.folder, files.progress());
-  share_all(a.folder, job);
+  SharedJob all{.folder = a.folder,
+                .store = std::make_unique<TrialStore>(a.folder, job.hash, std::nullopt, false)};
   std::vector<std::string> words = job.arguments;
   words.insert(words.end(), telling.begin(), telling.end());
-  const int code = run_command(words);
-  if (const std::size_t twice = shared_trials()->twice(); twice > 0)
+  const int code = run_command(words, all);
+  if (const std::size_t twice = all.store->twice(); twice > 0)
     fmt::print(stderr, "note: {}: {} trials are there twice, and count once\n", a.folder, twice);
   return code;
 }
@@ -104,7 +105,7 @@ void add_merge(CLI::App& app, Run& run) {
   verb->allow_extras();
   add_examples(*verb, {"merge job", "merge job --watch --json", "merge job --report page.html"});
   verb->callback([a, verb, &run] {
-    run = [a, telling = verb->remaining()] { return merge_verb(*a, telling); };
+    run.verb = [a, telling = verb->remaining()] { return merge_verb(*a, telling); };
   });
 }
 

@@ -151,7 +151,7 @@ void add_plan(CLI::App& app, Run& run) {
   add_examples(*verb, {"plan --scene bench --tolerance 0.05",
                        "plan --scene bench --tolerance-of success --out planned.json",
                        "plan --scene paper --out planned.json --json"});
-  verb->callback([a, &run] { run = [a] { return plan_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return plan_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -41,6 +41,7 @@ struct RecordArguments {
   bool append = false, supervise = false, with_device = false;
   bool other_scaling = false;
   Output output;
+  const SharedJob* job = nullptr;
 };
 
 Json episode_json(const Recorded& r) {
@@ -332,7 +333,7 @@ void expect_same_scaling(const std::string& folder, const Scaling& now) {
 }
 
 int record_verb(const RecordArguments& a) {
-  TrialStore* const shared = shared_trials();
+  TrialStore* const shared = a.job->trials();
   if (shared && (a.with_device || a.append))
     throw BadInput("--shard: does not go with --device or --append");
   const bool person = a.operator_ == "simulated" || a.operator_ == "searching" ||
@@ -417,13 +418,14 @@ void add_record(CLI::App& app, Run& run) {
   add_trainee(*verb, a->device.trainee)->needs(device);
   add_go_on(*verb, a->device.goes_on)->needs(device);
   verb->add_flag("--append", a->append, "Add to a folder that holds episodes already");
-  add_shard(*verb);
+  add_shard(*verb, run.job);
+  a->job = &run.job;
   add_output(*verb, a->output);
   add_examples(*verb, {"record --episodes 20 --seed 1 --out episodes",
                        "record --scene bench --device auto --trainee Ada --out ada"});
   verb->callback([a, device, &run] {
     a->with_device = device->count() > 0;
-    run = [a] { return record_verb(*a); };
+    run.verb = [a] { return record_verb(*a); };
   });
 }
 

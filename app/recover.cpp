@@ -59,7 +59,7 @@ void add_recover(CLI::App& app, Run& run) {
   verb->add_option("folder", a->folder, "Folder with the episodes")->required()->type_name("DIR");
   add_output(*verb, a->output);
   add_examples(*verb, {"recover episodes", "recover episodes --json"});
-  verb->callback([a, &run] { run = [a] { return recover_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return recover_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -109,7 +109,7 @@ void add_release(CLI::App& app, Run& run) {
       ->check(number_between(0, 1e9));
   add_output(*verb, a->output);
   add_examples(*verb, {"release --scene bench", "release --scene sticky --length-um 500 --json"});
-  verb->callback([a, &run] { run = [a] { return release_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return release_verb(*a); }; });
 }
 
 }  // namespace ferrule

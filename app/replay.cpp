@@ -324,7 +324,7 @@ void add_replay(CLI::App& app, Run& run) {
   add_examples(*verb,
                {"replay episodes/episode_0001.h5 --plot episode.svg", "replay episodes --verify",
                 "replay episodes/episode_0001.h5 --trace costliest"});
-  verb->callback([a, &run] { run = [a] { return replay_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return replay_verb(*a); }; });
 }
 
 }  // namespace ferrule

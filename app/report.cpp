@@ -489,7 +489,7 @@ void add_report(CLI::App& app, Run& run) {
   a->prefer.add_to(*verb);
   add_examples(*verb, {"report map.json --out map.html", "report sweep.json --prefer loss",
                        "report sweep.json sensitivity.json --pdf report.pdf"});
-  verb->callback([a, &run] { run = [a] { return report_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return report_verb(*a); }; });
 }
 
 }  // namespace ferrule

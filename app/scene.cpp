@@ -128,7 +128,7 @@ void add_scene(CLI::App& app, Run& run) {
   a->scene.add_to(*verb);
   add_output(*verb, a->output);
   add_examples(*verb, {"scene tight", "scene diameter", "scene --scene bench sensor"});
-  verb->callback([a, &run] { run = [a] { return scene_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return scene_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -315,7 +315,7 @@ void add_score(CLI::App& app, Run& run) {
   add_output(*verb, a->output);
   add_examples(*verb,
                {"score episodes", "score episodes --plot learning.svg --csv", "score ada ben"});
-  verb->callback([a, &run] { run = [a] { return score_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return score_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -347,12 +347,12 @@ void add_sensitivity(CLI::App& app, Run& run) {
   auto a = std::make_shared<VariedArguments>();
   a->trials = 1000;
   a->add_controller(*verb);
-  a->add_options(*verb, "How many, each again twice for everything that is drawn");
+  a->add_options(*verb, run.job, "How many, each again twice for everything that is drawn");
   add_output(*verb, a->output);
   add_examples(*verb, {"sensitivity controller.json --scene tolerance",
                        "sensitivity controller.json --set fibre.diameter_um=125+-0.7 --set "
                        "ferrule.bore_diameter_um=126+1/-0 --trials 4000"});
-  verb->callback([a, &run] { run = [a] { return sensitivity_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return sensitivity_verb(*a); }; });
 }
 
 }  // namespace ferrule

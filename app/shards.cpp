@@ -27,20 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// Of the command line.
-struct ShardArguments {
-  std::string shard, out;
-  bool waits = false;
-};
-ShardArguments& arguments() {
-  static ShardArguments a;
-  return a;
-}
-
-std::unique_ptr<TrialStore> g_shared;
-std::string g_folder;
-bool g_shard = false;
-
 Shard shard_of(const std::string& text) {
   const auto slash = text.find('/');
   const auto number = [&](const std::string& part) -> std::size_t {
@@ -194,44 +180,31 @@ void expect_utf_8(const std::vector<std::string>& words) {
     }
 }
 
-void add_shard(CLI::App& verb, bool waits) {
+void add_shard(CLI::App& verb, SharedJob& job, bool waits) {
   CLI::Option* out = verb.get_option_no_throw("--out");
   const bool own = out != nullptr;
   if (!own)
-    out =
-        verb.add_option("--out", arguments().out, "Folder that all shards share")->type_name("DIR");
-  auto* shard = verb.add_option("--shard", arguments().shard,
+    out = verb.add_option("--out", job.out, "Folder that all shards share")->type_name("DIR");
+  auto* shard = verb.add_option("--shard", job.shard,
                                 "Run only this part of the trials, and keep them for ferrule merge")
                     ->type_name("I/N");
   shard->needs(out);
   if (!own) out->needs(shard);
-  shard->each([waits](const std::string&) { arguments().waits = waits; });
+  shard->each([&job, waits](const std::string&) { job.waits = waits; });
 }
 
-TrialStore* shared_trials() noexcept {
-  return g_shared.get();
-}
-
-const std::string& shared_folder() noexcept {
-  return g_folder;
-}
-
-bool runs_a_shard() noexcept {
-  return g_shard;
-}
-
-TimedController learned_once(const std::string& what,
+TimedController learned_once(const SharedJob& job, const std::string& what,
                              const std::function<ControllerFile()>& learn) {
-  const std::string folder = g_folder + "/learned/" + sha1(what).substr(0, 16),
+  const std::string folder = job.folder + "/learned/" + sha1(what).substr(0, 16),
                     controller = "/controller.json", seconds = "/seconds.json";
-  if (g_folder.empty() || !fs::exists(folder)) {
+  if (job.folder.empty() || !fs::exists(folder)) {
     const auto begin = std::chrono::steady_clock::now();
     const ControllerFile made = learn();
     end_if_interrupted();  // it may be cut short
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
-    if (g_folder.empty()) return {made, took.count()};
+    if (job.folder.empty()) return {made, took.count()};
     std::error_code error;
-    fs::create_directories(g_folder + "/learned", error);
+    fs::create_directories(job.folder + "/learned", error);
     std::string beside = folder + ".XXXXXX";
     if (!::mkdtemp(beside.data())) throw FileTrouble(beside + ": " + std::strerror(errno));
     write_controller(beside + controller, made);
@@ -245,26 +218,25 @@ TimedController learned_once(const std::string& what,
 }
 
 int run_shard(const CLI::App& app, const Run& run) {
-  const ShardArguments& a = arguments();
-  if (a.shard.empty()) return run();
-  const Shard shard = shard_of(a.shard);
+  SharedJob& job = run.job;
+  if (job.shard.empty()) return run.verb();
+  const Shard shard = shard_of(job.shard);
   const CLI::App& verb = *app.get_subcommands().front();
   const std::string folder = verb.get_option("--out")->as<std::string>();
   for (const std::string telling : kTellingOptions)
     if (const CLI::Option* option = verb.get_option_no_throw(telling);
         option && option->count() > 0 && telling != "--out")
       throw BadInput(fmt::format("{}: is for ferrule merge {}, not for a shard", telling, folder));
-  const std::string job = begin_job(folder);
-  g_folder = folder;
-  g_shard = true;
-  g_shared = std::make_unique<TrialStore>(folder, job, shard, a.waits);
-  if (!g_shared->locked())
+  const std::string hash = begin_job(folder);
+  job.folder = folder;
+  job.store = std::make_unique<TrialStore>(folder, hash, shard, job.waits);
+  if (!job.store->locked())
     fmt::print(stderr,
                "note: {}: its file system has no locks: run each shard in one process at a time\n",
                printable(folder));
   try {
     const MutedOutput muted;
-    run();
+    run.verb();
   } catch (const Stopped&) {
   }
   if (interrupted()) {
@@ -272,7 +244,7 @@ int run_shard(const CLI::App& app, const Run& run) {
                stopped_by());
     return kInterrupted;
   }
-  g_shared->finish();
+  job.store->finish();
   fmt::print("shard {} is whole; when all are: ferrule merge {}\n", to_text(shard),
              printable(folder));
   return kDone;
@@ -293,12 +265,6 @@ std::string program_in(const std::vector<std::string>& words) {
     else if (word.ends_with(".pt"))
       return word;
   return "";
-}
-
-void share_all(const std::string& folder, const Job& job) {
-  g_folder = folder;
-  g_shard = false;
-  g_shared = std::make_unique<TrialStore>(folder, job.hash, std::nullopt, false);
 }
 
 }  // namespace ferrule

@@ -15,17 +15,24 @@
 
 namespace ferrule {
 
-// Adds --shard, and --out where the verb has none. `waits`: as of TrialStore.
-void add_shard(CLI::App& verb, bool waits = false);
+// What a command shares with other processes: nothing, unless --shard or merge says so.
+struct SharedJob {
+  std::string shard{}, out{};  // --shard and --out, as they are given
+  bool waits = false;          // as of TrialStore
+  std::string folder{};        // empty: nothing is shared
+  std::unique_ptr<TrialStore> store{};
+
+  // For run_campaigns; null: nothing is shared.
+  TrialStore* trials() const noexcept { return store.get(); }
+  // What a shard finds is not told, and need not be computed.
+  bool runs_a_shard() const noexcept { return store && !shard.empty(); }
+};
+
+// Adds --shard, and --out where the verb has none.
+void add_shard(CLI::App& verb, SharedJob& job, bool waits = false);
 
 // Throws BadInput where a word is not UTF-8: a job.json could not keep it.
 void expect_utf_8(const std::vector<std::string>& words);
-
-// What this process shares, for run_campaigns; null: nothing.
-TrialStore* shared_trials() noexcept;
-const std::string& shared_folder() noexcept;
-// Does it run a shard? What it finds is not told then, and need not be computed.
-bool runs_a_shard() noexcept;
 
 // A controller, and the time it took to learn it [s].
 struct TimedController {
@@ -35,7 +42,8 @@ struct TimedController {
 // What `learn` returns. Of the processes that share a job the first that needs it learns it, and
 // keeps it as FOLDER/learned/WHAT; `what` tells it from others of the job. Throws what `learn`
 // throws, FileTrouble.
-TimedController learned_once(const std::string& what, const std::function<ControllerFile()>& learn);
+TimedController learned_once(const SharedJob& job, const std::string& what,
+                             const std::function<ControllerFile()>& learn);
 
 // Does what the chosen verb of `app` does; with --shard its trials alone, of which nothing but that
 // they are there is printed.
@@ -56,7 +64,5 @@ struct Job {
 Job read_job(const std::string& folder);
 // What of the command is a program that runs with it, --policy or TorchScript; empty: nothing is.
 std::string program_in(const std::vector<std::string>& words);
-// From now on this process has the trials of all shards of the job.
-void share_all(const std::string& folder, const Job& job);
 
 }  // namespace ferrule

@@ -267,7 +267,7 @@ void add_submit(CLI::App& app, Run& run) {
   add_examples(*verb,
                {"submit --out job --nodes 50 -- evaluate controller.json --trials 10000000",
                 "submit --out job --now -- compare episodes search --ladder --seeds 1..5 --json"});
-  verb->callback([a, &run] { run = [a] { return submit_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return submit_verb(*a); }; });
 }
 
 }  // namespace ferrule

@@ -190,7 +190,7 @@ void add_sweep(CLI::App& app, Run& run) {
           "with several keys all combinations")
       ->type_name("KEY=VALUES")
       ->required();
-  a->add_options(*verb, "At each point");
+  a->add_options(*verb, run.job, "At each point");
   a->stopping.add_to(*verb);
   a->prefer.add_to(*verb);
   add_plot(*verb, a->plot, "Draw it over the first key, a line for each combination of the others");
@@ -199,7 +199,7 @@ void add_sweep(CLI::App& app, Run& run) {
                        "sweep controller.json ferrule.bore_diameter_um=125.5+1/-0,126+1/-0 "
                        "start.lateral_sd_um=5,10,15 --plot sweep.svg",
                        "sweep constant-velocity limits.force_uN=5:80:5:log --scene bench --csv"});
-  verb->callback([a, &run] { run = [a] { return sweep_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return sweep_verb(*a); }; });
 }
 
 }  // namespace ferrule

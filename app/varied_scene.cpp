@@ -14,8 +14,9 @@ void VariedArguments::add_controller(CLI::App& verb) {
   verb.add_option("controller", controller, kControllers)->type_name(kControllerType)->required();
 }
 
-void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help,
+void VariedArguments::add_options(CLI::App& verb, SharedJob& shared, const std::string& trials_help,
                                   bool shards_wait) {
+  job = &shared;
   scene.add_to(verb, "that of the controller's training, or demo");
   add_other_scaling(verb, other_scaling);
   verb.add_option("--trials", trials, trials_help)
@@ -23,7 +24,7 @@ void VariedArguments::add_options(CLI::App& verb, const std::string& trials_help
       ->check(whole_number(1, 100000000));
   add_seed(verb, seed, "Seed of the trials, the same for all scenes");
   add_threads(verb, threads);
-  add_shard(verb, shards_wait);
+  add_shard(verb, shared, shards_wait);
 }
 
 VariedScene::VariedScene(const VariedArguments& arguments)
@@ -60,7 +61,7 @@ void run(const VariedArguments& a, const VariedScene& varied, const StoppingArgu
   const std::string what = fmt::format("{} scenes", points.size());
   std::vector<std::vector<TrialResult>> results =
       run_campaigns(campaigns, a.seed, a.trials, a.threads,
-                    Progress(what, points.size() * a.trials), stop, shared_trials());
+                    Progress(what, points.size() * a.trials), stop, a.job->trials());
   for (std::size_t k = 0; k < points.size(); ++k) {
     Point& point = *points[k];
     point.results = std::move(results[k]);

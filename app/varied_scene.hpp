@@ -10,6 +10,7 @@
 #include "app/given_controller.hpp"
 #include "app/interrupt.hpp"
 #include "app/scene_arguments.hpp"
+#include "app/shards.hpp"
 #include "app/stopping.hpp"
 #include "app/trained.hpp"
 #include "controller/campaign.hpp"
@@ -24,10 +25,12 @@ struct VariedArguments {
   int threads = 0;
   bool other_scaling = false;
   Output output;
+  const SharedJob* job = nullptr;
 
   // The controller comes first; `trials_help` says what of, `shards_wait` as add_shard has it.
   void add_controller(CLI::App& verb);
-  void add_options(CLI::App& verb, const std::string& trials_help, bool shards_wait = false);
+  void add_options(CLI::App& verb, SharedJob& shared, const std::string& trials_help,
+                   bool shards_wait = false);
 };
 
 class VariedScene {

@@ -21,8 +21,13 @@ enum ExitCode {
   kNobodyReads = 141
 };
 
-// What the chosen verb does, and its exit code; set when the command line is parsed.
-using Run = std::function<int()>;
+struct SharedJob;  // app/shards.hpp
+
+struct Run {
+  // What the chosen verb does, and its exit code; set when the command line is parsed.
+  std::function<int()> verb;
+  SharedJob& job;  // for its trials
+};
 
 void add_scene(CLI::App& app, Run& run);
 void add_forces(CLI::App& app, Run& run);
@@ -58,7 +63,8 @@ void add_doctor(CLI::App& app, Run& run);
 void add_examples(CLI::App& verb, const std::vector<std::string>& examples);
 
 // Does what a command line says, of which `words` are all but the program's name; its exit code.
-// Throws what the verb throws. (main.cpp)
+// With `job` it has the trials of all shards of that. Throws what the verb throws. (main.cpp)
 int run_command(const std::vector<std::string>& words);
+int run_command(const std::vector<std::string>& words, SharedJob& job);
 
 }  // namespace ferrule

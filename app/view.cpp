@@ -237,7 +237,7 @@ void add_view(CLI::App& app, Run& run) {
   add_examples(*verb, {"view --scene demo --trainee Ada --out ada", "view --device auto --no-open",
                        "view episodes", "view episodes/episode_0001.h5 --export episode.html",
                        "view --trial 3 controller.json --seed 7 --against constant-velocity"});
-  verb->callback([a, &run] { run = [a] { return view_verb(*a); }; });
+  verb->callback([a, &run] { run.verb = [a] { return view_verb(*a); }; });
 }
 
 }  // namespace ferrule
