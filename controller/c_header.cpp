@@ -90,7 +90,7 @@ std::string c_header(const SearchFile& file, const std::string& origin) {
 
 typedef ferrule_search ferrule_state;
 
-static inline void ferrule_start(ferrule_state* s) { ferrule_search_start(s, &ferrule_gain, 0, 0); }
+static inline void ferrule_start(ferrule_state* s) { ferrule_search_start(s, &ferrule_gain, NULL); }
 
 )" + command_head(true) +
           R"(  const ferrule_observed o = {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 
 #include "controller/controller.hpp"
@@ -11,6 +12,7 @@
 
 namespace ferrule {
 
+// What a file states (controller/search_file.hpp); controller/search/numbers.h has the constants.
 inline constexpr std::array kSearchGains = std::to_array<Gain>({
     {"approach_speed", "v_a", "m/s", Gain::positive},
     {"touch_speed", "v_t", "m/s", Gain::positive},
@@ -32,16 +34,11 @@ inline constexpr std::array kSearchGains = std::to_array<Gain>({
 // The last ones are sizes of the parts, not choices.
 inline constexpr std::size_t kSearchSizes = 4;
 
-// What somebody knows of his own hand, and others find out.
-struct KnownHand {
-  double lag = 0;        // from what is felt to what the holder does [s]; 0: is measured
-  double stiffness = 0;  // of the holder along the bore [N/m]; 0: not known before a touch
-};
-
 class SearchLaw : public Controller {
  public:
-  // One number per gain of the table.
-  explicit SearchLaw(std::span<const double> gains, const KnownHand& hand = {}) noexcept;
+  // One number per gain of the table. Without `own` it finds out about the hand.
+  explicit SearchLaw(std::span<const double> gains,
+                     const std::optional<ferrule_own_hand>& own = {}) noexcept;
 
   HandTwist command(const Observation& observation) noexcept override;
   const char* phase_name() const noexcept override;

@@ -50,7 +50,7 @@ SearchingOperator::SearchingOperator(const TraineeTraits& traits, std::vector<do
                                      std::function<double()> uniform)
     : period_(period),
       hand_(traits.tremor, traits.hesitation_rate, period, std::move(uniform)),
-      law_(slowed(std::move(gains), traits.peak_speed), {traits.delay, stiffness}),
+      law_(slowed(std::move(gains), traits.peak_speed), ferrule_own_hand{traits.delay, stiffness}),
       observed_(static_cast<std::size_t>(std::lround(traits.delay / period))) {}
 
 HandTwist SearchingOperator::command(const Observation& observation) noexcept {

@@ -7,6 +7,7 @@
 #pragma once
 
 #include "controller/search/axes.h"
+#include "controller/search/numbers.h"
 
 typedef struct {
   double time, way;  // [s, m]
@@ -19,20 +20,20 @@ typedef struct {
   ferrule_mark before, last;
 } ferrule_hand;
 
-// Nothing is left to measure where the delay is known [s]; 0: it is not.
-static inline void ferrule_hand_start(ferrule_hand* h, double delay) {
-  const ferrule_mark none = {0, 0};
+static inline void ferrule_hand_start(ferrule_hand* h) {
+  const ferrule_hand unknown = {0, 1, false, {0, 0}, {0, 0}};
+  *h = unknown;
+}
+
+// Of which somebody knows the delay [s], >= 0: nothing is left to measure.
+static inline void ferrule_hand_known(ferrule_hand* h, double delay) {
+  ferrule_hand_start(h);
   h->delay = delay;
-  h->gain = 1;
-  h->measured = delay > 0;
-  h->before = h->last = none;
+  h->measured = true;
 }
 
 // It has moved that far [m], `time` after it set out at `speed` [s, m/s].
 static inline void ferrule_hand_moved(ferrule_hand* h, double way, double time, double speed) {
-  const double measured_time = 0.25;  // so long it is measured [s]
-  const double measured_delays = 5;   // and at least so many times its delay
-  const double most_gain = 2;         // or its inverse: what moves less is held back
   if (h->measured) return;
   if (time >= 2 * h->last.time) {
     h->before = h->last;
@@ -42,6 +43,7 @@ static inline void ferrule_hand_moved(ferrule_hand* h, double way, double time, 
   if (!(way > h->before.way && time > h->before.time)) return;
   const double reached = (way - h->before.way) / (time - h->before.time);
   h->delay = ferrule_max(0, time - way / reached);
-  h->measured = time > ferrule_max(measured_time, measured_delays * h->delay);
-  if (h->measured) h->gain = ferrule_clamp(reached / speed, 1 / most_gain, most_gain);
+  h->measured = time > ferrule_max(ferrule_measured_time, ferrule_measured_delays * h->delay);
+  if (h->measured)
+    h->gain = ferrule_clamp(reached / speed, 1 / ferrule_most_gain, ferrule_most_gain);
 }

@@ -30,11 +30,15 @@
 //   centre       half way down the lead-in, and again near its end, it moves sideways until the cone
 //                resists (cone centre). How far it could move there tells how high the cone is.
 //
+// What a phase remembers is set where it begins, by a function of its own; a step then says how to
+// move, or which phase is next. What all share is what is known of sensor, holder and opening.
+//
 // Forces are relative to their mean in free air. Lengths and speeds are of the hand.
 #pragma once
 
 #include "controller/search/cone_centre.h"
 #include "controller/search/hand_response.h"
+#include "controller/search/numbers.h"
 #include "controller/search/touch_search.h"
 
 typedef enum {
@@ -47,22 +51,9 @@ typedef enum {
   FERRULE_LOWER,
   FERRULE_INSERT,
   FERRULE_BACK_OFF,
-  FERRULE_STRAIGHTEN
+  FERRULE_STRAIGHTEN,
+  FERRULE_PHASES
 } ferrule_phase;
-
-// As kSearchGains (controller/search_law.hpp).
-typedef struct {
-  double approach_speed, touch_speed, insert_speed;                // v_a, v_t, v_i [m/s]
-  double tilt_rate;                                                // w [rad/s]
-  double touch_force, push_force;                                  // F_t, F_p [N]
-  double turn_moment;                                              // M_t [N m]
-  double hold_time;                                                // t_h [s]
-  double lift;                                                     // l [m]
-  double tilt;                                                     // theta [rad]
-  double yield;                                                    // A [m/(s N)]
-  double near_entrance;                                            // d_e [m]
-  double fibre_radius, bore_radius, mouth_radius, lead_in_length;  // r, R, R_m, l_m [m]
-} ferrule_numbers;
 
 typedef struct {
   ferrule_axes wrench;        // relative to that at rest at the start [N, N m]
@@ -71,135 +62,111 @@ typedef struct {
   double time;                // since the start [s]
 } ferrule_observed;
 
+// What somebody knows of his own hand, and others find out.
+typedef struct {
+  double lag;        // from what is felt to what the holder does [s], >= 0
+  double stiffness;  // of the holder along the bore [N/m], > 0
+} ferrule_own_hand;
+
+// What is known of the sensor.
+typedef struct {
+  ferrule_axes tare;    // mean of what was read in free air
+  ferrule_axes noise;   // mean squares of what was read there
+  int readings;         // there
+  ferrule_axes smooth;  // of the last readings, less the tare
+} ferrule_sensor;
+
+// What is known of the holder along the bore: the first touch, which gives way, measures it.
+typedef enum { FERRULE_UNTOUCHED, FERRULE_TOUCHED, FERRULE_MEASURED } ferrule_first_touch;
+typedef struct {
+  ferrule_first_touch first;
+  double rest_at, rest_force;  // of the first touch: x of the hand [m], f [N]
+  double stiffness;            // k, until it is measured as told or assumed [N/m]
+  bool told;                   // how stiff it is
+  bool gives_way;              // so that a push moves it by more than the end is lifted
+} ferrule_holder;
+
+// What is known of the bore's entrance, beside what touches tell.
+typedef enum { FERRULE_ROUGHLY, FERRULE_FINELY, FERRULE_NO_MORE } ferrule_centring;
+typedef struct {
+  double height;          // where it was taken to be at 0 [m]
+  double before, behind;  // up to which heights before and behind it a touch is to be expected [m]
+  ferrule_centring next;  // in a cone, if there is one
+  double held;            // how far from where it touched the cone held it [m]
+} ferrule_entrance;
+
 typedef struct {
   ferrule_numbers n;
-  double known_stiffness;  // of the holder along the bore [N/m]; 0: not known before a touch
+  ferrule_sensor sensor;
+  ferrule_hand hand;
+  ferrule_holder holder;
   ferrule_touches touches;
+  ferrule_entrance entrance;
+  double push;          // with which it inserts [N]
+  ferrule_v2 straight;  // and the tilt [rad]
+
   ferrule_phase phase;
   double since;       // its begin [s]
   ferrule_axes from;  // and the displacement then
-
-  ferrule_axes tare;   // mean of what was read in free air
-  ferrule_axes noise;  // mean squares of what was read there
-  int free;            // readings there
-  ferrule_hand hand;
-  ferrule_axes smooth;  // of the last readings, less the tare
-
-  double sum;                  // of the axial force at rest [N]
-  int read;                    // readings of it
-  double stiffness;            // k [N/m]; 0: not known yet
-  double rest_at, rest_force;  // of the first touch: x of the hand [m], f [N]
-
-  double push;    // with which it inserts [N]
-  int to_centre;  // how often still; 0 where there is no cone
-  ferrule_cone cone;
-  bool at_cone;           // it touches it still
-  double held;            // how far from there the cone held it [m]
-  double entrance;        // its height where it was taken to be at 0 [m]
-  double before, behind;  // up to which heights before and behind it a touch is to be expected [m]
-  bool relaxed;           // along the bore, before it turns
-  int probe;              // of six: about each axis one way, the other way, the middle
-  double resisted[2];     // at which tilts [rad]
-  ferrule_v2 straight;    // the tilt to insert with [rad]
+  // What each phase remembers beside that, from its begin on.
+  struct {
+    bool rested;     // the first time, for the noise
+    double set_out;  // when [s]
+  } approach;
+  struct {
+    ferrule_cone cone;
+    bool touching;  // it touches the cone still
+  } centre;
+  struct {
+    double sum;  // of the axial force at rest [N]
+    int read;    // readings of it
+  } touch;
+  struct {
+    double time, x;  // when and where it last looked whether it is held up [s, m]
+  } insert;
+  struct {
+    bool relaxed;        // along the bore, before it turns
+    int probe;           // of six: about each axis one way, the other way, the middle
+    double resisted[2];  // at which tilts [rad]
+    ferrule_v2 middle;   // at first the tilt at which it began [rad]
+  } straighten;
 } ferrule_search;
 
-// Of what it feels.
-static const double ferrule_noises = 6;  // standard deviations of the sensor that it does not reach
-static const double ferrule_smooth_noises = 2;   // the same of the smoothed wrench
-static const double ferrule_smoothing = 0.05;    // share of a new reading in that
-static const double ferrule_settling = 0.4;      // of the time it rests, before the force counts
-static const double ferrule_force_error = 0.02;  // of what is felt, where it tells the stiffness
-static const double ferrule_left = 0.4;          // of the force, where it has given way
-static const double ferrule_released = 0.7;      // less than that is enough
-static const double ferrule_slides =
-    0.5;  // of the axial force: with more sideways it is on a slope
-static const double ferrule_releasing = 0.25;  // of the touching speed
+enum { FERRULE_PROBES = 6 };  // of straightening
 
-// Of where it goes.
-static const double ferrule_clear = 0.25;       // of the lift: above what can be in the way
-static const double ferrule_gently = 0.1;       // of the lift: that far it comes off gently
-static const double ferrule_there = 1e-3;       // of r: that near a place it is there
-static const double ferrule_tilted = 0.01;      // of the tilt, likewise
-static const double ferrule_place_time = 0.01;  // with which it settles at a place [s]
-static const double ferrule_tilt_time = 0.1;    // and at a tilt, inserting [s]
-
-// Of a hand that is late.
-static const double ferrule_place_lags = 2.7;   // it settles with at least: from e on no overshoot
-static const double ferrule_brake_time = 2e-3;  // with which it comes down to touch [s]
-static const double ferrule_brake_lags = 4;     // and at least: without overshoot of a lag, too
-static const double ferrule_stop_force = 0.95;  // of the pushing force: what a touch may come to
-static const double ferrule_hardest = 1.35;  // likewise: with more it does not insert, pull or turn
-static const double ferrule_most_felt = 0.5;    // of the pushing force: what it feels at least
-static const double ferrule_stop_time = 2.86e-3;  // of touching speed, for the pushing force [s]
-static const double ferrule_steady_force = 0.25;  // of the pushing force: may go on in the bore
-static const double ferrule_stop_lift = 0.5;      // of the lift, likewise
-static const double ferrule_further = 1.25;       // of what a cone may be higher
-
-// Of how it centres in a cone.
-static const double ferrule_centre_at[] = {0.5, 0.15};  // of the lead-in's length
-static const double ferrule_centre_below = 0.45;        // likewise: the second time
-static const double ferrule_held_play = 1.3;  // of how far a touch holds it: there is as much play
-static const double ferrule_before = 0.3;     // of near the entrance, once its height is known
-
-// Of how it inserts.
-static const double ferrule_look_every = 0.1;  // whether it is held up [s]
-static const double ferrule_look_lags = 1.5;   // and in no less: a late hand sets out late
-static const double ferrule_held_up = 0.1;     // of the inserting speed: slower than that it is
-static const double ferrule_shallow = 3;    // lifts below the face: there the face may hold it up
-static const double ferrule_freed = 0.5;    // of the pushing force: less is left before it turns
-static const double ferrule_probing = 0.5;  // of the tilt rate
-static const double ferrule_more = 1.15;    // of the pushing force before, once it is straight again
-static const double ferrule_least_turning = 0.2;  // of that
-static const double ferrule_most_tilt = 0.02;     // that it tries, from straight [rad]
-enum { FERRULE_PROBES = 6 };
-
-// What somebody knows of his own hand, and others find out: its lag, from what is felt to what the
-// holder does [s], and its stiffness; 0: not known.
+// `own`: null where nobody knows it.
 static inline void ferrule_search_start(ferrule_search* s, const ferrule_numbers* numbers,
-                                        double lag, double stiffness) {
+                                        const ferrule_own_hand* own) {
   const ferrule_touch_numbers touch = {
       numbers->fibre_radius,  numbers->bore_radius, numbers->mouth_radius, numbers->lead_in_length,
       numbers->near_entrance, numbers->tilt,        numbers->lift};
   memset(s, 0, sizeof *s);
   s->n = *numbers;
-  s->known_stiffness = stiffness;
-  s->push = numbers->push_force;
-  s->to_centre = 2;
-  s->before = s->behind = numbers->near_entrance;
+  s->holder.stiffness = numbers->push_force / (ferrule_stop_time * numbers->touch_speed);
+  ferrule_hand_start(&s->hand);
+  if (own) {
+    ferrule_hand_known(&s->hand, own->lag);
+    s->holder.told = true;
+    s->holder.stiffness = own->stiffness;
+    s->holder.gives_way = numbers->push_force / own->stiffness > numbers->lift;
+  }
   ferrule_touches_start(&s->touches, touch);
-  ferrule_hand_start(&s->hand, lag);
-}
-
-static inline ferrule_axes ferrule_along(double velocity) {
-  const ferrule_axes v = {velocity, {0, 0}, {0, 0}};
-  return v;
-}
-
-// Stands still for this period.
-static inline ferrule_axes ferrule_begin(ferrule_search* s, ferrule_phase phase,
-                                         const ferrule_observed* o) {
-  s->phase = phase;
-  s->since = o->time;
-  s->from = o->displacement;
-  s->sum = 0;
-  s->read = 0;
-  s->probe = 0;
-  s->relaxed = false;
-  if (phase == FERRULE_INSERT) ferrule_straightened(&s->touches);
-  return ferrule_along(0);
+  s->entrance.before = s->entrance.behind = numbers->near_entrance;
+  s->push = numbers->push_force;
 }
 
 static inline double ferrule_felt_force(const ferrule_search* s) {
-  const double above_noise = ferrule_max(s->n.touch_force, ferrule_noises * sqrt(s->noise.x));
+  const double above_noise =
+      ferrule_max(s->n.touch_force, ferrule_noises * sqrt(s->sensor.noise.x));
   return ferrule_min(above_noise, ferrule_most_felt * s->n.push_force);
 }
 
 static inline double ferrule_felt_smooth_force(const ferrule_search* s) {
-  return ferrule_max(s->n.touch_force, ferrule_smooth_noises * sqrt(s->noise.x));
+  return ferrule_max(s->n.touch_force, ferrule_smooth_noises * sqrt(s->sensor.noise.x));
 }
 
 static inline double ferrule_felt_moment(const ferrule_search* s) {
-  const double noise = ferrule_max(s->noise.about.y, s->noise.about.z);
+  const double noise = ferrule_max(s->sensor.noise.about.y, s->sensor.noise.about.z);
   return ferrule_max(s->n.turn_moment, ferrule_smooth_noises * sqrt(noise));
 }
 
@@ -208,21 +175,10 @@ static inline double ferrule_stoppable(const ferrule_search* s, double speed, do
   return speed * s->hand.delay > further ? further / s->hand.delay : speed;
 }
 
-static inline double ferrule_stiffness(const ferrule_search* s) {
-  if (s->stiffness > 0) return s->stiffness;
-  if (s->known_stiffness > 0) return s->known_stiffness;
-  return s->n.push_force / (ferrule_stop_time * s->n.touch_speed);
-}
-
-// He knows that a push moves his gripper by more than the end is lifted.
-static inline bool ferrule_gives_way(const ferrule_search* s) {
-  return s->known_stiffness > 0 && s->n.push_force / s->known_stiffness > s->n.lift;
-}
-
 // At which a touch that it feels then comes to as much as it may.
 static inline double ferrule_touching_from(const ferrule_search* s, double speed) {
   const double further = ferrule_stop_force * s->n.push_force - ferrule_felt_force(s);
-  return ferrule_stoppable(s, speed, further / ferrule_stiffness(s));
+  return ferrule_stoppable(s, speed, further / s->holder.stiffness);
 }
 
 static inline double ferrule_touching(const ferrule_search* s) {
@@ -237,12 +193,14 @@ static inline bool ferrule_late(const ferrule_search* s) {
 // At which it notices a pull as large as its push.
 static inline double ferrule_pulling(const ferrule_search* s) {
   return ferrule_stoppable(s, s->n.touch_speed,
-                           (ferrule_hardest - 1) * s->n.push_force / ferrule_stiffness(s));
+                           (ferrule_hardest - 1) * s->n.push_force / s->holder.stiffness);
 }
 
 // A tilted end gives way in the bore, and comes to rest in parts of the lift.
 static inline double ferrule_inserting(const ferrule_search* s) {
-  const double soft = s->stiffness > 0 ? ferrule_steady_force * s->n.push_force / s->stiffness : 0;
+  const double soft = s->holder.first == FERRULE_MEASURED
+                          ? ferrule_steady_force * s->n.push_force / s->holder.stiffness
+                          : 0;
   return ferrule_stoppable(s, s->n.insert_speed, ferrule_max(soft, ferrule_stop_lift * s->n.lift));
 }
 
@@ -273,260 +231,323 @@ static inline bool ferrule_is_at(const ferrule_search* s, ferrule_v2 place,
   return ferrule_norm(way) < ferrule_there * s->n.fibre_radius;
 }
 
-// The second time no lower than where the end comes off the cone before it is in the middle.
-static inline bool ferrule_time_to_centre(const ferrule_search* s, const ferrule_observed* o) {
-  const double length = s->n.lead_in_length;
-  if (!(ferrule_late(s) || ferrule_gives_way(s)) || !s->hand.measured || s->to_centre == 0)
-    return false;
-  if (s->to_centre == 2) return o->height < ferrule_centre_at[0] * length;
-  return o->height < ferrule_clamp(ferrule_height_of(&s->touches, ferrule_held_play * s->held),
-                                   ferrule_centre_at[1] * length, ferrule_centre_below * length);
-}
-
-static inline ferrule_axes ferrule_approach(ferrule_search* s, const ferrule_observed* o) {
-  const bool still = o->time < s->n.hold_time;  // at first, for the noise
-  const double height = o->height - s->entrance;
-  const ferrule_axes f = o->wrench, none = {0, {0, 0}, {0, 0}};
-  if (!still && f.x > ferrule_felt_force(s)) return ferrule_begin(s, FERRULE_TOUCH, o);
-  if (height < -s->behind) return ferrule_begin(s, FERRULE_INSERT, o);
-  ++s->free;
-  if (s->free > 1) {
-    const ferrule_axes square = {f.x * f.x,
-                                 {f.across.y * f.across.y, f.across.z * f.across.z},
-                                 {f.about.y * f.about.y, f.about.z * f.about.z}};
-    const ferrule_axes more = ferrule_plus(square, -1, s->noise);
-    s->noise = ferrule_plus(s->noise, 1, ferrule_axes_over(more, s->free));
-  }
-  s->tare = ferrule_plus(s->tare, 1, ferrule_axes_over(f, s->free));
-  if (still) return none;
-  if (s->since < s->n.hold_time) s->since = o->time;
-  if (height < s->before) return ferrule_along(-ferrule_touching(s));
-  if (s->rest_force == 0)
-    ferrule_hand_moved(&s->hand, s->from.x - o->displacement.x, o->time - s->since,
-                       s->n.approach_speed);
-  if (ferrule_time_to_centre(s, o)) {
-    ferrule_cone_start(&s->cone, s->to_centre != 2, ferrule_play(&s->touches, o->height));
-    return ferrule_begin(s, FERRULE_CENTRE, o);
-  }
-  return ferrule_along(s->known_stiffness > 0 ? -ferrule_touching_from(s, s->n.approach_speed)
-                                              : -s->n.approach_speed);
-}
-
-static inline void ferrule_centred(ferrule_search* s, const ferrule_observed* o) {
-  const double near = s->n.near_entrance;
-  s->touches.has_cone = true;
-  if (--s->to_centre > 0) return;
-  s->entrance =
-      ferrule_clamp(o->height - ferrule_height_of(&s->touches, s->cone.play), -near, near);
-  s->before = ferrule_before * near;
-  s->behind = 0;
-}
-
-// The cone is felt along the bore first, where the holder is stiff, and otherwise sideways.
-static inline ferrule_axes ferrule_centre(ferrule_search* s, const ferrule_observed* o) {
-  const ferrule_v2 at = o->displacement.across;
-  const bool soft = ferrule_gives_way(s);
-  const double force = soft ? ferrule_norm(s->smooth.across) : s->smooth.x;
-  const double felt = soft ? ferrule_felt_force(s) : ferrule_felt_smooth_force(s);
-  ferrule_axes v = ferrule_along(0);
-  if (s->cone.until_felt) {
-    const ferrule_v2 way = ferrule_difference(at, s->from.across);
-    s->at_cone = s->at_cone && force > 0.5 * felt;
-    if (!s->at_cone && force > felt) {
-      ferrule_cone_arrived(&s->cone, at);
-      s->at_cone = true;
-    } else if (ferrule_norm(way) > 2 * ferrule_play(&s->touches, o->height)) {
-      s->to_centre = 0;  // there is none
-      return ferrule_begin(s, FERRULE_APPROACH, o);
-    }
-    if (s->cone.until_felt) v.across = ferrule_times(s->n.insert_speed, s->cone.to);
-    return v;
-  }
-  if (s->smooth.x < -felt)
-    s->held = ferrule_max(s->held, ferrule_norm(ferrule_difference(at, s->cone.touched)));
-  if (!ferrule_is_at(s, s->cone.to, o)) {
-    v.across = ferrule_sideways_to(s, s->cone.to, o);
-    return v;
-  }
-  ferrule_cone_arrived(&s->cone, at);
-  if (ferrule_cone_ended(&s->cone)) {
-    ferrule_centred(s, o);
-    return ferrule_begin(s, FERRULE_APPROACH, o);
-  }
-  return v;
-}
-
-static inline ferrule_axes ferrule_touch(ferrule_search* s, const ferrule_observed* o) {
-  const double rested = o->time - s->since, x = o->displacement.x, felt = ferrule_felt_force(s);
-  const double sideways = ferrule_norm(s->smooth.across);
-  const bool first = s->stiffness == 0;
-  // What the mean may be wrong by.
-  const double error =
-      first ? ferrule_force_error * felt : ferrule_height_error(s->n.fibre_radius) * s->stiffness;
-  if (rested < s->hand.delay + ferrule_settling * s->n.hold_time) return ferrule_along(0);
-  s->sum += o->wrench.x;
-  ++s->read;
-  const double f = s->sum / s->read;
-  if (rested < s->hand.delay + s->n.hold_time || s->noise.x > s->read * error * error)
-    return ferrule_along(0);
-  if (!ferrule_late(s) && sideways > ferrule_slides * f && f > 0.5 * felt)
-    return ferrule_begin(s, FERRULE_INSERT, o);
-  if (first && s->rest_force == 0) {
-    if (f < 0.5 * felt) return ferrule_begin(s, FERRULE_APPROACH, o);  // it was noise
-    s->rest_at = x;
-    s->rest_force = f;
-    return ferrule_begin(s, FERRULE_RELEASE, o);
-  }
-  if (first && !(f < ferrule_released * s->rest_force)) return ferrule_begin(s, FERRULE_RELEASE, o);
-  if (first) s->stiffness = (s->rest_force - f) / (x - s->rest_at);
-  if (!first && f < 0.5 * felt) return ferrule_begin(s, FERRULE_LOWER, o);
-  ferrule_axes touch = o->displacement;
-  touch.x = x + f / s->stiffness;
-  ferrule_rested(&s->touches, touch, o->height);
-  return ferrule_begin(s, FERRULE_LIFT, o);
-}
-
-// Unlike under a growing force, nothing slides on a slope while it gives way.
-static inline ferrule_axes ferrule_release(ferrule_search* s, const ferrule_observed* o) {
-  if (o->wrench.x > ferrule_left * s->rest_force)
-    return ferrule_along(ferrule_releasing * ferrule_touching(s));
-  return ferrule_begin(s, FERRULE_TOUCH, o);
-}
-
-static inline ferrule_axes ferrule_lift(ferrule_search* s, const ferrule_observed* o) {
-  const double x = o->displacement.x, held = sqrt(ferrule_square(s->smooth));
-  const double high = ferrule_max(s->from.x, ferrule_highest_rest(&s->touches)) + s->n.lift;
-  if (o->wrench.x < -s->n.push_force)
-    return ferrule_begin(s, FERRULE_INSERT, o);  // so fast it is in the bore
-  if (x >= high && held < ferrule_felt_smooth_force(s)) return ferrule_begin(s, FERRULE_MOVE, o);
-  return ferrule_along(x < s->from.x + ferrule_gently * s->n.lift ? ferrule_pulling(s)
-                                                                  : s->n.insert_speed);
-}
-
-static inline ferrule_axes ferrule_move(ferrule_search* s, const ferrule_observed* o) {
-  const ferrule_v2 place = s->touches.next_across, tilt = s->touches.next_tilt;
-  const double left = ferrule_norm(ferrule_difference(tilt, o->displacement.about));
-  ferrule_axes v = ferrule_along(0);
-  if (ferrule_is_at(s, place, o) && left < ferrule_tilted * s->n.tilt)
-    return ferrule_begin(s, FERRULE_LOWER, o);
-  v.across = ferrule_sideways_to(s, place, o);
-  v.about = ferrule_tilted_to(s, tilt, ferrule_goal_time(s), o);
-  return v;
-}
-
-static inline ferrule_axes ferrule_lower(ferrule_search* s, const ferrule_observed* o) {
-  const double x = o->displacement.x;
-  if (o->wrench.x > ferrule_felt_force(s)) return ferrule_begin(s, FERRULE_TOUCH, o);
-  if (x + s->smooth.x / s->stiffness < ferrule_lowest_rest(&s->touches) - s->n.lift)
-    return ferrule_begin(s, o->height < -s->n.lift ? FERRULE_INSERT : FERRULE_APPROACH, o);
-  double clear = ferrule_highest_rest(&s->touches) + ferrule_clear * s->n.lift;
-  if (ferrule_late(s)) clear += ferrule_further * ferrule_climb(&s->touches);
-  const double braking =
-      (x - clear) / ferrule_max(ferrule_brake_time, ferrule_brake_lags * s->hand.delay);
-  return ferrule_along(-ferrule_clamp(braking, ferrule_touching(s), s->n.insert_speed));
-}
-
-static inline ferrule_axes ferrule_insert(ferrule_search* s, const ferrule_observed* o) {
-  const double look = ferrule_max(ferrule_look_every, ferrule_look_lags * s->hand.delay);
-  const double x = o->displacement.x;
-  if (o->time - s->since >= look) {
-    const bool held_up = s->from.x - x < ferrule_held_up * ferrule_inserting(s) * look;
-    const bool shallow = s->touches.begun && o->height - s->entrance > -s->n.near_entrance &&
-                         x > ferrule_lowest_rest(&s->touches) - ferrule_shallow * s->n.lift;
-    ferrule_begin(s, !held_up ? FERRULE_INSERT : shallow ? FERRULE_TOUCH : FERRULE_BACK_OFF, o);
-  }
-  ferrule_axes push = o->wrench;
-  push.x = ferrule_max(0, push.x);  // what pulls is no reason to stop
-  const double pressed = ferrule_square(push) / (s->push * s->push);
-  ferrule_axes v = ferrule_along(-ferrule_inserting(s) * ferrule_max(0, 1 - pressed));
-  v.across = ferrule_times(s->n.yield, o->wrench.across);
-  v.about =
-      ferrule_tilted_to(s, s->straight, ferrule_max(ferrule_goal_time(s), ferrule_tilt_time), o);
-  return v;
-}
-
-// Until nothing presses any more; no further where it is held back.
-static inline ferrule_axes ferrule_back_off(ferrule_search* s, const ferrule_observed* o) {
-  const bool off =
-      o->displacement.x >= s->from.x + s->n.lift && s->smooth.x < ferrule_freed * s->n.push_force;
-  return off || o->wrench.x < -s->n.push_force ? ferrule_begin(s, FERRULE_STRAIGHTEN, o)
-                                               : ferrule_along(ferrule_pulling(s));
-}
-
 // With what it inserts once it has straightened again, where it inserted with `push` [N].
 static inline double ferrule_harder(double push, double push_force) {
   return ferrule_min(ferrule_more * push, ferrule_hardest * push_force);
 }
 
-// About y and z one way and the other until the bore resists, or far enough, and to the middle,
-// which `from` has then. Along the bore it gives way all the time, and turns slower where a late
-// hand would let the force there grow too much.
-static inline ferrule_axes ferrule_straighten(ferrule_search* s, const ferrule_observed* o) {
-  const double force = fabs(o->wrench.x), felt = fabs(s->smooth.x), touching = ferrule_touching(s);
+static inline void ferrule_read_in_free_air(ferrule_sensor* sensor, ferrule_axes f) {
+  ++sensor->readings;
+  if (sensor->readings > 1) {
+    const ferrule_axes square = {f.x * f.x,
+                                 {f.across.y * f.across.y, f.across.z * f.across.z},
+                                 {f.about.y * f.about.y, f.about.z * f.about.z}};
+    const ferrule_axes more = ferrule_plus(square, -1, sensor->noise);
+    sensor->noise = ferrule_plus(sensor->noise, 1, ferrule_axes_over(more, sensor->readings));
+  }
+  sensor->tare = ferrule_plus(sensor->tare, 1, ferrule_axes_over(f, sensor->readings));
+}
+
+// The steps, once per period: each returns the phase of the next period, and changes the velocity
+// until then, which is zero, where it does not stand still.
+
+static inline void ferrule_begin_approach(ferrule_search* s, const ferrule_observed* o) {
+  s->approach.rested = true;
+  s->approach.set_out = o->time;
+}
+
+// The second time no lower than where the end comes off the cone before it is in the middle.
+static inline bool ferrule_time_to_centre(const ferrule_search* s, const ferrule_observed* o) {
+  const double length = s->n.lead_in_length;
+  const bool keeps_away = ferrule_late(s) || s->holder.gives_way;
+  if (!keeps_away || !s->hand.measured || s->entrance.next == FERRULE_NO_MORE) return false;
+  if (s->entrance.next == FERRULE_ROUGHLY) return o->height < ferrule_centre_at * length;
+  return o->height <
+         ferrule_clamp(ferrule_height_of(&s->touches, ferrule_held_play * s->entrance.held),
+                       ferrule_centre_above * length, ferrule_centre_below * length);
+}
+
+static inline ferrule_phase ferrule_approach(ferrule_search* s, const ferrule_observed* o,
+                                             ferrule_axes* v) {
+  const bool rests = !s->approach.rested && o->time < s->n.hold_time;
+  const double height = o->height - s->entrance.height;
+  if (!rests && o->wrench.x > ferrule_felt_force(s)) return FERRULE_TOUCH;
+  if (height < -s->entrance.behind) return FERRULE_INSERT;
+  ferrule_read_in_free_air(&s->sensor, o->wrench);
+  if (rests) return FERRULE_APPROACH;
+  if (!s->approach.rested) ferrule_begin_approach(s, o);
+  if (height < s->entrance.before) {
+    v->x = -ferrule_touching(s);
+    return FERRULE_APPROACH;
+  }
+  if (s->holder.first == FERRULE_UNTOUCHED)
+    ferrule_hand_moved(&s->hand, s->from.x - o->displacement.x, o->time - s->approach.set_out,
+                       s->n.approach_speed);
+  if (ferrule_time_to_centre(s, o)) return FERRULE_CENTRE;
+  const double speed = s->n.approach_speed;
+  v->x = -(s->holder.told ? ferrule_touching_from(s, speed) : speed);
+  return FERRULE_APPROACH;
+}
+
+static inline void ferrule_begin_centre(ferrule_search* s, const ferrule_observed* o) {
+  const bool fine = s->entrance.next == FERRULE_FINELY;
+  ferrule_cone_start(&s->centre.cone, fine, ferrule_play(&s->touches, o->height));
+  s->centre.touching = fine;  // from the first time
+}
+
+static inline void ferrule_centred(ferrule_search* s, const ferrule_observed* o) {
+  const double near = s->n.near_entrance;
+  const ferrule_cone* cone = &s->centre.cone;
+  s->touches.has_cone = true;
+  s->entrance.next = cone->fine ? FERRULE_NO_MORE : FERRULE_FINELY;
+  if (!cone->fine) return;
+  s->entrance.height =
+      ferrule_clamp(o->height - ferrule_height_of(&s->touches, cone->play), -near, near);
+  s->entrance.before = ferrule_before * near;
+  s->entrance.behind = 0;
+}
+
+// The cone is felt along the bore first, where the holder is stiff, and otherwise sideways.
+static inline ferrule_phase ferrule_centre(ferrule_search* s, const ferrule_observed* o,
+                                           ferrule_axes* v) {
+  ferrule_cone* cone = &s->centre.cone;
+  const ferrule_v2 at = o->displacement.across;
+  const bool soft = s->holder.gives_way;
+  const double force = soft ? ferrule_norm(s->sensor.smooth.across) : s->sensor.smooth.x;
+  const double felt = soft ? ferrule_felt_force(s) : ferrule_felt_smooth_force(s);
+  if (cone->until_felt) {
+    const ferrule_v2 way = ferrule_difference(at, s->from.across);
+    s->centre.touching = s->centre.touching && force > ferrule_unfelt * felt;
+    if (!s->centre.touching && force > felt) {
+      ferrule_cone_arrived(cone, at);
+      s->centre.touching = true;
+    } else if (ferrule_norm(way) > ferrule_no_cone * ferrule_play(&s->touches, o->height)) {
+      s->entrance.next = FERRULE_NO_MORE;
+      return FERRULE_APPROACH;
+    }
+    if (cone->until_felt) v->across = ferrule_times(s->n.insert_speed, cone->to);
+    return FERRULE_CENTRE;
+  }
+  if (s->sensor.smooth.x < -felt)
+    s->entrance.held =
+        ferrule_max(s->entrance.held, ferrule_norm(ferrule_difference(at, cone->touched)));
+  if (!ferrule_is_at(s, cone->to, o)) {
+    v->across = ferrule_sideways_to(s, cone->to, o);
+    return FERRULE_CENTRE;
+  }
+  ferrule_cone_arrived(cone, at);
+  if (!ferrule_cone_ended(cone)) return FERRULE_CENTRE;
+  ferrule_centred(s, o);
+  return FERRULE_APPROACH;
+}
+
+static inline void ferrule_begin_touch(ferrule_search* s, const ferrule_observed* o) {
+  (void)o;
+  s->touch.sum = 0;
+  s->touch.read = 0;
+}
+
+static inline ferrule_phase ferrule_touch(ferrule_search* s, const ferrule_observed* o,
+                                          ferrule_axes* v) {
+  const double rested = o->time - s->since, x = o->displacement.x, felt = ferrule_felt_force(s);
+  const double sideways = ferrule_norm(s->sensor.smooth.across), still = ferrule_unfelt * felt;
+  const bool measured = s->holder.first == FERRULE_MEASURED;
+  // What the mean may be wrong by.
+  const double error = measured ? ferrule_height_error(s->n.fibre_radius) * s->holder.stiffness
+                                : ferrule_force_error * felt;
+  (void)v;
+  if (rested < s->hand.delay + ferrule_settling * s->n.hold_time) return FERRULE_TOUCH;
+  s->touch.sum += o->wrench.x;
+  ++s->touch.read;
+  const double f = s->touch.sum / s->touch.read;
+  if (rested < s->hand.delay + s->n.hold_time || s->sensor.noise.x > s->touch.read * error * error)
+    return FERRULE_TOUCH;
+  if (!ferrule_late(s) && sideways > ferrule_slides * f && f > still) return FERRULE_INSERT;
+  if (s->holder.first == FERRULE_UNTOUCHED) {
+    if (f < still) return FERRULE_APPROACH;  // it was noise
+    s->holder.first = FERRULE_TOUCHED;
+    s->holder.rest_at = x;
+    s->holder.rest_force = f;
+    return FERRULE_RELEASE;
+  }
+  if (s->holder.first == FERRULE_TOUCHED) {
+    if (!(f < ferrule_released * s->holder.rest_force)) return FERRULE_RELEASE;
+    if (x > s->holder.rest_at)
+      s->holder.stiffness = (s->holder.rest_force - f) / (x - s->holder.rest_at);
+    s->holder.first = FERRULE_MEASURED;
+  } else if (f < still) {
+    return FERRULE_LOWER;
+  }
+  ferrule_axes touch = o->displacement;
+  touch.x = x + f / s->holder.stiffness;
+  ferrule_rested(&s->touches, touch, o->height);
+  return FERRULE_LIFT;
+}
+
+// Unlike under a growing force, nothing slides on a slope while it gives way.
+static inline ferrule_phase ferrule_release(ferrule_search* s, const ferrule_observed* o,
+                                            ferrule_axes* v) {
+  if (!(o->wrench.x > ferrule_left * s->holder.rest_force)) return FERRULE_TOUCH;
+  v->x = ferrule_releasing * ferrule_touching(s);
+  return FERRULE_RELEASE;
+}
+
+static inline ferrule_phase ferrule_lift(ferrule_search* s, const ferrule_observed* o,
+                                         ferrule_axes* v) {
+  const double x = o->displacement.x, held = sqrt(ferrule_square(s->sensor.smooth));
+  const double high = ferrule_max(s->from.x, ferrule_highest_rest(&s->touches)) + s->n.lift;
+  if (o->wrench.x < -s->n.push_force) return FERRULE_INSERT;  // so fast it is in the bore
+  if (x >= high && held < ferrule_felt_smooth_force(s)) return FERRULE_MOVE;
+  v->x = x < s->from.x + ferrule_gently * s->n.lift ? ferrule_pulling(s) : s->n.insert_speed;
+  return FERRULE_LIFT;
+}
+
+static inline ferrule_phase ferrule_move(ferrule_search* s, const ferrule_observed* o,
+                                         ferrule_axes* v) {
+  const ferrule_v2 place = s->touches.next_across, tilt = s->touches.next_tilt;
+  const double left = ferrule_norm(ferrule_difference(tilt, o->displacement.about));
+  if (ferrule_is_at(s, place, o) && left < ferrule_tilted * s->n.tilt) return FERRULE_LOWER;
+  v->across = ferrule_sideways_to(s, place, o);
+  v->about = ferrule_tilted_to(s, tilt, ferrule_goal_time(s), o);
+  return FERRULE_MOVE;
+}
+
+static inline ferrule_phase ferrule_lower(ferrule_search* s, const ferrule_observed* o,
+                                          ferrule_axes* v) {
+  const double x = o->displacement.x, end = x + s->sensor.smooth.x / s->holder.stiffness;
+  if (o->wrench.x > ferrule_felt_force(s)) return FERRULE_TOUCH;
+  if (end < ferrule_lowest_rest(&s->touches) - s->n.lift)
+    return o->height < -s->n.lift ? FERRULE_INSERT : FERRULE_APPROACH;
+  double clear = ferrule_highest_rest(&s->touches) + ferrule_clear * s->n.lift;
+  if (ferrule_late(s)) clear += ferrule_further * ferrule_climb(&s->touches);
+  const double braking =
+      (x - clear) / ferrule_max(ferrule_brake_time, ferrule_brake_lags * s->hand.delay);
+  v->x = -ferrule_clamp(braking, ferrule_touching(s), s->n.insert_speed);
+  return FERRULE_LOWER;
+}
+
+static inline void ferrule_begin_insert(ferrule_search* s, const ferrule_observed* o) {
+  ferrule_straightened(&s->touches);
+  s->insert.time = o->time;
+  s->insert.x = o->displacement.x;
+}
+
+// What to do next where it is held up, which it looks for from time to time.
+static inline ferrule_phase ferrule_held_up(ferrule_search* s, const ferrule_observed* o) {
+  const double look = ferrule_max(ferrule_look_time, ferrule_look_lags * s->hand.delay);
+  const double x = o->displacement.x;
+  if (o->time - s->insert.time < look) return FERRULE_INSERT;
+  const bool held_up = s->insert.x - x < ferrule_slow * ferrule_inserting(s) * look;
+  const bool shallow = s->touches.begun && o->height - s->entrance.height > -s->n.near_entrance &&
+                       x > ferrule_lowest_rest(&s->touches) - ferrule_shallow * s->n.lift;
+  s->insert.time = o->time;
+  s->insert.x = x;
+  return !held_up ? FERRULE_INSERT : shallow ? FERRULE_TOUCH : FERRULE_BACK_OFF;
+}
+
+static inline ferrule_phase ferrule_insert(ferrule_search* s, const ferrule_observed* o,
+                                           ferrule_axes* v) {
+  ferrule_axes push = o->wrench;
+  push.x = ferrule_max(0, push.x);  // what pulls is no reason to stop
+  const double pressed = ferrule_square(push) / (s->push * s->push);
+  v->x = -ferrule_inserting(s) * ferrule_max(0, 1 - pressed);
+  v->across = ferrule_times(s->n.yield, o->wrench.across);
+  v->about =
+      ferrule_tilted_to(s, s->straight, ferrule_max(ferrule_goal_time(s), ferrule_tilt_time), o);
+  return ferrule_held_up(s, o);
+}
+
+// Until nothing presses any more; no further where it is held back.
+static inline ferrule_phase ferrule_back_off(ferrule_search* s, const ferrule_observed* o,
+                                             ferrule_axes* v) {
+  const bool off = o->displacement.x >= s->from.x + s->n.lift &&
+                   s->sensor.smooth.x < ferrule_freed * s->n.push_force;
+  if (off || o->wrench.x < -s->n.push_force) return FERRULE_STRAIGHTEN;
+  v->x = ferrule_pulling(s);
+  return FERRULE_BACK_OFF;
+}
+
+static inline void ferrule_begin_straighten(ferrule_search* s, const ferrule_observed* o) {
+  s->straighten.relaxed = false;
+  s->straighten.probe = 0;
+  s->straighten.middle = o->displacement.about;
+}
+
+// About y and z one way and the other until the bore resists, or far enough, and to the middle.
+// Along the bore it gives way all the time, and turns slower where a late hand would let the force
+// there grow too much.
+static inline ferrule_phase ferrule_straighten(ferrule_search* s, const ferrule_observed* o,
+                                               ferrule_axes* v) {
+  const ferrule_axes smooth = s->sensor.smooth;
+  const double force = fabs(o->wrench.x), felt = fabs(smooth.x), touching = ferrule_touching(s);
   const double pressed = ferrule_max(force, felt) / s->n.push_force;
   const double slower =
       ferrule_late(s) ? ferrule_clamp(ferrule_hardest - pressed, ferrule_least_turning, 1) : 1;
-  const double rate = slower * ferrule_probing * s->n.tilt_rate * ferrule_place_time /
+  const double rate = slower * ferrule_turning * s->n.tilt_rate * ferrule_place_time /
                       ferrule_max(ferrule_place_time, s->hand.delay);
-  const bool about_y = s->probe / 3 == 0;
-  const int step = s->probe % 3;
-  const double way = step == 1 ? -1 : 1, middle = 0.5 * (s->resisted[0] + s->resisted[1]);
+  const bool about_y = s->straighten.probe / 3 == 0;
+  const int step = s->straighten.probe % 3;
+  double* resisted = s->straighten.resisted;
+  double* from = about_y ? &s->straighten.middle.y : &s->straighten.middle.z;
+  const double way = step == 1 ? -1 : 1, middle = 0.5 * (resisted[0] + resisted[1]);
   const double at = about_y ? o->displacement.about.y : o->displacement.about.z;
-  const double moment = about_y ? s->smooth.about.y : s->smooth.about.z;
-  double* from = about_y ? &s->from.about.y : &s->from.about.z;
+  const double moment = about_y ? smooth.about.y : smooth.about.z;
   const double past = way * (at - *from);  // before, it is held where it comes from
   const bool resists =
       past >= 0 && (way * moment < -ferrule_felt_moment(s) || force > s->n.push_force);
   const bool there =
       step == 2 ? at + s->hand.delay * rate >= middle : resists || past > ferrule_most_tilt;
-  ferrule_axes v = ferrule_along(ferrule_clamp(
-      o->wrench.x / (ferrule_stiffness(s) * ferrule_goal_time(s)), -touching, touching));
-  s->relaxed = s->relaxed || felt < 0.5 * ferrule_felt_force(s);
-  if (!s->relaxed) return v;
+  v->x = ferrule_clamp(o->wrench.x / (s->holder.stiffness * ferrule_goal_time(s)), -touching,
+                       touching);
+  s->straighten.relaxed = s->straighten.relaxed || felt < ferrule_unfelt * ferrule_felt_force(s);
+  if (!s->straighten.relaxed) return FERRULE_STRAIGHTEN;
   if (!there) {
-    *(about_y ? &v.about.y : &v.about.z) = way * rate;
-    return v;
+    *(about_y ? &v->about.y : &v->about.z) = way * rate;
+    return FERRULE_STRAIGHTEN;
   }
   if (step == 2)
     *from = middle;
   else
-    s->resisted[step] = at;
-  if (++s->probe < FERRULE_PROBES) return v;
-  s->straight = s->from.about;
+    resisted[step] = at;
+  if (++s->straighten.probe < FERRULE_PROBES) return FERRULE_STRAIGHTEN;
+  s->straight = s->straighten.middle;
   s->push = ferrule_harder(s->push, s->n.push_force);
-  return ferrule_begin(s, FERRULE_INSERT, o);
+  v->x = 0;
+  return FERRULE_INSERT;
 }
 
-static inline ferrule_axes ferrule_phase_command(ferrule_search* s, const ferrule_observed* o) {
-  switch (s->phase) {
-    case FERRULE_APPROACH:
-      return ferrule_approach(s, o);
-    case FERRULE_CENTRE:
-      return ferrule_centre(s, o);
-    case FERRULE_TOUCH:
-      return ferrule_touch(s, o);
-    case FERRULE_RELEASE:
-      return ferrule_release(s, o);
-    case FERRULE_LIFT:
-      return ferrule_lift(s, o);
-    case FERRULE_MOVE:
-      return ferrule_move(s, o);
-    case FERRULE_LOWER:
-      return ferrule_lower(s, o);
-    case FERRULE_INSERT:
-      return ferrule_insert(s, o);
-    case FERRULE_BACK_OFF:
-      return ferrule_back_off(s, o);
-    case FERRULE_STRAIGHTEN:
-      break;
-  }
-  return ferrule_straighten(s, o);
-}
+// In the order of ferrule_phase. What begins a phase sets what it remembers, if anything.
+typedef struct {
+  const char* name;
+  void (*begin)(ferrule_search* s, const ferrule_observed* o);
+  ferrule_phase (*step)(ferrule_search* s, const ferrule_observed* o, ferrule_axes* v);
+} ferrule_phase_steps;
+
+static const ferrule_phase_steps ferrule_phases[FERRULE_PHASES] = {
+    {"approach", ferrule_begin_approach, ferrule_approach},
+    {"centre", ferrule_begin_centre, ferrule_centre},
+    {"touch", ferrule_begin_touch, ferrule_touch},
+    {"release", NULL, ferrule_release},
+    {"lift", NULL, ferrule_lift},
+    {"move", NULL, ferrule_move},
+    {"lower", NULL, ferrule_lower},
+    {"insert", ferrule_begin_insert, ferrule_insert},
+    {"back_off", NULL, ferrule_back_off},
+    {"straighten", ferrule_begin_straighten, ferrule_straighten}};
 
 // Once per period, from the start on: the velocity until the next.
 static inline ferrule_axes ferrule_search_command(ferrule_search* s, ferrule_observed o) {
-  o.wrench = ferrule_plus(o.wrench, -1, s->tare);
-  s->smooth = ferrule_plus(s->smooth, ferrule_smoothing, ferrule_plus(o.wrench, -1, s->smooth));
-  const ferrule_axes meant = ferrule_phase_command(s, &o);  // which may measure the gain
-  return ferrule_axes_over(meant, s->hand.gain);
+  ferrule_axes v = {0, {0, 0}, {0, 0}};
+  ferrule_sensor* sensor = &s->sensor;
+  o.wrench = ferrule_plus(o.wrench, -1, sensor->tare);
+  sensor->smooth =
+      ferrule_plus(sensor->smooth, ferrule_smoothing, ferrule_plus(o.wrench, -1, sensor->smooth));
+  const ferrule_phase next = ferrule_phases[s->phase].step(s, &o, &v);  // may measure the gain
+  if (next != s->phase) {
+    s->phase = next;
+    s->since = o.time;
+    s->from = o.displacement;
+    if (ferrule_phases[next].begin) ferrule_phases[next].begin(s, &o);
+  }
+  return ferrule_axes_over(v, s->hand.gain);
 }

@@ -22,6 +22,7 @@
 #pragma once
 
 #include "controller/search/locate_opening.h"
+#include "controller/search/numbers.h"
 
 typedef struct {
   double fibre_radius;    // r [m]
@@ -98,23 +99,21 @@ static inline double ferrule_climb(const ferrule_touches* t) {
   return t->step * t->n.lead_in_length / (t->n.mouth_radius - t->n.bore_radius);
 }
 
-// Of a touch: standard deviation of its height, 6 nm of a fibre [m].
+// Of a touch: standard deviation of its height [m].
 static inline double ferrule_height_error(double fibre_radius) {
-  return 1e-4 * fibre_radius;
+  return ferrule_height_noise * fibre_radius;
 }
 
 // Whether it rests on an edge or on the face, and which of the earlier touches are still of use.
 static inline void ferrule_recognise(ferrule_touches* t, double x, double height) {
-  const double deeper = 2;   // lifts: lower than a bore without a cone lets it
-  const double lower = 0.1;  // of the lift: by which it rests lower than on the face
-  const int edges_in_a_row = 2;
   const double face = t->n.lead_in_length - t->n.near;  // as low as one may be
-  const bool deep = x < t->highest - ferrule_reach(t) - deeper * t->n.lift;
-  const bool below = t->located && x < t->opening.face - ferrule_reach(t) - lower * t->n.lift;
+  const bool deep = x < t->highest - ferrule_reach(t) - ferrule_in_cone * t->n.lift;
+  const bool below =
+      t->located && x < t->opening.face - ferrule_reach(t) - ferrule_on_edge * t->n.lift;
   t->height = height;
   t->has_cone = t->has_cone || deep || (height > t->n.near && height < face);
   t->edge = x;
-  t->on_edge = t->has_cone ? height < face : (below || t->unexplained) && t->edges < edges_in_a_row;
+  t->on_edge = t->has_cone ? height < face : (below || t->unexplained) && t->edges < ferrule_edges;
   t->edges = t->on_edge ? t->edges + 1 : 0;
   t->unexplained = false;
   if ((below && !t->on_edge) || fabs(x - t->rested) > t->n.lift) t->count = 0;
@@ -127,7 +126,8 @@ static inline void ferrule_locate(ferrule_touches* t) {
   const bool mouth = t->has_cone || t->height > t->n.near;
   const double off = mouth ? ferrule_play(t, t->height) : t->n.bore_radius - r;
   const ferrule_discs discs = {r, r + off};
-  const ferrule_touch_errors errors = {ferrule_height_error(r), r, 0.02, mouth ? 0.01 : 0.7};
+  const ferrule_touch_errors errors = {ferrule_height_error(r), r, ferrule_slope_noise,
+                                       mouth ? ferrule_mouth_noise : ferrule_bore_noise};
   t->opening = ferrule_locate_opening(t->touches, t->count, discs, errors);
   t->located = true;
   // What rests is not within the opening.
@@ -165,9 +165,6 @@ static inline void ferrule_first_sides(ferrule_touches* t) {
 }
 
 static inline void ferrule_further_sides(ferrule_touches* t) {
-  const double unexplained = 10;    // of the error of a height
-  const double steepest = 0.03;     // slope of an end, twice that of a bad cleave [rad]
-  const double furthest_apart = 4;  // of the tilt
   const ferrule_opening none = {{0, 0}, {0, 0}, t->edge, 0, 0};
   t->side = t->sides = 0;
   if (t->on_edge) {
@@ -175,15 +172,15 @@ static inline void ferrule_further_sides(ferrule_touches* t) {
     return;
   }
   ferrule_locate(t);
-  if (t->opening.misfit > unexplained * ferrule_height_error(t->n.fibre_radius) ||
-      ferrule_norm(t->opening.slope) > steepest) {
+  if (t->opening.misfit > ferrule_misfit * ferrule_height_error(t->n.fibre_radius) ||
+      ferrule_norm(t->opening.slope) > ferrule_steepest) {
     t->unexplained = true;
     t->located = false;
     t->count = 0;
     t->opening = none;
-  } else if (ferrule_norm(ferrule_sum(t->opening.slope, t->centre)) > 0.5 * t->apart) {
+  } else if (ferrule_norm(ferrule_sum(t->opening.slope, t->centre)) > ferrule_one_side * t->apart) {
     t->centre = ferrule_times(-1, t->opening.slope);
-    t->apart = ferrule_min(2 * t->apart, furthest_apart * t->n.tilt);
+    t->apart = ferrule_min(2 * t->apart, ferrule_furthest_apart * t->n.tilt);
     t->sides = 4;
   } else {
     t->here = t->opening.axis;

@@ -61,7 +61,7 @@ TEST(SearchingOperator, DoesWhatTheLawDoesOfWhatHeFeltOneDelayBefore) {
   const auto delay = static_cast<std::size_t>(std::lround(traits.delay / kPeriod));
   const double stiffness = 1e4;
   SearchingOperator person(traits, search_gains(), stiffness, kPeriod, chance());
-  SearchLaw law(search_gains(), {traits.delay, stiffness});
+  SearchLaw law(search_gains(), ferrule_own_hand{traits.delay, stiffness});
   FreeHand hand;
   std::vector<Observation> before;
   double time = 0;

@@ -13,7 +13,7 @@ constexpr double kToldSpeed = 5e-3, kTick = 1e-3;
 // Of a holder that is `way` further [m] a time [s] after it was told to move at kToldSpeed.
 ferrule_hand measured(const std::function<double(double)>& way, double duration = 1) {
   ferrule_hand hand;
-  ferrule_hand_start(&hand, 0);
+  ferrule_hand_start(&hand);
   for (int n = 0; n * kTick < duration; ++n)
     ferrule_hand_moved(&hand, way(n * kTick), n * kTick, kToldSpeed);
   return hand;
@@ -63,7 +63,7 @@ TEST(HandResponse, OfOneThatIsHeldBackIsNoGainThatCouldBe) {
 
 TEST(HandResponse, OfKnownDelayIsNotMeasured) {
   ferrule_hand hand;
-  ferrule_hand_start(&hand, 0.17);
+  ferrule_hand_known(&hand, 0.17);
   EXPECT_TRUE(hand.measured);
   for (int n = 0; n < 1000; ++n) ferrule_hand_moved(&hand, 1e-3 * n, 1e-3 * n, kToldSpeed);
   EXPECT_EQ(hand.delay, 0.17);
