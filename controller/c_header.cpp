@@ -97,7 +97,8 @@ static inline void ferrule_start(ferrule_state* s) { ferrule_search_start(s, &fe
       {wrench[0], {wrench[1], wrench[2]}, {wrench[3], wrench[4]}},
       {displacement[0], {displacement[1], displacement[2]}, {displacement[3], displacement[4]}},
       height,
-      time};
+      time,
+      INFINITY};
   const ferrule_axes v = ferrule_search_command(s, o);
   (void)depth;
   velocity[0] = v.x;

@@ -18,8 +18,8 @@ SearchLaw::SearchLaw(std::span<const double> g,
 }
 
 HandTwist SearchLaw::command(const Observation& o) noexcept {
-  const ferrule_axes v =
-      ferrule_search_command(&search_, {in_c(o.wrench), in_c(o.displacement), o.height, o.time});
+  const ferrule_axes v = ferrule_search_command(
+      &search_, {in_c(o.wrench), in_c(o.displacement), o.height, o.time, o.force_limit});
   return (HandTwist() << v.x, v.across.y, v.across.z, v.about.y, v.about.z).finished();
 }
 

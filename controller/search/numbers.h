@@ -86,6 +86,8 @@ static const double ferrule_stop_time = 2.86e-3;
 static const double ferrule_stop_force = 0.95;
 // [F_p] With more it does not insert, pull or turn: 54 uN, nine tenths of the force limit of bench.
 static const double ferrule_hardest = 1.35;
+// [1] Of the force limit that the trial states: it inserts and turns with no more. The same share.
+static const double ferrule_of_limit = 0.9;
 // [F_p] What it goes on by may add this in the bore. By trials.
 static const double ferrule_steady_force = 0.25;
 // [l] Or be so long. By trials.

@@ -17,7 +17,8 @@
 //                in the bore:
 //   back off     by l at least, until nothing presses; straighten: tilts to one side and to the
 //                other until the bore resists with a moment M_t, about each axis, and inserts on in
-//                the middle, with F_p larger by 15 %, and by 35 % at most. A tilt moves the
+//                the middle, with F_p larger by 15 %, and by 35 % at most; never with more than nine
+//                tenths of the force limit that the trial states. A tilt moves the
 //                fibre's side along the wall, by r for a radian; it gives way along the bore to
 //                what that adds.
 //
@@ -60,6 +61,7 @@ typedef struct {
   ferrule_axes displacement;  // since the start [m, rad]
   double height;              // before where the entrance is taken to be [m]; < 0 past it
   double time;                // since the start [s]
+  double force_limit;         // a larger force at the holder ends the trial [N]; infinite: unknown
 } ferrule_observed;
 
 // What somebody knows of his own hand, and others find out.
@@ -449,7 +451,8 @@ static inline ferrule_phase ferrule_insert(ferrule_search* s, const ferrule_obse
                                            ferrule_axes* v) {
   ferrule_axes push = o->wrench;
   push.x = ferrule_max(0, push.x);  // what pulls is no reason to stop
-  const double pressed = ferrule_square(push) / (s->push * s->push);
+  const double most = ferrule_min(s->push, ferrule_of_limit * o->force_limit);
+  const double pressed = ferrule_square(push) / (most * most);
   v->x = -ferrule_inserting(s) * ferrule_max(0, 1 - pressed);
   v->across = ferrule_times(s->n.yield, o->wrench.across);
   v->about =
@@ -481,8 +484,10 @@ static inline ferrule_phase ferrule_straighten(ferrule_search* s, const ferrule_
   const ferrule_axes smooth = s->sensor.smooth;
   const double force = fabs(o->wrench.x), felt = fabs(smooth.x), touching = ferrule_touching(s);
   const double pressed = ferrule_max(force, felt) / s->n.push_force;
+  const double most =
+      ferrule_min(ferrule_hardest, ferrule_of_limit * o->force_limit / s->n.push_force);
   const double slower =
-      ferrule_late(s) ? ferrule_clamp(ferrule_hardest - pressed, ferrule_least_turning, 1) : 1;
+      ferrule_late(s) ? ferrule_clamp(most - pressed, ferrule_least_turning, 1) : 1;
   const double rate = slower * ferrule_turning * s->n.tilt_rate * ferrule_place_time /
                       ferrule_max(ferrule_place_time, s->hand.delay);
   const bool about_y = s->straighten.probe / 3 == 0;

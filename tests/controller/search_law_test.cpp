@@ -155,6 +155,26 @@ TEST(SearchLaw, InABoreWhoseFrictionIsHighItStraightensWithoutPulling) {
   EXPECT_LE(pulled, 1);
 }
 
+// In the bore, where it feels `force` [N].
+double pressing_on(double force, double limit) {
+  SearchLaw law(std::get<SearchFile>(read_controller(shipped())).gains);
+  const auto felt = [&](double f, double time) {
+    return observe(f * HandWrench::UnitX(), HandPose::Zero(), HandPose::Zero(), 1, time, limit);
+  };
+  law.command(felt(0, 0));
+  EXPECT_STREQ(law.phase_name(), "insert");
+  return -law.command(felt(force, 1e-3))[0];
+}
+
+TEST(SearchLaw, InsertsWithNoMoreThanNineTenthsOfTheForceLimit) {
+  const double unlimited = pressing_on(4, std::numeric_limits<double>::infinity());
+  EXPECT_GT(unlimited, 0);
+  EXPECT_EQ(pressing_on(4, 8.46), unlimited);  // of bench
+  EXPECT_GT(pressing_on(4, 4.5), 0);
+  EXPECT_LT(pressing_on(4, 4.5), unlimited);
+  EXPECT_EQ(pressing_on(4, 4.4), 0);
+}
+
 TEST(SearchLaw, SteppedFromOutsideTheTrialIsTheSame) {
   const auto scene = std::make_shared<Scene>(load_scene("bench", kSharp));
   const MakeController make = load_controller(shipped());
