@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "app/compare_plot.hpp"
 #include "app/compared_ladder.hpp"
 #include "app/compared_learners.hpp"
 #include "app/csv.hpp"
@@ -42,7 +43,7 @@ std::vector<TrialResult> supervised_campaign(const CompareArguments& a, const Sc
   return campaign(a, scene, supervised(make, limits), what + ", supervised");
 }
 
-Entry tried(const CompareArguments& a, const Scene& scene, const Candidate& c,
+Entry tried(const CompareArguments& a, const Scene& scene, const Compared& c,
             const Demonstration& demonstration) {
   Entry e{c, ns_per_action(c, demonstration), campaign(a, scene, c.make, c.name)};
   e.alone = a.stopping.summary(e.results);
@@ -62,17 +63,19 @@ std::vector<Scene> other_scenes(const CompareArguments& a, const DemonstrationSe
 }
 
 // The controllers of files and the program that were given.
-std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Provenance& provenance,
-                             std::size_t& trained) {
+std::vector<Compared> given(const CompareArguments& a, const Scene& scene, Provenance& provenance,
+                            std::size_t& trained) {
   a.policy.periods();
-  std::vector<Candidate> all;
+  std::vector<Compared> all;
   for (const std::string& file : a.controllers) {
     if (std::count(a.controllers.begin(), a.controllers.end(), file) > 1)
       throw BadInput("compare: " + file + " is there twice");
     if (is_baseline(file)) continue;  // without_learning has it
     const GivenController c = given_controller(file, a.policy, a.seed);
-    all.push_back(
-        {.name = printable(c.name), .make = c.in(scene), .fit_seconds = NAN, .periods = c.periods});
+    all.push_back({{.name = printable(c.name),
+                    .make = c.in(scene),
+                    .fit_seconds = NAN,
+                    .periods = c.periods}});
     provenance.read(c.read);
     if (!c.file) continue;
     const TrainedOn& training = trained_on(*c.file);
@@ -90,29 +93,29 @@ std::vector<Candidate> given(const CompareArguments& a, const Scene& scene, Prov
   if (a.policy.command.empty()) return all;
   const GivenController c = given_program(a.policy, a.seed);
   all.push_back(
-      {.name = printable(c.name), .make = c.in(scene), .fit_seconds = NAN, .periods = c.periods});
+      {{.name = printable(c.name), .make = c.in(scene), .fit_seconds = NAN, .periods = c.periods}});
   return all;
 }
 
 // Null: he is not there.
 const std::vector<TrialResult>* results_of_teacher(const std::vector<Entry>& entries) {
   const auto teacher = std::find_if(entries.begin(), entries.end(),
-                                    [](const Entry& e) { return e.candidate.name == kTeacher; });
+                                    [](const Entry& e) { return e.name == kTeacher; });
   return teacher == entries.end() ? nullptr : &teacher->results;
 }
 
 std::vector<Entry> tried_here(const CompareArguments& a, const Scene& scene,
-                              const std::vector<Candidate>& candidates,
+                              const std::vector<Compared>& all,
                               const Demonstration& demonstration) {
   std::vector<Entry> entries;
-  for (const Candidate& c : candidates) {
+  for (const Compared& c : all) {
     if (interrupted()) break;
     entries.push_back(tried(a, scene, c, demonstration));
     tell_failures(c.name, entries.back().results);
   }
   if (const std::vector<TrialResult>* teacher = results_of_teacher(entries))
     for (Entry& e : entries)
-      if (e.candidate.name != kTeacher) e.against_teacher = compare_shared(e.results, *teacher);
+      if (e.name != kTeacher) e.against_teacher = compare_shared(e.results, *teacher);
   return entries;
 }
 
@@ -127,45 +130,44 @@ std::vector<Vector2d> starts_of(const Scene& scene, std::uint64_t seed,
   return starts;
 }
 
-// What is learned from the first of the demonstrations, which the seed a.fit_seed recorded.
+// What the learners make of the first of the demonstrations, which the seed a.fit_seed recorded.
 void learn_from_fewer(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
-                      const std::vector<ChosenLearner>& learned_by,
-                      std::vector<Learning>& learning) {
+                      const std::vector<Entry>& entries, std::vector<LearnedAgain>& learning) {
   for (const std::size_t count : a.demonstrations) {
     if (count > set.demonstrations.size()) continue;
-    for (const ChosenLearner& chosen : learned_by) {
+    for (const Entry& e : entries) {
+      if (!e.fit) continue;
       end_if_interrupted();
       try {
-        const Candidate c = fitted(a, chosen, first_of(set, count), fmt::format("first {}", count));
-        learning.push_back({c.name, a.fit_seed, count, c.rollouts,
-                            a.stopping.summary(campaign(a, scene, c.make, c.name))});
+        const Compared c =
+            fitted(a, e.fit->by, first_of(set, count), fmt::format("first {}", count));
+        learning.push_back({c, a.stopping.summary(campaign(a, scene, c.make, c.name))});
       } catch (const BadInput& error) {
-        fmt::print(stderr, "note: {} is left out: {}\n", chosen.variant.name, error.what());
+        fmt::print(stderr, "note: {} is left out: {}\n", e.name, error.what());
       }
     }
   }
 }
 
 // The learners on demonstrations that a.fit_seed recorded again.
-std::vector<BySeed> learned_again(const CompareArguments& a, const Scene& scene,
-                                  const DemonstrationSet& set,
-                                  const std::vector<ChosenLearner>& learned_by,
-                                  const std::vector<TrialResult>* teacher) {
-  std::vector<BySeed> all;
-  for (const ChosenLearner& chosen : learned_by) {
+std::vector<LearnedAgain> learned_again(const CompareArguments& a, const Scene& scene,
+                                        const DemonstrationSet& set,
+                                        const std::vector<Entry>& entries) {
+  const std::vector<TrialResult>* teacher = results_of_teacher(entries);
+  std::vector<LearnedAgain> all;
+  for (const Entry& e : entries) {
+    if (!e.fit) continue;
     end_if_interrupted();
     try {
-      const Candidate c = fitted(a, chosen, set, "recorded again");
+      const Compared c = fitted(a, e.fit->by, set, "recorded again");
       const auto results =
           campaign(a, scene, c.make, fmt::format("{}, seed {}", c.name, a.fit_seed));
       if (a.job->runs_a_shard() || a.stopping.whole(results, a.trials))
-        all.push_back({c, chosen, a.fit_seed, set.demonstrations.size(),
-                       a.stopping.summary(results),
+        all.push_back({c, a.stopping.summary(results),
                        teacher ? compare_shared(results, *teacher) : std::nullopt});
     } catch (const BadInput& error) {
       end_if_interrupted();
-      fmt::print(stderr, "note: seed {}: {} is left out: {}\n", a.fit_seed, chosen.variant.name,
-                 error.what());
+      fmt::print(stderr, "note: seed {}: {} is left out: {}\n", a.fit_seed, e.name, error.what());
     }
   }
   return all;
@@ -174,15 +176,14 @@ std::vector<BySeed> learned_again(const CompareArguments& a, const Scene& scene,
 // What depends on the scene, as the operator does, is made for the other one.
 std::vector<Transfer> tried_there(const CompareArguments& a, const Scene& other,
                                   const DemonstrationSet& set,
-                                  const std::vector<Climber>& learned) {
-  std::vector<Climber> all;
-  for (const Candidate& c : without_learning(a, other, set)) all.push_back({c});
+                                  const std::vector<Compared>& learned) {
+  std::vector<Compared> all = without_learning(a, other, set);
   all.insert(all.end(), learned.begin(), learned.end());
   std::vector<Transfer> transfer;
-  for (const auto& [c, seed, without] : all) {
+  for (const Compared& c : all) {
     if (interrupted()) break;
     const std::string what = other.name + ", " + c.name;
-    transfer.push_back({other.name, c.name, seed,
+    transfer.push_back({other.name, c.name, training_seed(c),
                         a.stopping.summary(campaign(a, other, c.make, what)),
                         a.stopping.summary(supervised_campaign(a, other, c.make, what))});
   }
@@ -216,19 +217,19 @@ bool all_refuted(const std::vector<Entry>& entries) {
 }
 
 // Why it is partial, if it is.
-void tell_partial(const CompareArguments& a, const std::vector<Candidate>& candidates,
-                  const Found& found, Provenance& provenance) {
+void tell_partial(const CompareArguments& a, std::size_t controllers, const Found& found,
+                  Provenance& provenance) {
   if (!interrupted()) return;
   const auto whole = [&](const Entry& e) {
     return a.stopping.whole(e.supervised_results, a.trials);
   };
-  std::string text = fmt::format("{} of {} controllers are whole",
-                                 std::count_if(found.entries.begin(), found.entries.end(), whole),
-                                 candidates.size());
+  std::string text =
+      fmt::format("{} of {} controllers are whole",
+                  std::count_if(found.entries.begin(), found.entries.end(), whole), controllers);
   for (const Entry& e : found.entries)
     if (!whole(e))
-      text += fmt::format("; {}: {} of {} trials alone, {} supervised", e.candidate.name,
-                          e.results.size(), a.trials, e.supervised_results.size());
+      text += fmt::format("; {}: {} of {} trials alone, {} supervised", e.name, e.results.size(),
+                          a.trials, e.supervised_results.size());
   if (!a.demonstrations.empty() || !a.transfer.empty() || !a.seeds.empty() || a.ladder)
     text += "; what follows the first tables is cut";
   provenance.partial(text);
@@ -243,61 +244,51 @@ void write_trials(const CompareArguments& a, const Scene& scene, const Found& fo
   const std::vector<DrawnQuantity> drawn = drawn_quantities(scene, a.seed, trials);
   Json rows = Json::array();
   for (const Entry& e : found.entries) {
-    add_trials(e.candidate.name, e.results, drawn, rows);
-    add_trials(e.candidate.name + ", supervised", e.supervised_results, drawn, rows);
+    add_trials(e.name, e.results, drawn, rows);
+    add_trials(e.name + ", supervised", e.supervised_results, drawn, rows);
   }
   write_text(a.trials_out, csv_file(rows, provenance));
 }
 
 // Fills in what is learned from fewer demonstrations and, with --seeds, from each recording anew;
 // returns what --ablate leaves of them, and of what was given. Throws Stopped at Ctrl-C.
-std::vector<Climber> learn_again(const CompareArguments& a, const Scene& scene,
-                                 const DemonstrationSet& set,
-                                 const std::vector<ChosenLearner>& learned_by,
-                                 const std::vector<Candidate>& candidates, std::size_t first,
-                                 Found& found) {
-  std::vector<Climber> less;
+std::vector<Compared> learn_again(const CompareArguments& a, const Scene& scene,
+                                  const DemonstrationSet& set, Found& found) {
+  std::vector<Compared> less;
   const auto add_ablated = [&](const CompareArguments& with, const DemonstrationSet& from,
-                               const ChosenLearner* learner, const Candidate& whole) {
-    for (Climber& c : ablated(with, from, learner, whole)) less.push_back(std::move(c));
+                               const Compared& whole) {
+    for (Compared& c : ablated(with, from, whole)) less.push_back(std::move(c));
   };
-  const std::size_t given = first + learned_by.size();
   if (a.seeds.empty()) {
-    learn_from_fewer(a, scene, set, learned_by, found.learning);
-    for (std::size_t i = first; i < given; ++i)
-      add_ablated(a, set, &learned_by[i - first], candidates[i]);
+    learn_from_fewer(a, scene, set, found.entries, found.learning);
   } else {
-    const std::vector<TrialResult>* teacher = results_of_teacher(found.entries);
     for (const std::uint64_t seed : parse_seeds(a.seeds)) {
       const DemonstrationSet again = record_again(set, seed, end_if_interrupted);
       CompareArguments with = a;
       with.fit_seed = seed;
-      learn_from_fewer(with, scene, again, learned_by, found.learning);
-      for (const BySeed& each : learned_again(with, scene, again, learned_by, teacher)) {
-        add_ablated(with, again, &each.chosen, each.candidate);
+      learn_from_fewer(with, scene, again, found.entries, found.learning);
+      for (const LearnedAgain& each : learned_again(with, scene, again, found.entries)) {
+        add_ablated(with, again, each);
         found.by_seeds.push_back(each);
       }
     }
   }
-  for (std::size_t i = given; i < candidates.size(); ++i)
-    add_ablated(a, set, nullptr, candidates[i]);
+  for (const Entry& e : found.entries)
+    if (!e.of_scene && (!e.fit || a.seeds.empty())) add_ablated(a, set, e);
   return less;
 }
 
-// What is asked for beside the first tables, of `candidates`, of which those from `first` on depend
-// on no scene. Throws Stopped where Ctrl-C ends a fit.
+// What is asked for beside the first tables. Throws Stopped where Ctrl-C ends a fit.
 void follow_up(const CompareArguments& a, const Scene& scene, const DemonstrationSet& set,
-               const std::vector<ChosenLearner>& learned_by, const std::vector<Scene>& others,
-               const std::vector<Scene>& ladder, const std::vector<Candidate>& candidates,
-               std::size_t first, Found& found) {
-  std::vector<Climber> less;
+               const std::vector<Scene>& others, const std::vector<Scene>& ladder, Found& found) {
+  std::vector<Compared> less;
   try {
-    less = learn_again(a, scene, set, learned_by, candidates, first, found);
+    less = learn_again(a, scene, set, found);
   } catch (const Stopped&) {  // what is found so far is told
   }
   if (a.output.text()) print_learning(found.learning);
   if (a.output.text()) print_by_seeds(found.by_seeds);
-  std::vector<Climber> rest = climbers(a, candidates, first, found.by_seeds);
+  std::vector<Compared> rest = for_all_scenes(found.entries, found.by_seeds);
   for (const Scene& other : others) {
     if (interrupted()) break;
     const std::vector<Transfer> there = tried_there(a, other, set, rest);
@@ -344,29 +335,29 @@ int compare_verb(const CompareArguments& a) {
   provenance.in(chosen).seed("trials", a.seed).seed("fits", a.fit_seed);
   for (const Demonstration& d : set.demonstrations) provenance.read(d.file, d.sha1);
   std::size_t seen = trained_starts(trained_on(set, pointers(set), {}, 0), a.seed, a.trials);
-  const std::vector<Candidate> brought = given(a, scene, provenance, seen);
+  const std::vector<Compared> brought = given(a, scene, provenance, seen);
   const std::string notes = trained_starts_note(seen, a.trials) + damage_note(scene) +
                             supervisor_note(supervisor_limits(scene));
 
-  std::vector<Candidate> candidates = without_learning(a, scene, set);
-  const std::size_t first = candidates.size();
-  const std::vector<ChosenLearner> learned_by = add_learned(a, set, candidates);
-  candidates.insert(candidates.end(), brought.begin(), brought.end());
+  std::vector<Compared> all = without_learning(a, scene, set);
+  const std::vector<Compared> learned = fitted_by_all(a, set);
+  all.insert(all.end(), learned.begin(), learned.end());
+  all.insert(all.end(), brought.begin(), brought.end());
   if (a.output.text())
     fmt::print("{}{}", provenance.head(), notes);
   else
     fmt::print(stderr, "{}", notes);
   std::fflush(stdout);
   Found found;
-  found.entries = tried_here(a, scene, candidates, set.demonstrations.front());
+  found.entries = tried_here(a, scene, all, set.demonstrations.front());
   const std::vector<Vector2d> starts = starts_of(scene, a.seed, found.entries);
   for (Entry& e : found.entries) e.rings = by_misalignment(e.results, starts);
   if (a.output.text()) print_here(a, set, found.entries);
   try {
-    follow_up(a, scene, set, learned_by, others, ladder, candidates, first, found);
+    follow_up(a, scene, set, others, ladder, found);
   } catch (const Stopped&) {  // what is found so far is told
   }
-  tell_partial(a, candidates, found, provenance);
+  tell_partial(a, all.size(), found, provenance);
   if (a.output.text()) fmt::print("\n{}", provenance.foot());
   print_result(a.output, to_json(a, scene, set, seen, found), "rows", provenance);
   std::fflush(stdout);  // before what may fail
@@ -376,7 +367,7 @@ int compare_verb(const CompareArguments& a) {
     fmt::print(stderr, "plots are in {}, all of them in report.html\n", printable(a.plot));
   }
   if (interrupted()) return kInterrupted;
-  for (const Entry& e : found.entries) refuse_if_all_failed(e.candidate.name, e.results);
+  for (const Entry& e : found.entries) refuse_if_all_failed(e.name, e.results);
   return all_refuted(found.entries) ? kFailed : kDone;
 }
 

@@ -45,11 +45,11 @@ std::vector<Ring> by_misalignment(const std::vector<TrialResult>& results,
   return rings;
 }
 
-Plot misalignment_plot(const std::vector<std::pair<std::string, std::vector<Ring>>>& controllers) {
+Plot misalignment_plot(const std::vector<Entry>& entries) {
   Axes axes = percent_axes("distance of the start from the axis [um]");
-  for (const auto& [name, rings] : controllers) {
-    Series series{name, {}, {}, Series::points_on_line};
-    for (const Ring& ring : rings) {
+  for (const Entry& e : entries) {
+    Series series{e.name, {}, {}, Series::points_on_line};
+    for (const Ring& ring : e.rings) {
       series.x.push_back(0.5e6 * (ring.from + ring.to));
       series.y.push_back(percent(ring.inserted, ring.feasible));
     }
@@ -58,15 +58,15 @@ Plot misalignment_plot(const std::vector<std::pair<std::string, std::vector<Ring
   return {"Success against misalignment", {axes}};
 }
 
-Plot learning_plot(const std::vector<Learning>& learning) {
+Plot learning_plot(const std::vector<LearnedAgain>& learning) {
   Axes axes = percent_axes("demonstrations");
   axes.log_x = true;
-  for (const Learning& l : learning) {
+  for (const LearnedAgain& l : learning) {
     auto series = std::find_if(axes.series.begin(), axes.series.end(),
                                [&](const Series& s) { return s.name == l.name; });
     if (series == axes.series.end())
       series = axes.series.insert(axes.series.end(), {l.name, {}, {}, Series::points_on_line});
-    const auto x = static_cast<double>(l.demonstrations);
+    const auto x = static_cast<double>(l.fit->demonstrations);
     const double y = 100 * l.summary.success_rate;
     const auto known = std::find(series->x.begin(), series->x.end(), x);
     if (known == series->x.end()) {
@@ -80,12 +80,12 @@ Plot learning_plot(const std::vector<Learning>& learning) {
   return {"Success against the number of demonstrations", {axes}};
 }
 
-Plot rung_plot(const std::string& rung,
-               const std::vector<std::pair<std::string, Deciding>>& controllers) {
+Plot rung_plot(const std::vector<LadderRow>& rung) {
   Axes axes = percent_axes("trials in the order of that number [%]");
-  for (const auto& [name, decided] : controllers) {
+  for (const LadderRow& row : rung) {
+    const Deciding& decided = row.deciding;
     Series series{
-        fmt::format("{}: {} of {:.4g} to {:.4g} ({:.0f} %)", name, decided.name,
+        fmt::format("{}: {} of {:.4g} to {:.4g} ({:.0f} %)", row.controller, decided.name,
                     decided.tenths.front().low, decided.tenths.back().high, 100 * decided.share),
         {},
         {},
@@ -96,7 +96,8 @@ Plot rung_plot(const std::string& rung,
     }
     axes.series.push_back(series);
   }
-  return {rung + ": success against the number that decides it (its share of the variance)",
+  return {rung.front().rung +
+              ": success against the number that decides it (its share of the variance)",
           {axes}};
 }
 

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "app/compare_plot.hpp"
 #include "app/given_controller.hpp"
 #include "app/output.hpp"
 #include "app/scene_arguments.hpp"
@@ -47,25 +46,44 @@ struct ChosenLearner {
   Learner::Variant variant;
 };
 
-// A candidate and its trials, alone and under the supervisor.
-struct Entry {
-  Candidate candidate;
-  double ns;  // per action
-  std::vector<TrialResult> results, supervised_results{};
+// What made a controller of demonstrations.
+struct Fit {
+  ChosenLearner by;
+  std::uint64_t seed;  // of the fit, and where they were recorded again, of that
+  std::size_t demonstrations;
+};
+
+// A controller that is compared.
+struct Compared : Candidate {
+  std::optional<Fit> fit{};  // empty: it was not learned here
+  std::string without{};     // of kAblations; empty: it is whole
+  bool of_scene = false;     // in another scene it is another one
+};
+// Empty: it does not learn here.
+inline std::optional<std::uint64_t> training_seed(const Compared& c) {
+  return c.fit ? std::optional(c.fit->seed) : std::nullopt;
+}
+
+// Trials whose starts are about as far from the axis: an eighth of all.
+struct Ring {
+  double from, to;  // distance of the start from the axis [m]
+  std::size_t feasible, inserted;
+};
+
+// A controller and its trials in the scene of the demonstrations, alone and under the supervisor.
+struct Entry : Compared {
+  double ns = 0;  // per action
+  std::vector<TrialResult> results{}, supervised_results{};
   CampaignSummary alone{}, supervised{};
   std::vector<Ring> rings{};
   std::optional<Comparison>
       against_teacher{};  // empty for the teacher, and without feasible trials
 };
 
-// Of one learner, by one seed of recording and fitting.
-struct BySeed {
-  Candidate candidate;
-  ChosenLearner chosen;
-  std::uint64_t seed;
-  std::size_t demonstrations;
-  CampaignSummary summary;
-  std::optional<Comparison> against_teacher;
+// What was learned of fewer demonstrations, or where they were recorded again, and its trials.
+struct LearnedAgain : Compared {
+  CampaignSummary summary{};
+  std::optional<Comparison> against_teacher{};  // of all demonstrations
 };
 
 // In another scene.
@@ -73,13 +91,6 @@ struct Transfer {
   std::string scene, controller;
   std::optional<std::uint64_t> training_seed;  // empty: it does not learn
   CampaignSummary alone, supervised;
-};
-
-// A candidate on the ladder, and in other scenes.
-struct Climber {
-  Candidate candidate;
-  std::optional<std::uint64_t> training_seed{};  // empty: it does not learn
-  std::string without{};                         // of kAblations; empty: it is whole
 };
 
 // On a rung of data/scenes/ladder.
@@ -96,8 +107,8 @@ struct LadderRow {
 // Everything that is found, as far as Ctrl-C lets it.
 struct Found {
   std::vector<Entry> entries;
-  std::vector<Learning> learning;
-  std::vector<BySeed> by_seeds;
+  std::vector<LearnedAgain> learning;  // of fewer demonstrations
+  std::vector<LearnedAgain> by_seeds;
   std::vector<Transfer> transfer;
   std::vector<LadderRow> ladder;
 };
@@ -107,8 +118,8 @@ void print_alone(const std::vector<Entry>& entries);
 void print_supervised(const std::vector<Entry>& entries);
 void print_targets(const std::vector<Entry>& entries);  // where there is one
 void print_against_teacher(const std::vector<Entry>& entries);
-void print_learning(const std::vector<Learning>& learning);
-void print_by_seeds(const std::vector<BySeed>& all);
+void print_learning(const std::vector<LearnedAgain>& learning);
+void print_by_seeds(const std::vector<LearnedAgain>& all);
 void print_transfer(const std::vector<Transfer>& transfer);  // of one scene
 void print_ladder(const std::vector<LadderRow>& rung);       // one of them
 

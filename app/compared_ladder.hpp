@@ -8,13 +8,13 @@ namespace ferrule {
 // "ladder/a", ..., sorted.
 std::vector<std::string> rungs();
 
-// Those of `candidates` from `first` on that were given, and those that learned: of each seed of
-// training where there are several.
-std::vector<Climber> climbers(const CompareArguments& a, const std::vector<Candidate>& candidates,
-                              std::size_t first, const std::vector<BySeed>& by_seeds);
+// Of the entries and of what was learned by several seeds what is the same in every scene: what was
+// given, and what was learned, of each seed where there are several.
+std::vector<Compared> for_all_scenes(const std::vector<Entry>& entries,
+                                     const std::vector<LearnedAgain>& by_seeds);
 
 // The baselines, the blind spiral, and the others.
 std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
-                             const DemonstrationSet& set, const std::vector<Climber>& others);
+                             const DemonstrationSet& set, const std::vector<Compared>& others);
 
 }  // namespace ferrule

@@ -20,24 +20,24 @@ std::string name_without(const std::string& controller, Ablation what) {
   return controller + ", no " + name(what);
 }
 
-// Of `learner`, which made `whole`; null: it was given. Empty: there is nothing to take.
-std::optional<Candidate> candidate_without(const CompareArguments& a, Ablation what,
-                                           const DemonstrationSet& set,
-                                           const ChosenLearner* learner, const Candidate& whole) {
+// Empty: there is nothing to take.
+std::optional<Compared> compared_without(const CompareArguments& a, Ablation what,
+                                         const DemonstrationSet& set, const Compared& whole) {
   std::optional<Learner::Variant> variant;
-  if (learner) variant = without(what, *learner->learner, learner->variant);
-  const bool varies = learner && what == Ablation::variation;
+  if (whole.fit) variant = without(what, *whole.fit->by.learner, whole.fit->by.variant);
+  const bool varies = whole.fit && what == Ablation::variation;
   const bool memory = variant && what == Ablation::memory;  // a perceptron's are its samples
   const bool runs = whole.file ? has(*whole.file, what) : what != Ablation::variation;
   if (!varies && !memory && !runs) return {};
-  Candidate c = whole;
+  Compared c = whole;
   c.name = name_without(whole.name, what);
   if (varies || variant) {
-    ChosenLearner less{learner->learner, variant.value_or(learner->variant)};
+    ChosenLearner less{whole.fit->by.learner, variant.value_or(whole.fit->by.variant)};
     less.variant.name = c.name;
     c = fitted(a, less, without(what, set, a.fit_seed, end_if_interrupted),
                fmt::format("no {}", name(what)));
   }
+  c.without = name(what);
   c.make = without(what, c.make);
   return c;
 }
@@ -54,11 +54,13 @@ std::vector<ChosenLearner> chosen_learners(const CompareArguments& a) {
 
 }  // namespace
 
-std::vector<Candidate> without_learning(const CompareArguments& a, const Scene& scene,
-                                        const DemonstrationSet& set) {
-  std::vector<Candidate> all = baselines(scene, set, a.skill, a.seed);
+std::vector<Compared> without_learning(const CompareArguments& a, const Scene& scene,
+                                       const DemonstrationSet& set) {
+  std::vector<Compared> all;
+  for (const Candidate& c : baselines(scene, set, a.skill, a.seed)) all.push_back({c});
   for (const std::string& name : a.controllers)
-    if (is_baseline(name)) all.push_back({.name = name, .make = baseline(name, scene, a.seed)});
+    if (is_baseline(name)) all.push_back({{.name = name, .make = baseline(name, scene, a.seed)}});
+  for (Compared& c : all) c.of_scene = true;
   return all;
 }
 
@@ -68,8 +70,8 @@ std::vector<std::string> learner_keys() {
   return keys;
 }
 
-Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
-                 const DemonstrationSet& set, const std::string& which) {
+Compared fitted(const CompareArguments& a, const ChosenLearner& chosen, const DemonstrationSet& set,
+                const std::string& which) {
   const std::string what = fmt::format("{} seed {} {}", chosen.variant.key, a.fit_seed, which);
   const TimedController found = learned_once(*a.job, what, [&] {
     Progress progress(chosen.variant.name, 1);
@@ -82,38 +84,36 @@ Candidate fitted(const CompareArguments& a, const ChosenLearner& chosen,
     end_if_interrupted();
     return controller;
   });
-  Candidate c = candidate(chosen.variant.name, found.controller, found.seconds);
+  Compared c{candidate(chosen.variant.name, found.controller, found.seconds),
+             Fit{chosen, a.fit_seed, set.demonstrations.size()}};
   fmt::print(stderr, "{}: fitted to {} demonstrations{} in {:.1f} s\n", c.name,
              set.demonstrations.size(), rollouts_text(c.rollouts), c.fit_seconds);
   return c;
 }
 
-std::vector<ChosenLearner> add_learned(const CompareArguments& a, const DemonstrationSet& set,
-                                       std::vector<Candidate>& candidates) {
-  std::vector<ChosenLearner> could;
+std::vector<Compared> fitted_by_all(const CompareArguments& a, const DemonstrationSet& set) {
+  std::vector<Compared> all;
   for (const ChosenLearner& chosen : chosen_learners(a)) {
     const std::string& name = chosen.variant.name;
     try {
-      candidates.push_back(fitted(a, chosen, set, "all"));
-      could.push_back(chosen);
+      all.push_back(fitted(a, chosen, set, "all"));
     } catch (const BadInput& error) {
       end_if_interrupted();
       if (!a.learners.empty()) throw BadInput(a.folder + ": " + name + ": " + error.what());
       fmt::print(stderr, "note: {} is left out: {}\n", name, error.what());
     }
   }
-  return could;
+  return all;
 }
 
-std::vector<Climber> ablated(const CompareArguments& a, const DemonstrationSet& set,
-                             const ChosenLearner* learner, const Candidate& whole) {
-  std::vector<Climber> all;
+std::vector<Compared> ablated(const CompareArguments& a, const DemonstrationSet& set,
+                              const Compared& whole) {
+  std::vector<Compared> all;
   for (const std::string& key : a.ablate) {
     const auto at = std::find(kAblations.begin(), kAblations.end(), key) - kAblations.begin();
     const auto what = static_cast<Ablation>(at);
     try {
-      if (const auto c = candidate_without(a, what, set, learner, whole))
-        all.push_back({*c, learner ? std::optional(a.fit_seed) : std::nullopt, key});
+      if (const auto c = compared_without(a, what, set, whole)) all.push_back(*c);
     } catch (const BadInput& error) {
       end_if_interrupted();
       fmt::print(stderr, "note: {} is left out: {}\n", name_without(whole.name, what),

@@ -53,17 +53,16 @@ std::pair<CampaignSummary, CampaignSummary> worst_and_median(std::vector<Campaig
 }
 
 Json to_json(const Entry& e, const Output& output) {
-  const Candidate& c = e.candidate;
-  Json row = {{"controller", c.name},
-              {"parameters", c.parameters},
-              {"labelled_rollouts", c.rollouts},
-              {"fit_s", number_or_null(c.fit_seconds)},
-              {"held_out_mm_s", number_or_null(1e3 * c.held_out.value_or(NAN))},
+  Json row = {{"controller", e.name},
+              {"parameters", e.parameters},
+              {"labelled_rollouts", e.rollouts},
+              {"fit_s", number_or_null(e.fit_seconds)},
+              {"held_out_mm_s", number_or_null(1e3 * e.held_out.value_or(NAN))},
               {"ns_per_action", e.ns},
               {"supervised", to_json(e.supervised)}};
   row.update(to_json(e.alone));
   add_failures(e.results, output, row);
-  if (c.name != kTeacher) {
+  if (e.name != kTeacher) {
     constexpr Interval kNone{NAN, NAN};
     const Comparison none{NAN, kNone, NAN, {NAN, kNone}, {NAN, kNone}};
     row["against_operator"] = Json::object();
@@ -78,26 +77,26 @@ Json to_json(const Entry& e, const Output& output) {
   return row;
 }
 
-Json to_json(const Learning& l) {
+Json learning_json(const LearnedAgain& l) {
   Json row = {{"controller", l.name},
-              {"training_seed", l.training_seed},
-              {"demonstrations", l.demonstrations},
+              {"training_seed", l.fit->seed},
+              {"demonstrations", l.fit->demonstrations},
               {"labelled_rollouts", l.rollouts}};
   row.update(to_json(l.summary));
   return row;
 }
 
-Json to_json(const BySeed& s) {
-  Json row = {{"controller", s.candidate.name},
-              {"seed", s.seed},
-              {"demonstrations", s.demonstrations},
-              {"labelled_rollouts", s.candidate.rollouts},
-              {"fit_s", s.candidate.fit_seconds},
-              {"held_out_mm_s", number_or_null(1e3 * s.candidate.held_out.value_or(NAN))}};
-  row.update(to_json(s.summary));
-  if (s.against_teacher) {
+Json by_seed_json(const LearnedAgain& l) {
+  Json row = {{"controller", l.name},
+              {"seed", l.fit->seed},
+              {"demonstrations", l.fit->demonstrations},
+              {"labelled_rollouts", l.rollouts},
+              {"fit_s", l.fit_seconds},
+              {"held_out_mm_s", number_or_null(1e3 * l.held_out.value_or(NAN))}};
+  row.update(to_json(l.summary));
+  if (l.against_teacher) {
     row["against_operator"] = Json::object();
-    add_json(*s.against_teacher, row["against_operator"]);
+    add_json(*l.against_teacher, row["against_operator"]);
   }
   return row;
 }
@@ -136,11 +135,10 @@ void print_alone(const std::vector<Entry>& entries) {
   fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7}{} {:>9} {:>7} {:>7}\n", "", "param", "fit [s]",
              "held out", "ns", kOutcomeColumns, "loss [dB]", "to 99 %", "99.9 %");
   for (const Entry& e : entries) {
-    const Candidate& c = e.candidate;
-    const bool learned = c.parameters > 0;
-    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9} {:>7} {:>7}\n", c.name,
-               learned ? std::to_string(c.parameters) : "-", cell(learned ? c.fit_seconds : NAN, 2),
-               cell(1e3 * c.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
+    const bool learned = e.parameters > 0;
+    fmt::print("{:<26} {:>5} {:>7} {:>9} {:>7.0f}{} {:>9} {:>7} {:>7}\n", e.name,
+               learned ? std::to_string(e.parameters) : "-", cell(learned ? e.fit_seconds : NAN, 2),
+               cell(1e3 * e.held_out.value_or(NAN), 4), e.ns, outcome_columns(e.alone),
                cell(e.alone.loss_dB.median, 4), trials_to_show_or("-", 0.99, e.alone),
                trials_to_show_or("-", 0.999, e.alone));
   }
@@ -150,7 +148,7 @@ void print_alone(const std::vector<Entry>& entries) {
       "to 99 %, 99.9 %: further trials that would show it at this rate; -: none would\n");
   for (const Entry& e : entries)
     if (const std::string note = time_limit_note(e.alone); !note.empty())
-      fmt::print("{}: {}\n", e.candidate.name, note);
+      fmt::print("{}: {}\n", e.name, note);
   fmt::print("\n");
 }
 
@@ -164,9 +162,8 @@ void print_supervised(const std::vector<Entry>& entries) {
     const auto count = [&](Intervention kind) {
       return e.supervised.interventions->kinds[static_cast<std::size_t>(kind)].count;
     };
-    fmt::print("{:<26}{} {:>7} {:>7} {:>7} {:>8}\n", e.candidate.name,
-               outcome_columns(e.supervised), count(Intervention::held), count(Intervention::jam),
-               count(Intervention::retreat),
+    fmt::print("{:<26}{} {:>7} {:>7} {:>7} {:>8}\n", e.name, outcome_columns(e.supervised),
+               count(Intervention::held), count(Intervention::jam), count(Intervention::retreat),
                e.supervised.outcomes[static_cast<std::size_t>(Outcome::gave_up)]);
   }
 }
@@ -175,7 +172,7 @@ void print_targets(const std::vector<Entry>& entries) {
   if (entries.empty() || !entries.front().alone.target) return;
   fmt::print("\n{:<26} {:<36} {}\n", "target", "alone", "supervised");
   for (const Entry& e : entries)
-    fmt::print("{:<26} {:<36} {}\n", e.candidate.name, to_text(*e.alone.target),
+    fmt::print("{:<26} {:<36} {}\n", e.name, to_text(*e.alone.target),
                to_text(*e.supervised.target));
 }
 
@@ -189,7 +186,7 @@ void print_against_teacher(const std::vector<Entry>& entries) {
       return fmt::format("{} ({} to {})", cell(unit * p.median, 2), cell(unit * p.interval.low, 2),
                          cell(unit * p.interval.high, 2));
     };
-    fmt::print("{:<26} {:>26} {:>9.2g} {:>23} {:>23}\n", e.candidate.name,
+    fmt::print("{:<26} {:>26} {:>9.2g} {:>23} {:>23}\n", e.name,
                fmt::format("{:+.1f} ({:+.1f} to {:+.1f})", 100 * d.difference, 100 * d.interval.low,
                            100 * d.interval.high),
                d.mcnemar_p, paired(d.time, 1), paired(d.peak_force, 1e6));
@@ -199,16 +196,14 @@ void print_against_teacher(const std::vector<Entry>& entries) {
 }
 
 // Lowest, median and highest over the seeds.
-void print_by_seeds(const std::vector<BySeed>& all) {
+void print_by_seeds(const std::vector<LearnedAgain>& all) {
   if (all.empty()) return;
   fmt::print("\n{:<26} {:>5} {:>31} {:>29}\n", "over seeds", "seeds",
              "inserted [%], median (range)", "time [s], median (range)");
-  const auto same = [](const BySeed& a, const BySeed& b) {
-    return a.candidate.name == b.candidate.name;
-  };
-  for (const std::vector<BySeed>& of : over_seeds(all, same)) {
+  const auto same = [](const LearnedAgain& a, const LearnedAgain& b) { return a.name == b.name; };
+  for (const std::vector<LearnedAgain>& of : over_seeds(all, same)) {
     std::vector<double> inserted, time;
-    for (const BySeed& each : of) {
+    for (const LearnedAgain& each : of) {
       inserted.push_back(100 * each.summary.success_rate);
       time.push_back(each.summary.time.median);
     }
@@ -216,33 +211,34 @@ void print_by_seeds(const std::vector<BySeed>& all) {
       return fmt::format("{} ({} to {})", cell(quantile(v, 0.5), digits),
                          cell(quantile(v, 0), digits), cell(quantile(v, 1), digits));
     };
-    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", of.front().candidate.name, of.size(),
-               spread(inserted, 1), spread(time, 2));
+    fmt::print("{:<26} {:>5} {:>31} {:>29}\n", of.front().name, of.size(), spread(inserted, 1),
+               spread(time, 2));
   }
   fmt::print("each seed records the demonstrations and fits again; the trials are the same\n");
 }
 
-void print_learning(const std::vector<Learning>& learning) {
+void print_learning(const std::vector<LearnedAgain>& learning) {
   if (learning.empty()) return;
-  const auto same = [](const Learning& a, const Learning& b) {
-    return a.name == b.name && a.demonstrations == b.demonstrations;
+  const auto same = [](const LearnedAgain& a, const LearnedAgain& b) {
+    return a.name == b.name && a.fit->demonstrations == b.fit->demonstrations;
   };
-  const std::vector<std::vector<Learning>> groups = over_seeds(learning, same);
+  const std::vector<std::vector<LearnedAgain>> groups = over_seeds(learning, same);
   const bool seeds = groups.size() < learning.size();
   fmt::print("\n{:<26} {:>7}{}{}\n", "from fewer demonstrations", "", kOutcomeColumns,
              seeds ? kOutcomeColumns : "");
-  for (const std::vector<Learning>& group : groups) {
-    const Learning& l = group.front();
+  for (const std::vector<LearnedAgain>& group : groups) {
+    const LearnedAgain& l = group.front();
     std::vector<CampaignSummary> summaries;
-    for (const Learning& each : group) summaries.push_back(each.summary);
+    for (const LearnedAgain& each : group) summaries.push_back(each.summary);
     const auto [worst, median] = worst_and_median(summaries);
     fmt::print("{:<26} {:>7}{}{}\n", l.name,
-               l.rollouts ? fmt::format("{}+{}", l.demonstrations, l.rollouts)
-                          : std::to_string(l.demonstrations),
+               l.rollouts ? fmt::format("{}+{}", l.fit->demonstrations, l.rollouts)
+                          : std::to_string(l.fit->demonstrations),
                outcome_columns(worst), seeds ? outcome_columns(median) : "");
   }
   if (seeds) fmt::print("the worst of the seeds, and their median\n");
-  if (std::any_of(learning.begin(), learning.end(), [](const Learning& l) { return l.rollouts; }))
+  if (std::any_of(learning.begin(), learning.end(),
+                  [](const LearnedAgain& l) { return l.rollouts; }))
     fmt::print("5+30: 5 demonstrations and 30 rollouts of its own, labelled by the operator\n");
 }
 
@@ -307,8 +303,8 @@ Json to_json(const CompareArguments& a, const Scene& scene, const DemonstrationS
           {"supervisor", supervisor_json(supervisor_limits(scene), scene_scaling(scene))},
           {"damage", damage_json(scene)},
           {"rows", json_list(found.entries, [&](const Entry& e) { return to_json(e, a.output); })},
-          {"by_demonstrations", json_list(found.learning, row)},
-          {"by_seeds", json_list(found.by_seeds, row)},
+          {"by_demonstrations", json_list(found.learning, learning_json)},
+          {"by_seeds", json_list(found.by_seeds, by_seed_json)},
           {"transfer", json_list(found.transfer, row)},
           {"ladder", json_list(found.ladder, row)}};
 }
