@@ -53,10 +53,16 @@ export class Assignment {
   next() {
     const pad = this.pads.there().get(this.name);
     if (++this.step < kSteps.length) return this.ask('');
-    this.dialog.close();
+    this.end();
     if (!pad) return;
     this.pads.assign(this.name, pad, this.layout);
     this.say(`The gamepad ${called(pad)} drives. Press Gamepad to assign it again.`);
+  }
+
+  /** At once: the dialog says that it is closed only after the next pictures. */
+  end() {
+    this.pads.assigning = false;
+    this.dialog.close();
   }
 
   /** @param {string} note */
@@ -73,7 +79,7 @@ export class Assignment {
     const there = this.pads.there();
     if (this.name && !there.has(this.name)) {
       this.say('The gamepad is gone.');
-      this.dialog.close();
+      return this.end();
     }
     for (const [name, pad] of there)
       if (!standard(pad) && (this.name || name) === name) {
