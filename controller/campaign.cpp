@@ -55,12 +55,12 @@ class Ordered {
   bool enough() const noexcept { return enough_; }
 
   // False where trial `k` is known, as far as results are kept, and went differently.
-  bool put(std::size_t k, TrialResult result) {
+  bool put(std::size_t k, const TrialResult& result) {
     const std::lock_guard lock(mutex_);
     if (enough_) return true;
     if (k < shown_) return k >= results_.size() || same(results_[k], result);
-    const auto [at, added] = ahead_.try_emplace(k, std::move(result));
-    if (!added) return same(at->second, result);  // which try_emplace has not moved
+    const auto [at, added] = ahead_.try_emplace(k, result);
+    if (!added) return same(at->second, result);
     for (auto next = ahead_.begin(); !enough_ && next != ahead_.end() && next->first == shown_;
          next = ahead_.erase(next), ++shown_) {
       enough_ = campaign_.enough && campaign_.enough(next->second);
@@ -129,10 +129,10 @@ std::vector<std::vector<TrialResult>> run_campaigns(
       if (stopped() || others_ended()) return;
       const auto& [i, k] = *next;
       const auto ends = [&, &one = all[i]] { return one.enough() || stopped(); };
-      TrialResult result = run_trial_of(campaigns[i], seed, k, ends);
+      const TrialResult result = run_trial_of(campaigns[i], seed, k, ends);
       if (ends()) continue;
       store.put(*next, [&] { return kept_trial(result); });
-      if (tells) all[i].put(k, std::move(result));
+      if (tells) all[i].put(k, result);
       if (all[i].enough()) store.end(i);
       const std::size_t so_far = ++count;
       if (progress) progress(so_far);
