@@ -31,7 +31,7 @@ std::vector<TrialResult> campaign(const CompareArguments& a, const Scene& scene,
   const auto begin = std::chrono::steady_clock::now();
   std::vector<TrialResult> results =
       run_campaign(scene, make, a.seed, a.trials, a.threads, Progress(what, a.trials), interrupted,
-                   when(a.stopping.enough), a.job->trials());
+                   when(a.stopping.enough), a.job->store.get());
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   fmt::print(stderr, "{}: {} trials in {:.1f} s\n", what, results.size(), took.count());
   return results;

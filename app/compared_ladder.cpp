@@ -48,7 +48,7 @@ std::vector<LadderRow> climb(const CompareArguments& a, const Scene& rung,
   for (const Compared& c : all) {
     const auto trials = [&](const MakeController& make, const std::string& what) {
       return run_campaign(rung, make, a.seed, a.trials, a.threads, Progress(what, a.trials),
-                          interrupted, {}, a.job->trials());
+                          interrupted, {}, a.job->store.get());
     };
     const std::string what = rung.name + ", " + c.name;
     const auto results = trials(c.make, what);

@@ -71,7 +71,7 @@ void run(const EvaluateArguments& a, const Scene& scene, Tried& tried) {
                              },
                              a.trials_out.empty() ? kKept : SIZE_MAX};
   tried.results = run_campaigns({campaign}, a.seed, a.trials, a.threads,
-                                Progress(tried.name, a.trials), interrupted, a.job->trials())
+                                Progress(tried.name, a.trials), interrupted, a.job->store.get())
                       .front();
 }
 

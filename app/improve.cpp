@@ -244,7 +244,7 @@ void refuse_too_few(const ImproveSettings& settings, std::size_t least) {
 }
 
 int improve_verb(ImproveArguments a) {
-  a.settings.kept = a.job->trials();
+  a.settings.kept = a.job->store.get();
   if (!a.job->runs_a_shard()) expect_place_for(a.out);
   const ControllerFile before =
       own_controller(a.controller, "has no gains to improve; give a law or a search");

@@ -75,11 +75,11 @@ class Map {
       return std::chrono::duration<double>(Clock::now() - begin).count();
     };
     const auto stopped = [&] {
-      return interrupted() || (!a_.job->trials() && seconds() > a_.seconds);
+      return interrupted() || (!a_.job->store.get() && seconds() > a_.seconds);
     };
     for (auto nodes = grid_.next(); !nodes.empty(); nodes = grid_.next()) {
       const int before = cells();
-      const bool look = before == 0 && !a_.job->trials();
+      const bool look = before == 0 && !a_.job->store.get();
       for (const std::size_t trials : {look ? std::min(kLook, a_.trials) : a_.trials, a_.trials}) {
         run(nodes, trials, stopped);
         std::erase_if(nodes, [&](const Node& node) { return whole(node); });

@@ -333,7 +333,7 @@ void expect_same_scaling(const std::string& folder, const Scaling& now) {
 }
 
 int record_verb(const RecordArguments& a) {
-  TrialStore* const shared = a.job->trials();
+  TrialStore* const shared = a.job->store.get();
   if (shared && (a.with_device || a.append))
     throw BadInput("--shard: does not go with --device or --append");
   const bool person = a.operator_ == "simulated" || a.operator_ == "searching" ||

@@ -17,13 +17,11 @@ namespace ferrule {
 
 // What a command shares with other processes: nothing, unless --shard or merge says so.
 struct SharedJob {
-  std::string shard{}, out{};  // --shard and --out, as they are given
-  bool waits = false;          // as of TrialStore
-  std::string folder{};        // empty: nothing is shared
-  std::unique_ptr<TrialStore> store{};
+  std::string shard{}, out{};           // --shard and --out, as they are given
+  bool waits = false;                   // as of TrialStore
+  std::string folder{};                 // empty: nothing is shared
+  std::unique_ptr<TrialStore> store{};  // for run_campaigns; null: nothing is shared
 
-  // For run_campaigns; null: nothing is shared.
-  TrialStore* trials() const noexcept { return store.get(); }
   // What a shard finds is not told, and need not be computed.
   bool runs_a_shard() const noexcept { return store && !shard.empty(); }
 };

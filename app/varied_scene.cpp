@@ -61,7 +61,7 @@ void run(const VariedArguments& a, const VariedScene& varied, const StoppingArgu
   const std::string what = fmt::format("{} scenes", points.size());
   std::vector<std::vector<TrialResult>> results =
       run_campaigns(campaigns, a.seed, a.trials, a.threads,
-                    Progress(what, points.size() * a.trials), stop, a.job->trials());
+                    Progress(what, points.size() * a.trials), stop, a.job->store.get());
   for (std::size_t k = 0; k < points.size(); ++k) {
     Point& point = *points[k];
     point.results = std::move(results[k]);

@@ -20,7 +20,7 @@ constexpr auto kBetweenLooks = std::chrono::milliseconds(500);
 }  // namespace
 
 TrialStore::TrialStore(std::string folder, std::string job, std::optional<Shard> shard, bool waits)
-    : keeps_(true), job_(std::move(job)), shard_(shard), waits_(waits) {
+    : job_(std::move(job)), shard_(shard), waits_(waits) {
   files_.emplace(std::move(folder), job_);
   if (shard_) {
     const std::string own = files_->file_of(*shard_);
@@ -37,13 +37,12 @@ void TrialStore::begin(std::vector<Campaign> campaigns, bool all) {
     const std::size_t first = all_ ? 0 : shard_->index - 1, stride = all_ ? 1 : shard_->count;
     const std::size_t count =
         first < campaign.trials ? (campaign.trials - first + stride - 1) / stride : 0;
-    if (keeps_) files_->expect(begun_, campaign.what);
+    if (files_) files_->expect(begun_, campaign.what);
     running_.push_back({std::move(campaign), begun_++, first, stride, std::vector<bool>(count)});
-    unwritten_[running_.size() - 1];  // a block without trials says that it has begun
+    if (writer_) unwritten_[running_.size() - 1];  // a block without trials says that it has begun
   }
-  if (!keeps_) return;
-  if (shard_) flush();
-  look_around();
+  if (writer_) flush();
+  if (files_) look_around();
 }
 
 std::optional<TrialStore::Trial> TrialStore::next() {
@@ -58,7 +57,7 @@ std::optional<TrialStore::Trial> TrialStore::next() {
 }
 
 void TrialStore::put(const Trial& trial, const std::function<Json()>& result) {
-  if (!keeps_) return;
+  if (!files_) return;
   Json kept = result();
   const std::lock_guard lock(mutex_);
   Running& r = running_[trial.campaign];
@@ -82,7 +81,8 @@ void TrialStore::done(const std::function<bool()>& stop) {
     flush();
   }
   for (const Running& running : running_) {
-    if (!shard_ && !missing(running).empty()) refuse_missing(running);
+    if (!shard_)
+      if (const auto lacking = missing(running); !lacking.empty()) refuse(running, lacking);
     while (shard_ && waits_ && !missing(running).empty() && !(stop && stop())) {
       std::this_thread::sleep_for(kBetweenLooks);
       look_around();
@@ -133,14 +133,13 @@ std::vector<std::size_t> TrialStore::missing(const Running& running) {
   return trials;
 }
 
-void TrialStore::refuse_missing(const Running& running) {
-  const std::vector<std::size_t> trials = missing(running);
+void TrialStore::refuse(const Running& running, const std::vector<std::size_t>& missing) const {
   const std::size_t count = std::max<std::size_t>(1, files_->progress().count());
   std::set<Shard> lacking;
-  for (const std::size_t trial : trials) lacking.insert({trial % count + 1, count});
+  for (const std::size_t trial : missing) lacking.insert({trial % count + 1, count});
   throw FileTrouble(
       fmt::format("{}: of campaign {}, {} trials are missing, {} the first: run {} again",
-                  files_->folder(), running.number + 1, trials.size(), trials.front(),
+                  files_->folder(), running.number + 1, missing.size(), missing.front(),
                   to_text(std::vector<Shard>(lacking.begin(), lacking.end()), lacking.size())));
 }
 

@@ -45,7 +45,7 @@ class TrialStore {
     std::size_t trial;
   };
   // Does somebody look at results here? Not in a shard that neither waits nor is told so by begin.
-  bool tells() const noexcept { return !keeps_ || !shard_ || waits_; }
+  bool tells() const noexcept { return !files_ || !shard_ || waits_; }
 
   // The next campaigns of the job. `all`: the results of other shards are wanted too, whatever
   // tells() says. This and what follows throw FileTrouble, also for trials of another campaign,
@@ -83,11 +83,10 @@ class TrialStore {
   void look_around();
   void take(Running& running, std::size_t trial, const KeptTrial& kept);
   std::vector<std::size_t> missing(const Running& running);
-  [[noreturn]] void refuse_missing(const Running& running);
+  [[noreturn]] void refuse(const Running& running, const std::vector<std::size_t>& missing) const;
   Json block(Json content) const;
   void flush();
 
-  bool keeps_ = false;
   std::string job_{};
   std::optional<Shard> shard_ = Shard{1, 1};
   bool waits_ = false;
@@ -95,9 +94,9 @@ class TrialStore {
   bool all_ = false;       // the results of other shards are wanted
   std::size_t twice_ = 0;
 
-  std::mutex reading_{};  // of the files
-  std::optional<ShardFiles> files_{};
-  std::atomic<bool> look_ = false;  // a block was written since others' were read
+  std::mutex reading_{};               // of the files
+  std::optional<ShardFiles> files_{};  // empty: nothing is kept
+  std::atomic<bool> look_ = false;     // a block was written since others' were read
 
   std::mutex mutex_{};  // of what follows
   std::vector<Running> running_{};
