@@ -87,7 +87,7 @@ std::string damage_note(const Scene& scene) {
   const bool drawn = limit != scene.limits.force, surely = limit > damage.roundest.force;
   return fmt::format(
       "note: limits.force_uN = {}: the fibre {} damaged before: {}; see ferrule limits\n",
-      drawn ? setting_text(scene.document.at("limits").at("force_uN"))
+      drawn ? setting_text(scene.document().at("limits").at("force_uN"))
             : fmt::format("{:g}", 1e6 * limit),
       surely && !drawn ? "is" : "may be", to_text(damage));
 }
@@ -100,7 +100,7 @@ Json damage_json(const Scene& scene) {
           {"sharpest_by", d.sharpest.name},
           {"sharpest_force_uN", 1e6 * d.sharpest.force},
           {"edge_um", {d.sharpest_um, d.roundest_um}},
-          {"limit_uN", scene.document.at("limits").at("force_uN")},
+          {"limit_uN", scene.document().at("limits").at("force_uN")},
           {"text", to_text(d)}};
 }
 

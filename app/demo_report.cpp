@@ -174,7 +174,7 @@ std::string replays_section(const DemoReport& r) {
 
 // Every input that is not as in the shipped scene that is nearest.
 std::string inputs_section(const DemoReport& r) {
-  const SceneChanges of = changes_from_shipped(r.scene->document);
+  const SceneChanges of = changes_from_shipped(r.scene->document());
   std::string html = "<h2>The inputs</h2>\n<p>";
   if (of.changes.empty())
     return html + fmt::format("All inputs are those of the shipped scene <code>{}</code>.</p>\n",

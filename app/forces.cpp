@@ -61,11 +61,11 @@ void print_table(const std::vector<ForceRow>& rows, const Laws& laws) {
 // Nothing is left out. The settings are those of the form asked for.
 Scene scene_in_form(const ForcesArguments& a) {
   if (a.form.empty()) return a.scene.load();
-  Scene scene = load_scene(a.scene.name(), {});
-  for (const std::string& setting : a.scene.settings) apply_setting(scene.document, setting);
+  Json document = load_scene(a.scene.name()).document();
+  for (const std::string& setting : a.scene.settings) apply_setting(document, setting);
   const std::string file = a.scene.name() + " with --form " + a.form;
-  set_form(scene.document, a.form == "printed" ? Form::printed : Form::corrected, file);
-  return parse_scene(scene.document, file);
+  set_form(document, a.form == "printed" ? Form::printed : Form::corrected, file);
+  return parse_scene(document, file);
 }
 
 // What is swept: one of the three, or each combination of them.

@@ -79,7 +79,7 @@ std::vector<std::string> not_stated(const Scene& scene) {
   for (const char* key : {"fibre.edge_um", "fibre.cleave_deg", "fibre.curl_radius_m",
                           "ferrule.ovality_um", "ferrule.lead_in"})
     if (const auto at = pointer_to(key);
-        !scene.document.contains(at) || scene.document.at(at).is_null())
+        !scene.document().contains(at) || scene.document().at(at).is_null())
       keys.emplace_back(key);
   for (const Term term : kAllTerms)
     if (info(term).read && !info(term).present(scene.parameters.laws))

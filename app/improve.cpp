@@ -52,7 +52,7 @@ ControllerFile as_improved(const ControllerFile& controller, const std::vector<S
   std::visit(
       [&](auto& c) {
         c.trained_on.scenes = scenes;
-        c.trained_on.scene = tried.front().scene.document;
+        c.trained_on.scene = tried.front().scene.document();
         c.trained_on.rollouts += improved.trials;
         c.trained_on.partial = interrupted();
       },

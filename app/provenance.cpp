@@ -71,7 +71,7 @@ std::string shell_word(const std::string& argument) {
 SceneChanges changes_from_shipped(const Json& document) {
   SceneChanges nearest;
   for (const std::string& name : shipped_scenes()) {
-    std::vector<SceneChange> changes = changes_of(document, load_scene(name).document);
+    std::vector<SceneChange> changes = changes_of(document, load_scene(name).document());
     const bool same_name = name == document.value("name", "");
     if (nearest.from.empty() || changes.size() < nearest.changes.size() ||
         (same_name && changes.size() == nearest.changes.size()))
@@ -99,7 +99,7 @@ bool same_scene(const Json& a, const Json& b) {
 }
 
 Provenance& Provenance::in(const ChosenScene& chosen) {
-  const Json& document = chosen.scene.document;
+  const Json& document = chosen.scene.document();
   const Json stated = undrawn(document);  // a recording's scene has the numbers of its trial
   const SceneChanges of = changes_from_shipped(stated);
   scene_text_ = "scene " + scene_text(stated, of) + chosen.relation;

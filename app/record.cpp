@@ -242,7 +242,7 @@ EpisodeClaim claim_again(const std::string& folder, int number, const Holding& h
     try {
       const EpisodeInfo there = open_episode(file).info();
       if (there.operator_ != holding.name || there.seed != trial.seed ||
-          there.trial != trial.trial || there.scene != trial.scene->document.dump())
+          there.trial != trial.trial || there.scene != trial.scene->document().dump())
         throw BadInput(file + ": is no episode of this job; move it away");
     } catch (const FileTrouble&) {  // it is damaged
     }
@@ -269,10 +269,11 @@ Recordings record_shared(const RecordArguments& a, const Scene& toleranced, cons
                          TrialStore& store, const std::string& head) {
   const auto count = static_cast<std::size_t>(a.episodes);
   std::vector<Json> rows(count);  // null: not recorded, or by another shard
-  store.begin({{sha1(toleranced.document.dump()), count, [&](std::size_t k, const KeptTrial& kept) {
-                  if (rows[k].is_null()) rows[k] = kept_row(kept);
-                  return true;  // times differ
-                }}});
+  store.begin(
+      {{sha1(toleranced.document().dump()), count, [&](std::size_t k, const KeptTrial& kept) {
+          if (rows[k].is_null()) rows[k] = kept_row(kept);
+          return true;  // times differ
+        }}});
   std::optional<Keys> no_keys;
   Progress progress("recording", count);
   struct Begun {

@@ -348,13 +348,11 @@ std::string limits_section(const Result& r) {
   return html + damage_paragraph(r);
 }
 
-// A key, with the words of the schema.
+// A key, and what it is.
 void add_assumed(const std::string& key, const std::string& value, HtmlTable& table) {
-  static const std::vector<SceneKey> known = scene_keys();
-  const auto about =
-      std::find_if(known.begin(), known.end(), [&](const SceneKey& k) { return k.key == key; });
+  const SceneKey* known = find_scene_key(key);
   table.row({"<code>" + escaped(key) + "</code>", escaped(value + " " + in_words(key).unit),
-             about == known.end() ? "" : escaped(about->about)});
+             known ? escaped(about(*known)) : ""});
 }
 
 // The keys of a document, but for those that were varied.

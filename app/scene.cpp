@@ -73,9 +73,15 @@ std::string lower(std::string text) {
   return text;
 }
 
+// An object: the key after it is one of its own.
+bool holds_keys(const SceneKey& key) {
+  return &key != &scene_keys().back() &&
+         std::string((&key + 1)->name).starts_with(key.name + std::string("."));
+}
+
 // Has every word in its name or its remark.
 bool asked_for(const SceneKey& key, const std::vector<std::string>& words) {
-  const std::string text = lower(key.key + " " + key.about);
+  const std::string text = lower(key.name + (" " + about(key)));
   return std::all_of(words.begin(), words.end(),
                      [&](const std::string& word) { return text.find(lower(word)) != text.npos; });
 }
@@ -87,25 +93,26 @@ int scene_verb(SceneVerbArguments a) {
   }
   const ChosenScene chosen = a.scene.choose();
   const Origin origin(chosen, a.scene.settings);
+  const Json document = chosen.scene.document();
   Json rows = Json::array();
   for (const SceneKey& key : scene_keys()) {
-    if (key.object || key.key == "extends" || !asked_for(key, a.words)) continue;
-    const Json value = value_at(chosen.scene.document, key.key);
-    rows.push_back({{"key", key.key},
+    if (holds_keys(key) || key.name == std::string("extends") || !asked_for(key, a.words)) continue;
+    const Json value = value_at(document, key.name);
+    rows.push_back({{"key", key.name},
                     {"value", value},
-                    {"from", origin.of(key.key, value)},
-                    {"about", key.about}});
+                    {"from", origin.of(key.name, value)},
+                    {"about", about(key)}});
   }
   if (rows.empty()) throw BadInput("scene: no key has all of these words");
   Provenance provenance;
   provenance.in(chosen);
   if (a.output.text()) {
     fmt::print("{}", provenance.head());
-    std::string about;
+    std::string remark;
     for (const Json& row : rows) {
-      if (row["about"] != about && !row["about"].get<std::string>().empty())
+      if (row["about"] != remark && !row["about"].get<std::string>().empty())
         fmt::print("\n# {}\n", row["about"].get<std::string>());
-      about = row["about"];
+      remark = row["about"];
       fmt::print("{:<42} {:<20} {}\n", row["key"].get<std::string>(),
                  row["value"].is_null() ? "-" : printable(row["value"].dump()),
                  printable(row["from"].get<std::string>()));

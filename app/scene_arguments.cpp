@@ -57,7 +57,7 @@ ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
     chosen.scene = parse_scene(document, source);
     if (!settings.empty()) refuse_contradictions(chosen.scene, source);
     chosen.scene = planned_with_progress(chosen.scene);
-    note_accuracy(chosen.scene.document);
+    note_accuracy(chosen.scene.document());
     chosen.other = !same_scene(document, brought.document);
     chosen.relation = (chosen.other ? ", changed from what " : ", as ") + brought.how;
     return chosen;
@@ -65,13 +65,13 @@ ChosenScene SceneArguments::choose(const BroughtScene& brought) const {
   chosen.file = scene_file(name());
   const Scene loaded = load();
   chosen.scene = planned_with_progress(loaded);
-  note_accuracy(chosen.scene.document);
+  note_accuracy(chosen.scene.document());
   if (!brings) {
     if (!brought.open.empty()) chosen.relation = "; " + brought.open;
     return chosen;
   }
-  chosen.other = !same_scene(chosen.scene.document, brought.document) &&
-                 !same_scene(loaded.document, brought.document);
+  chosen.other = !same_scene(chosen.scene.document(), brought.document) &&
+                 !same_scene(loaded.document(), brought.document);
   chosen.relation = chosen.other ? ", NOT the scene " + brought.document.value("name", "") +
                                        " that " + brought.how
                                  : ", as " + brought.how;

@@ -1,21 +1,14 @@
-// The keys of scene files, as data/scenes/scene.schema.json states them.
+// What people are told of the keys of scene files (sim/scene/scene_keys.hpp).
 #pragma once
 
 #include <string>
-#include <vector>
 
-#include "sim/scene/scene.hpp"
+#include "sim/scene/scene_keys.hpp"
 
 namespace ferrule {
 
-struct SceneKey {
-  std::string key;    // dotted
-  std::string about;  // the schema's remark, or that of the object that it is in
-  bool object;        // holds further keys
-};
-
-// In the order of the schema. Empty where no schema is installed.
-std::vector<SceneKey> scene_keys();
+// What a key is: its remark, or that of the object that it is in.
+std::string about(const SceneKey& key);
 
 // Throws BadInput where the key of a --set KEY=VALUE is none of a scene, and says which one may
 // have been meant.

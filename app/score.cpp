@@ -120,7 +120,7 @@ Scores scored(const ScoreArguments& a, Provenance& provenance) {
         session.all.emplace_back(Scored{file, person(info), scene.name, info.date, info.session,
                                         info.rating, measure(episode, scene)});
     if (a.one_operator) now.operator_ = session.all.front().operator_;
-    now.group = group_of(now, undrawn(scene.document), session.groups);
+    now.group = group_of(now, undrawn(scene.document()), session.groups);
     Group& group = session.groups[now.group];
     group.episodes.push_back(session.all.size() - 1);
     if (group.yardstick) now.score = score(now.measures, *group.yardstick);

@@ -79,7 +79,7 @@ Json half_of(const Json& width) {
 // deviation or width, about the same middle; of the sensor all its errors; half as many particles.
 // Empty where that cannot be said.
 std::vector<std::string> halved(const Scene& scene, const std::string& name) {
-  const Json& document = scene.document;
+  const Json& document = scene.document();
   std::vector<std::string> settings;
   const auto set = [&](const std::string& key, const Json& value) {
     settings.push_back(key + "=" + value.dump());

@@ -73,7 +73,7 @@ std::vector<SweptPoint> points_of(const std::vector<Swept>& all, const VariedSce
     SweptPoint& point = points.emplace_back();
     point.written = values;
     point.scene = varied.with(settings).scene;
-    for (const Swept& s : all) point.values[s.key] = point.scene->document.at(pointer_to(s.key));
+    for (const Swept& s : all) point.values[s.key] = point.scene->document().at(pointer_to(s.key));
   }
   return points;
 }

@@ -18,7 +18,7 @@ BroughtScene brought_by(const TrainedOn& trained, const std::string& file) {
   const bool made = trained.episodes.empty();
   if (one && (made || !trained.scaling) &&
       std::find(shipped.begin(), shipped.end(), trained.scenes[0]) != shipped.end())
-    return {load_scene(trained.scenes[0]).document,
+    return {load_scene(trained.scenes[0]).document(),
             file + (made ? " was made for" : " was trained on (it stores the name only)"), ""};
   brought.open = fmt::format("{} was trained on {}{}, not on one scene that it holds", file,
                              fmt::join(trained.scenes, ", "), one ? " with changing values" : "");

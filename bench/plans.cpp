@@ -44,7 +44,7 @@ PlanRow measured(const std::string& name, std::uint64_t seed, std::size_t trials
   row.error_bound = plan.error_bound;
   row.sampled_twice = plan.sampled_twice;
   const Scene planned = parse_scene(plan.document, name);
-  Json document = scene.document;
+  Json document = scene.document();
   document["quadrature"] = 16;
   document["tangent"] = {{"tip_nm", 0}, {"force_uN", 0}};
   const Scene full = parse_scene(document, name);

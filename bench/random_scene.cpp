@@ -78,7 +78,7 @@ Json draw_laws(Chance& chance) {
 }
 
 Json draw_document(Chance& chance) {
-  Json d = load_scene("paper").document;
+  Json d = load_scene("paper").document();
   d["name"] = "random";
   const double fibre = chance.number(50, 400, 1, 1e4);
   const double clearance = std::min(chance.number(0.02, 50, 1e-3, 1e3), 10 * fibre);

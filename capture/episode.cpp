@@ -80,7 +80,7 @@ std::string program_build() {
 EpisodeInfo episode_info(const Scene& scene, const Device& device, std::uint64_t seed,
                          std::uint64_t trial) {
   EpisodeInfo info;
-  info.scene = scene.document.dump();
+  info.scene = scene.document().dump();
   info.seed = seed;
   info.trial = trial;
   info.version = program_version();

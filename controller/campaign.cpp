@@ -24,7 +24,7 @@ namespace ferrule {
 namespace {
 
 std::string fingerprint(const Campaign& campaign, std::uint64_t seed, std::size_t trials) {
-  return sha1(campaign.scene->document.dump() + campaign.redrawn + std::to_string(seed) + " " +
+  return sha1(campaign.scene->document().dump() + campaign.redrawn + std::to_string(seed) + " " +
               std::to_string(trials));
 }
 

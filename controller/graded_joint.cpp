@@ -79,7 +79,7 @@ std::string off_text(const GradedJoint& joint) {
 }  // namespace
 
 GradedJoint graded_joint(const Scene& scene) {
-  const Json stated = scene.document.value("joint", Json::object());
+  const Json stated = scene.document().value("joint", Json::object());
   GradedJoint graded;
   const auto states = [&](const char* key) {
     if (stated.contains(key)) return true;
@@ -118,9 +118,9 @@ Vector2d GradedJoint::unstated_offset(std::uint64_t seed, std::uint64_t trial) c
   const bool both =
       is_assumed("core_concentricity_sd_um") && is_assumed("bore_concentricity_sd_um");
   const std::string name = both ? "joint." : "joint.unstated_";
-  const auto normal = Distribution::read({{"normal", {0, 1e6 * unstated_sd}}});
+  const Distribution normal = Distribution::about(0, 1e6 * unstated_sd);
   RandomStream y(seed, trial, name + "offset_y_um"), z(seed, trial, name + "offset_z_um");
-  return {micro * normal->draw(y), micro * normal->draw(z)};
+  return {micro * normal.draw(y), micro * normal.draw(z)};
 }
 
 std::string to_text(const GradedJoint& joint) {

@@ -111,14 +111,14 @@ TrainedOn read_trained_on(JsonFields& fields, const std::string& file) {
   if (trained.present("scaling")) {
     JsonFields scaling = trained.object("scaling");
     t.scaling.emplace();
-    scaling.number("alpha_x", rule::positive(), t.scaling->motion);
-    scaling.number("alpha_f", rule::positive(), t.scaling->force);
+    t.scaling->motion = scaling.number("alpha_x", rule::positive());
+    t.scaling->force = scaling.number("alpha_f", rule::positive());
     scaling.finish();
   }
   if (trained.present("limits")) {
     JsonFields limits = trained.object("limits");
-    limits.number("speed_um_s", rule::positive(), t.speed_limit, 1e-6);
-    limits.number("force_uN", rule::positive(), t.force_limit, 1e-6);
+    t.speed_limit = 1e-6 * limits.number("speed_um_s", rule::positive());
+    t.force_limit = 1e-6 * limits.number("force_uN", rule::positive());
     limits.finish();
   }
   if (trained.present("scene")) {

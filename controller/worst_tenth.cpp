@@ -54,8 +54,9 @@ std::vector<DrawnQuantity> drawn_quantities(const Scene& scene, std::uint64_t se
     const Pose tip = draw_start(*of_trial, seed, k).tip;
     drawn[0].values[k] = tip.segment<2>(1).norm() / micro;
     drawn[1].values[k] = 1e3 * tip.tail<2>().norm();
-    for (std::size_t i = 2; i < drawn.size(); ++i)
-      drawn[i].values[k] = of_trial->document.at(pointer_to(drawn[i].name)).get<double>();
+    for (const DecidedNumber& number : of_trial->decided)
+      for (std::size_t i = 2; i < drawn.size(); ++i)
+        if (drawn[i].name == number.key) drawn[i].values[k] = number.value;
   });
   return drawn;
 }

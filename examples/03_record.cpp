@@ -15,7 +15,7 @@ std::string record(const Scene& scene, const std::string& folder, int trial) {
   const TrialSetup setup = feasible_setup(scene, 1, static_cast<std::uint64_t>(trial));
   const auto hand = simulated_operator(setup, skill);
   EpisodeInfo info;
-  info.scene = setup.scene->document.dump();
+  info.scene = setup.scene->document().dump();
   info.operator_ = simulated_operator_name(skill);
   info.seed = setup.seed;
   info.trial = setup.trial;

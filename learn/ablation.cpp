@@ -2,6 +2,7 @@
 
 #include "learn/record_again.hpp"
 #include "sim/scene/draw.hpp"
+#include "sim/scene/scene_keys.hpp"
 
 namespace ferrule {
 namespace {
@@ -27,11 +28,12 @@ class Ablated : public ControllerWrapper {
 Json unvaried(const Json& document, std::uint64_t seed) {
   const std::string what = "the scene of the episodes";
   const Scene scene = parse_scene(document, what);
-  Json same = feasible_trial(scene, seed, 1).scene->document;
+  Json same = feasible_trial(scene, seed, 1).scene->document();
   Json& start = same["start"];
   start["lateral_sd_um"] = start["tilt_sd_mrad"] = 0;
-  for (const std::string key : kDrawnKeys)
-    if (key.starts_with("start.")) start.erase(key.substr(key.find('.') + 1));
+  for (const SceneKey& key : scene_keys())
+    if (const std::string name = key.name; key.chance.may_add() && name.starts_with("start."))
+      start.erase(name.substr(name.find('.') + 1));
   return same;
 }
 

@@ -75,7 +75,7 @@ void DemonstrationSet::add(const EpisodeRows& episode, const std::string& file,
     throw BadInput(file +
                    ": was recorded with another scaling than the episodes before it; a law is "
                    "learned in one hand's world");
-  add_new(undrawn_documents, undrawn(scene.document));
+  add_new(undrawn_documents, undrawn(scene.document()));
   if (documents.size() < kMostDocuments) add_new(documents, episode.info().scene);
   if (std::find(scenes.begin(), scenes.end(), scene.name) == scenes.end())
     scenes.insert(std::upper_bound(scenes.begin(), scenes.end(), scene.name), scene.name);

@@ -76,7 +76,7 @@ struct Identification {
 // Steps done, of `all` at most. False ends the identification with the best so far.
 using IdentifyProgress = std::function<bool(std::size_t done, std::size_t all)>;
 
-// `keys`: dotted names of numbers in scene.document. `seed` draws the random starts. Throws
+// `keys`: dotted names of numbers of the scene. `seed` draws the random starts. Throws
 // BadInput: fewer than 3 recordings, a key that is no number of the scene, is there twice, or
 // cannot be varied; and where `progress` ended it before there was anything.
 Identification identify(const std::vector<Recording>& recordings, const Scene& scene,

@@ -14,7 +14,7 @@ Episode recorded_episode(const Scene& toleranced, const std::string& who, std::u
   const Scene& scene = *setup.scene;
   Episode episode;
   EpisodeInfo& info = episode.info;
-  info.scene = scene.document.dump();
+  info.scene = scene.document().dump();
   info.operator_ = who;
   info.seed = seed;
   info.trial = setup.trial;

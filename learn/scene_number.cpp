@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "sim/base/elementary.hpp"
+#include "sim/scene/scene_keys.hpp"
 
 namespace ferrule {
 SceneNumber::SceneNumber(const Scene& scene, const std::string& key) : key_(key) {
@@ -22,7 +23,7 @@ SceneNumber::SceneNumber(const Scene& scene, const std::string& key) : key_(key)
   below_ = edge(allowed, -1);
   above_ = edge(allowed, 1);
   const double room = 1e-9 * std::max(std::abs(start_), 1e-300);
-  if (!(start_ - below_ > room) || !(above_ - start_ > room))
+  if (find_scene_key(key)->rule.whole || !(start_ - below_ > room) || !(above_ - start_ > room))
     throw BadInput(fmt::format("parameter {}: cannot be varied from {}", key, start_));
 }
 

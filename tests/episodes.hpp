@@ -11,7 +11,7 @@ namespace ferrule::testing {
 
 inline EpisodeInfo info_of(const Scene& scene, std::uint64_t seed, std::uint64_t trial) {
   EpisodeInfo info;
-  info.scene = scene.document.dump();
+  info.scene = scene.document().dump();
   info.operator_ = "test";
   info.seed = seed;
   info.trial = trial;

@@ -185,7 +185,7 @@ Json scene_json(const Scene& scene) {
   for (const Term term : kAllTerms)
     if (info(term).present(world.laws)) terms.push_back(info(term).name);
   return {{"name", scene.name},
-          {"about", scene.document.value("about", "")},
+          {"about", scene.document().value("about", "")},
           {"geometry", geometry},
           {"limits",
            {{"force_uN", kMicro * scene.limits.force},

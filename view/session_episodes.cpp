@@ -113,7 +113,7 @@ void Session::read_one_more() {
 
 void Session::list(const EpisodeInfo& info, const Measures& m, const std::string& file,
                    const Scene& scene) {
-  const bool same = undrawn(scene.document) == undrawn(settings_.scene.document);
+  const bool same = undrawn(scene.document()) == undrawn(settings_.scene.document());
   const double scored = same && yardstick_ ? score(m, *yardstick_).total : NAN;
   Json json = listed_json(file_name(file), info, scene, m, same, scored);
   const std::lock_guard lock(mutex_);

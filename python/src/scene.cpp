@@ -78,7 +78,7 @@ void add_scene(nb::module_& module) {
                     "between hand and tip.\nMade by ferrule.load_scene; does not change.")
       .def_ro("name", &Scene::name)
       .def_prop_ro(
-          "json", [](const Scene& s) { return s.document.dump(); },
+          "json", [](const Scene& s) { return s.document().dump(); },
           "The scene as resolved, a JSON text: loading it gives this scene again.")
       .def_prop_ro(
           "speed_limit", [](const Scene& s) { return s.limits.speed; },

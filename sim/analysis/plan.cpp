@@ -64,7 +64,7 @@ World reduced_world(const Reference& reference, const Reduced& r, double step) {
 
 // The scene file of that model.
 Json reduced_document(const Reference& reference, const Reduced& r, const Plan& plan) {
-  Json d = reference.scene.document;
+  Json d = reference.scene.document();
   d.erase("accuracy");
   d.erase("tilted_axes");
   for (const Term term : r.without) d["laws"][info(term).name] = nullptr;
@@ -163,7 +163,7 @@ struct Inertia {
   double change;  // what leaving it out changes [-]
   double rings;   // how long a clearance rings until it is within the tolerance [s]
 
-  Inertia(const Scene& scene, double tolerance) : stated(scene.document.contains("dynamics")) {
+  Inertia(const Scene& scene, double tolerance) : stated(scene.document().contains("dynamics")) {
     const Holder& holder = scene.world.holder;
     const double mass = holder.mass.topLeftCorner<3, 3>().norm();
     const double clearance = scene.world.annulus.clearance(), speed = scene.limits.speed;
@@ -256,7 +256,7 @@ Plan make_plan(const Scene& scene, double tolerance, const PlanProgress& go_on, 
   plan.error_bound = std::max(plan.error_bound, plan.step_error);
   plan.sampled_twice = reference.sampled_twice();
   plan.partial = runs.stopped;
-  plan.sampling_counts = scene.document.contains("event_travel_nm") && !for_success &&
+  plan.sampling_counts = scene.document().contains("event_travel_nm") && !for_success &&
                          scene.parameters.numerics.event_travel > 1.001 * kLocatesEvents;
   if (plan.sampling_counts) plan.error_bound = std::max(plan.error_bound, plan.sampled_twice);
   if (!inertial) plan.tangent = world.numerics.extrapolation_tip / reference.clearance;

@@ -168,12 +168,11 @@ void write_text(const std::string& name, const std::string& text, bool replace) 
   WrittenFile(name, text).commit(replace);
 }
 
-JsonFields::JsonFields(const Json& object, std::string file, std::vector<BoundNumber>* bound)
-    : JsonFields(object, std::move(file), Json::json_pointer(), bound) {}
+JsonFields::JsonFields(const Json& object, std::string file)
+    : JsonFields(object, std::move(file), Json::json_pointer()) {}
 
-JsonFields::JsonFields(const Json& object, std::string file, Json::json_pointer at,
-                       std::vector<BoundNumber>* bound)
-    : object_(object), file_(std::move(file)), at_(std::move(at)), bound_(bound) {
+JsonFields::JsonFields(const Json& object, std::string file, Json::json_pointer at)
+    : object_(object), file_(std::move(file)), at_(std::move(at)) {
   if (object_.is_object()) return;
   RefusedKey refused(file_, at_,
                      (at_.empty() ? "the document" : dotted(at_)) + " = " + shown(object_) +
@@ -209,22 +208,11 @@ const Json& JsonFields::get(const std::string& key, const std::string& expected,
   throw missing;
 }
 
-double JsonFields::number(const std::string& key, const Rule& rule) {
-  const double x = checked(key, rule);
-  if (bound_) bound_->push_back({dotted(at_ / key), nullptr, 1, rule});
-  return x;
-}
-
-void JsonFields::number(const std::string& key, const Rule& rule, double& value, double unit) {
-  value = unit * checked(key, rule);
-  if (bound_) bound_->push_back({dotted(at_ / key), &value, unit, rule});
-}
-
 double JsonFields::number_or_nan(const std::string& key, const Rule& rule) {
   return has(key) ? number(key, rule) : std::numeric_limits<double>::quiet_NaN();
 }
 
-double JsonFields::checked(const std::string& key, const Rule& rule) {
+double JsonFields::number(const std::string& key, const Rule& rule) {
   const std::string expected = rule.text;
   const double would_do = rule.allows(1) ? 1 : rule.low + (rule.high - rule.low) / 2;
   const Json& value = get(key, "a number that " + expected, {would_do});
@@ -242,10 +230,6 @@ std::int64_t JsonFields::integer(const std::string& key, std::int64_t low, std::
   if (!value.is_number_integer() || value.get<std::int64_t>() < low ||
       value.get<std::int64_t>() > high)
     refuse(key, expected);
-  if (bound_) {  // it cannot be varied
-    const double whole = value.get<double>();
-    bound_->push_back({dotted(at_ / key), nullptr, 1, rule::between(whole, whole, expected)});
-  }
   return value.get<std::int64_t>();
 }
 
@@ -289,11 +273,11 @@ std::size_t JsonFields::choice(const std::string& key, const std::vector<std::st
 }
 
 JsonFields JsonFields::object(const std::string& key) {
-  return {get(key, "an object {...}", {Json::object()}), file_, at_ / key, bound_};
+  return {get(key, "an object {...}", {Json::object()}), file_, at_ / key};
 }
 
 JsonFields JsonFields::object(const std::string& key, std::size_t index) {
-  return {get(key, "a list").at(index), file_, at_ / key / index, bound_};
+  return {get(key, "a list").at(index), file_, at_ / key / index};
 }
 
 const Json& JsonFields::raw(const std::string& key) {
@@ -318,6 +302,10 @@ void JsonFields::depends(const std::string& key, const std::vector<std::string>&
   std::string names;
   for (const std::string& other : others) names += (names.empty() ? "" : " or ") + other;
   refuse(key, "does nothing without " + names);
+}
+
+std::string JsonFields::path(const std::string& key) const {
+  return dotted(at_ / key);
 }
 
 void JsonFields::finish() const {

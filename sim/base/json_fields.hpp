@@ -4,6 +4,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -39,9 +40,11 @@ struct Rule {
   double low, high;
   bool low_open = false, high_open = false;
   std::string text;  // "must be positive"
+  bool whole = false;
 
   bool allows(double x) const noexcept {
-    return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high);
+    return (low_open ? x > low : x >= low) && (high_open ? x < high : x <= high) &&
+           (!whole || x == std::round(x));
   }
 };
 namespace rule {
@@ -68,25 +71,14 @@ struct RefusedKey : BadInput {
   std::vector<RefusedKey> more{};  // of one that is unknown: others of the same object, 19 at most
 };
 
-// A number that was read, and where it is kept: what varies a document's numbers goes by this.
-struct BoundNumber {
-  std::string key;          // dotted
-  double* value = nullptr;  // null: nothing depends on it
-  double unit = 1;          // *value = unit times the number in the document
-  Rule rule;
-};
-
 class JsonFields {
  public:
-  // `object` must outlive this. Every number read by this or by objects within it is added to
-  // `bound` where that is not null. Throws BadInput if it is not an object.
-  JsonFields(const Json& object, std::string file, std::vector<BoundNumber>* bound = nullptr);
+  // `object` must outlive this. Throws BadInput if it is not an object.
+  JsonFields(const Json& object, std::string file);
 
   double number(const std::string& key, const Rule& rule);
   // NaN where there is none, or null.
   double number_or_nan(const std::string& key, const Rule& rule);
-  // Into `value`, times `unit`.
-  void number(const std::string& key, const Rule& rule, double& value, double unit = 1);
   std::int64_t integer(const std::string& key, std::int64_t low, std::int64_t high);
   bool flag(const std::string& key);
   // [a, b], two finite numbers.
@@ -106,25 +98,24 @@ class JsonFields {
   bool has(const std::string& key);
   // Refuses a key that is there where none of `others` is: without them it does nothing.
   void depends(const std::string& key, const std::vector<std::string>& others);
+  // The dotted name of the key in the whole document.
+  std::string path(const std::string& key) const;
   // To be called last: throws BadInput on the first key that nobody asked for.
   void finish() const;
 
   [[noreturn]] void refuse(const std::string& key, const std::string& rule) const;
 
  private:
-  JsonFields(const Json& object, std::string file, Json::json_pointer at,
-             std::vector<BoundNumber>* bound);
+  JsonFields(const Json& object, std::string file, Json::json_pointer at);
   RefusedKey refusal(const std::string& key, const std::string& rule) const;
   // Throws where it is missing; `would_do` are values that are allowed, where they are known.
   const Json& get(const std::string& key, const std::string& expected,
                   std::vector<Json> would_do = {});
-  double checked(const std::string& key, const Rule& rule);
 
   const Json& object_;
   std::string file_;
   Json::json_pointer at_;
   std::set<std::string> known_;
-  std::vector<BoundNumber>* bound_;
 };
 
 }  // namespace ferrule

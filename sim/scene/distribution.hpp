@@ -20,6 +20,10 @@ namespace ferrule {
 
 class Distribution {
  public:
+  // Normal, of which `sd` >= 0 is the standard deviation; uniform, low <= high.
+  static Distribution about(double mean, double sd) { return {normal, {mean, sd}}; }
+  static Distribution between(double low, double high) { return {uniform, {low, high}}; }
+
   // Empty: `value` is no distribution. Throws BadInput: what it must be.
   static std::optional<Distribution> read(const Json& value);
 

@@ -7,6 +7,8 @@
 #include "sim/base/random.hpp"
 #include "sim/base/units.hpp"
 #include "sim/geometry/curl.hpp"
+#include "sim/scene/read_scene.hpp"
+#include "sim/scene/scene_keys.hpp"
 #include "sim/solver/step.hpp"
 
 namespace ferrule {
@@ -28,9 +30,9 @@ void draw_particle(Scene& drawn, RandomStream random) {
   law.depth = micro * at_um;
   const double degrees = 360 * random.uniform();
   law.direction = degree * degrees;
-  add_drawn(drawn.document, "laws.particle.height_um", height_um);
-  add_drawn(drawn.document, "laws.particle.at_um", at_um);
-  add_drawn(drawn.document, "laws.particle.direction_deg", degrees);
+  drawn.decided.push_back({"laws.particle.height_um", height_um});
+  drawn.decided.push_back({"laws.particle.at_um", at_um});
+  drawn.decided.push_back({"laws.particle.direction_deg", degrees});
 }
 
 }  // namespace
@@ -40,19 +42,19 @@ std::shared_ptr<const Scene> draw_scene(const Scene& scene, std::uint64_t seed, 
   const std::optional<Particle>& law = scene.parameters.laws.particle;
   const bool particle = law && std::isnan(law->height);
   if (scene.drawn.empty() && !particle) return {std::shared_ptr<const Scene>(), &scene};
+  auto drawn = std::make_shared<Scene>(scene);
+  drawn->drawn.clear();
+  const auto decide = [&](const DrawnNumber& number) {
+    const double value = number.draw(seed, trial, redrawn);
+    drawn->decided.push_back({number.key, value});
+    return set_number(*drawn, number.key, value);
+  };
   // What the scene states comes first, as the rest follows of it.
-  std::vector<DrawnNumber> first;
-  std::copy_if(scene.drawn.begin(), scene.drawn.end(), std::back_inserter(first),
-               [](const DrawnNumber& number) { return !number.implied; });
-  std::shared_ptr<Scene> drawn;
-  try {
-    drawn = std::make_shared<Scene>(parse_scene(
-        drawn_document(scene.document, first.empty() ? scene.drawn : first, seed, trial, redrawn),
-        scene.name));
-  } catch (const RefusedKey&) {  // each of the numbers can be, but not these together
-    return nullptr;
-  }
-  if (!drawn->drawn.empty()) return draw_scene(*drawn, seed, trial, redrawn);
+  for (const DrawnNumber& number : scene.drawn)
+    if (!number.implied && !decide(number)) return nullptr;
+  for (const DrawnNumber& number : unstated_numbers(*drawn))
+    if (!decide(number)) return nullptr;
+  if (resolve(*drawn)) return nullptr;  // each of the numbers can be, but not these together
   if (particle) {
     draw_particle(*drawn, {seed_of("laws.particle", redrawn, seed), trial, Draw::particle});
     drawn->world.laws.particle = ferrule::particle(drawn->parameters);

@@ -1,16 +1,9 @@
 #include "sim/scene/drawn_numbers.hpp"
 
-#include <algorithm>
-#include <array>
+#include "sim/scene/scene_keys.hpp"
 
 namespace ferrule {
 namespace {
-
-// All trials have the same of these.
-bool is_of_all_trials(const std::string& key) {
-  constexpr std::array kKeys = {"step_s", "accuracy", "planned_accuracy", "planned_error_bound"};
-  return std::find(kKeys.begin(), kKeys.end(), key) != kKeys.end() || key.starts_with("tolerance");
-}
 
 void find(const Json& value, const Json::json_pointer& at, const std::string& key,
           const std::string& file, std::vector<DrawnNumber>& found) {
@@ -24,7 +17,8 @@ void find(const Json& value, const Json::json_pointer& at, const std::string& ke
   };
   try {
     if (const auto distribution = Distribution::read(value)) {
-      if (is_of_all_trials(key)) refuse("must be a number, the same in all trials");
+      const SceneKey* row = scene_key_of(key);
+      if (row && !row->chance.may) refuse("must be a number, the same in all trials");
       found.push_back({.key = key, .distribution = *distribution});
       return;
     }
@@ -52,32 +46,30 @@ Json at_centre(Json document, const std::vector<DrawnNumber>& drawn) {
   return document;
 }
 
-Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::uint64_t seed,
-                    std::uint64_t trial, const std::string& redrawn) {
+double DrawnNumber::draw(std::uint64_t seed, std::uint64_t trial,
+                         std::string_view redrawn) const noexcept {
+  RandomStream random(seed_of(name(), redrawn, seed), trial, key);
+  return distribution.draw(random);
+}
+
+Json decided_document(Json document, const std::vector<DecidedNumber>& numbers) {
   Json was = Json::object();
   if (document.contains("tolerance")) {
     was["tolerance"] = document["tolerance"];
     document.erase("tolerance");
   }
-  for (const DrawnNumber& number : drawn) {
-    const std::string& key = number.key;
-    RandomStream random(seed_of(number.name(), redrawn, seed), trial, key);
-    const double value = number.distribution.draw(random);
+  for (const auto& [key, value] : numbers) {
     const Json::json_pointer at = pointer_to(key);
     if (document.contains(at)) {
       was[key] = document[at];
       document[at] = as_written(value);
     } else {
-      add_drawn(document, key, value);
+      document[at] = value;
+      document["drawn_from"]["added"].push_back(key);
     }
   }
   if (!was.empty()) document["drawn_from"]["was"].update(was);
   return document;
-}
-
-void add_drawn(Json& document, const std::string& key, double value) {
-  document[pointer_to(key)] = value;
-  document["drawn_from"]["added"].push_back(key);
 }
 
 Json undrawn(Json document) {

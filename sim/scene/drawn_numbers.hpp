@@ -19,6 +19,16 @@ struct DrawnNumber {
   std::string shared{};
 
   const std::string& name() const noexcept { return shared.empty() ? key : shared; }
+
+  // In that trial, in the unit of the key; redrawn as seed_of has it.
+  double draw(std::uint64_t seed, std::uint64_t trial,
+              std::string_view redrawn = "") const noexcept;
+};
+
+// What chance came to.
+struct DecidedNumber {
+  std::string key;
+  double value;  // in the unit of the key
 };
 
 // Those that stand in a scene's document. Throws RefusedKey.
@@ -27,19 +37,15 @@ std::vector<DrawnNumber> drawn_numbers(const Json& document, const std::string& 
 // The document with each of them at its centre.
 Json at_centre(Json document, const std::vector<DrawnNumber>& drawn);
 
-// The document with the numbers of that trial, those named `redrawn` with those of another seed
-// (seed_of). It says in "drawn_from" what they replace ("was"), and which keys are new ("added").
-Json drawn_document(Json document, const std::vector<DrawnNumber>& drawn, std::uint64_t seed,
-                    std::uint64_t trial, const std::string& redrawn = "");
+// The document with these numbers. It says in "drawn_from" what they replace ("was"), and which
+// keys are new ("added").
+Json decided_document(Json document, const std::vector<DecidedNumber>& numbers);
 
 // That of what has this name: another one, which nobody can ask for, where it is drawn again.
 inline std::uint64_t seed_of(std::string_view name, std::string_view redrawn,
                              std::uint64_t seed) noexcept {
   return name == redrawn ? ~seed : seed;
 }
-
-// States a number that the document does not have yet.
-void add_drawn(Json& document, const std::string& key, double value);
 
 // The document that a drawn one was drawn from; of any other one, `document` itself.
 Json undrawn(Json document);

@@ -1,5 +1,6 @@
-// The keys of a scene file: name, unit, range, and where each number goes. What chance decides, and
-// files, are in scene.cpp.
+// Reads the sections of a scene file: which keys must be there, and which go together. What each
+// number is, and where it goes, is a row of scene_keys.hpp; what chance decides, and files, are in
+// scene.cpp.
 #pragma once
 
 #include <optional>
@@ -15,5 +16,9 @@ void read_scene(JsonFields& fields, const Json& document, Scene& scene);
 
 // Which of its numbers, each in its range, cannot be together; empty: none.
 std::optional<Inconsistency> inconsistency(const Scene& scene);
+
+// Sets what follows from the numbers of a scene: its world, and what a tangent may be off by where
+// that is not stated. Where the numbers cannot be together it says which.
+std::optional<Inconsistency> resolve(Scene& scene);
 
 }  // namespace ferrule

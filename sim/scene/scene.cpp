@@ -8,6 +8,7 @@
 #include "sim/base/units.hpp"
 #include "sim/scene/extends.hpp"
 #include "sim/scene/read_scene.hpp"
+#include "sim/scene/scene_keys.hpp"
 #include "sim/scene/setting.hpp"
 #include "sim/scene/terms.hpp"
 
@@ -16,8 +17,6 @@ namespace {
 
 constexpr ShippedFiles kScenes = {"scenes", "scene file", "scene"};
 
-constexpr double kMostHanging = 0.3;  // tilt of the end in free air [rad]
-
 // Refuses the value of a dotted key.
 [[noreturn]] void refuse(JsonFields fields, const std::string& key, const std::string& rule) {
   const auto dot = key.find('.');
@@ -25,52 +24,12 @@ constexpr double kMostHanging = 0.3;  // tilt of the end in free air [rad]
   refuse(fields.object(key.substr(0, dot)), key.substr(dot + 1), rule);
 }
 
-// What chance decides unless the document states it.
-void add_unstated(const Json& document, Scene& scene) {
-  const auto add = [&](const char* key, const Json& distribution, const char* shared = "") {
-    if (!document.contains(pointer_to(key)))
-      scene.drawn.push_back({key, *Distribution::read(distribution), true, shared});
-  };
-  const Json all_round = {{"uniform", {0, 360}}};
-  const FibreParameters& fibre = scene.parameters.fibre;
-  if (fibre.curl_radius_m || fibre.cleave_deg) add("fibre.roll_deg", all_round);
-  if (fibre.cleave_deg) add("fibre.cleave_direction_deg", all_round);
-  if (scene.parameters.ferrule.ovality_um)
-    add("ferrule.ovality_direction_deg", {{"uniform", {0, 180}}});
-  const InsertionStart& start = scene.start;
-  const auto scatter = [&](std::array<const char*, 2> keys, const Vector2d& mean, double sd,
-                           double unit, const char* shared) {
-    if (sd > 0)
-      for (int i = 0; i < 2; ++i)
-        add(keys[static_cast<std::size_t>(i)], {{"normal", {mean[i] / unit, sd / unit}}}, shared);
-  };
-  scatter({"start.y_um", "start.z_um"}, start.lateral_mean, start.lateral_sd, micro,
-          "start.lateral_sd_um");
-  scatter({"start.tilt_y_mrad", "start.tilt_z_mrad"}, Vector2d::Zero(), start.tilt_sd, milli,
-          "start.tilt_sd_mrad");
-  scatter({"start.vision_y_um", "start.vision_z_um"}, Vector2d::Zero(), start.vision_sd, micro,
-          "start.vision_sd_um");
-  if (scene.sensor.entrance_sd > 0)
-    add("sensor.entrance_error_um", {{"normal", {0, 1e6 * scene.sensor.entrance_sd}}});
-  // What fibre and ferrule are off, together.
-  if (const double sd = std::sqrt(scene.joint.core_sd * scene.joint.core_sd +
-                                  scene.joint.bore_sd * scene.joint.bore_sd);
-      sd > 0)
-    for (const char* key : {"joint.offset_y_um", "joint.offset_z_um"})
-      add(key, {{"normal", {0, 1e6 * sd}}});
-}
-
 // Of a document without distributions.
 Scene scene_of_numbers(const Json& document, const std::string& file) {
   JsonFields fields(document, file);
   Scene scene{};
   read_scene(fields, document, scene);
-  if (const auto found = inconsistency(scene)) refuse(fields, found->key, found->rule);
-  scene.world = make_world(scene.parameters);
-  if (scene.world.holder.sag.tail<2>().norm() > kMostHanging)
-    refuse(fields, "holder.free_length_mm",
-           "must be so short that the fibre's end hangs tilted by no more than " +
-               Json(kMostHanging).dump() + " rad under its weight: tilts are taken as small");
+  if (const auto found = resolve(scene)) refuse(fields, found->key, found->rule);
   return scene;
 }
 
@@ -91,10 +50,8 @@ Json without_chance(const Json& document, const std::vector<DrawnNumber>& drawn,
   if (drawn.empty() || consistent(centre, file)) return centre;
   for (std::uint64_t trial = 0; trial < kMost; ++trial) {
     Json numbers = document;
-    for (const DrawnNumber& number : drawn) {
-      RandomStream random(0, trial, number.key);
-      numbers[pointer_to(number.key)] = as_written(number.distribution.draw(random));
-    }
+    for (const DrawnNumber& number : drawn)
+      numbers[pointer_to(number.key)] = as_written(number.draw(0, trial));
     try {
       if (consistent(numbers, file)) return numbers;
     } catch (const RefusedKey&) {  // refuse_beyond says so of the number alone
@@ -114,20 +71,13 @@ RefusedKey refusal(const Json& document, const DrawnNumber& number, const std::s
 
 constexpr const char* kMayBe = "may be drawn as what it must not be: ";
 
-// Refuses a number whose least or largest draw its key must not have; `centre` is allowed.
-void refuse_beyond(const Json& document, const Json& centre, const DrawnNumber& number,
-                   const std::string& file) {
-  for (const double extreme : number.distribution.extremes()) {
-    Json changed = centre;
-    changed[pointer_to(number.key)] = as_written(extreme);
-    JsonFields fields(changed, file);
-    Scene scene{};
-    try {
-      read_scene(fields, changed, scene);
-    } catch (const RefusedKey& refused) {
-      throw refusal(document, number, file, kMayBe + refused.why);
-    }
-  }
+// Refuses a number whose least or largest draw its key must not have.
+void refuse_beyond(const Json& document, const DrawnNumber& number, const std::string& file) {
+  const Rule& rule = scene_key_of(number.key)->rule;
+  for (const double extreme : number.distribution.extremes())
+    if (!rule.allows(extreme))
+      throw refusal(document, number, file,
+                    kMayBe + number.key + " = " + as_written(extreme).dump() + ": " + rule.text);
 }
 
 }  // namespace
@@ -146,46 +96,45 @@ Scene parse_scene(const Json& document, const std::string& file) {
     throw;
   }
   for (const DrawnNumber& number : stated) {
-    refuse_beyond(document, centre, number, file);
+    refuse_beyond(document, number, file);
     for (const DrawnNumber& other : scene.drawn)
       if (other.key == number.key)
         throw refusal(document, number, file, "tolerance draws it too: state one of them");
   }
   scene.drawn.insert(scene.drawn.end(), stated.begin(), stated.end());
-  add_unstated(document, scene);
-  scene.document = document;
+  const std::vector<DrawnNumber> unstated = unstated_numbers(scene);
+  scene.drawn.insert(scene.drawn.end(), unstated.begin(), unstated.end());
+  scene.stated = std::make_shared<const Json>(document);
   return scene;
 }
 
-VariableScene::VariableScene(const Scene& scene) : scene_{} {
-  std::vector<BoundNumber> bound;
-  const Json centre =
-      without_chance(scene.document, drawn_numbers(scene.document, scene.name), scene.name);
-  JsonFields fields(centre, scene.name, &bound);
-  read_scene(fields, centre, scene_);
-  for (BoundNumber& number : bound) {
-    const double value = centre.at(pointer_to(number.key)).get<double>();
-    numbers_.push_back({std::move(number), value});
-  }
+Json Scene::document() const {
+  return decided.empty() ? *stated : decided_document(*stated, decided);
+}
+
+VariableScene::VariableScene(const Scene& scene) : scene_(scene) {
+  const Json document = scene.document();
+  const Json centre = without_chance(document, drawn_numbers(document, scene.name), scene.name);
+  for (const SceneKey& row : scene_keys())
+    if (states(scene, row.name))
+      if (const Json& value = centre.at(pointer_to(row.name)); value.is_number())
+        numbers_[row.name] = value.get<double>();
 }
 
 std::optional<double> VariableScene::number(const std::string& key) const {
-  for (const Number& n : numbers_)
-    if (n.bound.key == key) return n.set;
-  return std::nullopt;
+  const auto found = numbers_.find(key);
+  return found == numbers_.end() ? std::nullopt : std::optional(found->second);
 }
 
 void VariableScene::set(const std::string& key, double value) {
-  for (Number& n : numbers_)
-    if (n.bound.key == key) {
-      n.set = value;
-      if (n.bound.value) *n.bound.value = n.bound.unit * value;
-    }
+  numbers_.at(key) = value;
+  set_number(scene_, key, value);
 }
 
 bool VariableScene::consistent() const {
-  return std::all_of(numbers_.begin(), numbers_.end(),
-                     [](const Number& n) { return n.bound.rule.allows(n.set); }) &&
+  return std::all_of(
+             numbers_.begin(), numbers_.end(),
+             [](const auto& n) { return find_scene_key(n.first)->rule.allows(n.second); }) &&
          !inconsistency(scene_);
 }
 
@@ -202,7 +151,8 @@ Scene load_scene(const std::string& name_or_file, const std::vector<std::string>
 }
 
 void refuse_contradictions(const Scene& scene, const std::string& file) {
-  const JsonFields fields(scene.document, file);
+  const Json document = scene.document();
+  const JsonFields fields(document, file);
   const double handled = scene.parameters.fibre.manipulated_length_mm;
   const auto* elastic = std::get_if<ElasticFibre>(&scene.parameters.holder);
   if (elastic && elastic->free_length_mm > handled)

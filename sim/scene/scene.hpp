@@ -3,7 +3,10 @@
 #pragma once
 
 #include <array>
+#include <bitset>
 #include <limits>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -68,23 +71,6 @@ struct ScalingRanges {
 // The form of a force law: as the paper prints it, or corrected (sim/laws/laws.hpp).
 enum class Form { printed, corrected };
 
-// Keys that a drawn scene states where the one it was drawn from does not.
-inline constexpr std::array kDrawnKeys = {"fibre.roll_deg",
-                                          "fibre.cleave_direction_deg",
-                                          "sensor.entrance_error_um",
-                                          "ferrule.ovality_direction_deg",
-                                          "joint.offset_y_um",
-                                          "joint.offset_z_um",
-                                          "start.y_um",
-                                          "start.z_um",
-                                          "start.tilt_y_mrad",
-                                          "start.tilt_z_mrad",
-                                          "start.vision_y_um",
-                                          "start.vision_z_um",
-                                          "laws.particle.height_um",
-                                          "laws.particle.at_um",
-                                          "laws.particle.direction_deg"};
-
 // What chance decides of a trial besides: what the force sensor adds, and the particle.
 inline constexpr std::array kDrawnBesides = {"sensor", "laws.particle"};
 
@@ -108,9 +94,16 @@ struct Scene {
   // centres cannot be together (a fibre as wide as the bore), it is as in a trial in which the
   // numbers can.
   std::vector<DrawnNumber> drawn;
-  // The scene as resolved: file plus settings; parsing it gives this scene again. Where something
-  // is drawn the scene of a trial is read from it, so that what is changed above alone is lost.
-  Json document;
+  // What it came to in a trial's scene.
+  std::vector<DecidedNumber> decided;
+  // Which numbers of scene_keys.hpp its file states.
+  std::bitset<192> states;
+  // The file with its settings, before chance decides.
+  std::shared_ptr<const Json> stated;
+
+  // The scene as resolved: the file with its settings, and with what chance decided. Parsing it
+  // gives this scene again; what is changed above alone it does not have.
+  Json document() const;
 };
 
 // Throws BadInput: "FILE: KEY = VALUE: RULE".
@@ -140,12 +133,10 @@ void set_form(Json& document, Form form, const std::string& file);
 class VariableScene {
  public:
   explicit VariableScene(const Scene& scene);
-  VariableScene(const VariableScene&) = delete;
-  VariableScene& operator=(const VariableScene&) = delete;
 
   // The number of that dotted key, in the unit of the file; empty: there is none.
   std::optional<double> number(const std::string& key) const;
-  // Sets it, whether it is allowed or not; the key is there.
+  // Sets it; the key is there. One that is not allowed is no scene's.
   void set(const std::string& key, double value);
   // Are the numbers, as set, those of a scene?
   bool consistent() const;
@@ -154,11 +145,7 @@ class VariableScene {
 
  private:
   Scene scene_;
-  struct Number {
-    BoundNumber bound;
-    double set;  // in the unit of the file
-  };
-  std::vector<Number> numbers_;  // kept in scene_
+  std::map<std::string, double> numbers_;  // in the unit of the file
 };
 
 }  // namespace ferrule

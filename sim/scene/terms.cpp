@@ -3,140 +3,100 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/base/units.hpp"
+#include "sim/scene/scene_keys.hpp"
 #include "sim/terms/particle_depth.hpp"
 #include "sim/terms/surface_forces.hpp"
 
 namespace ferrule {
 namespace {
 
-bool read_printed(JsonFields& law) {
-  return law.choice("form", {"printed", "corrected"}) == 0;
-}
-
-template <class Law>
-void read_wetting(JsonFields& f, Law& law) {
-  f.number("surface_tension_N_m", rule::positive(1e-30, 3), law.surface_tension);
-  Rule wetting = rule::between(0, 90, "must be at least 0 and below 90 degrees");
-  wetting.high_open = true;
-  f.number("contact_angle_deg", wetting, law.contact_angle, degree);
-}
-
-void read_van_der_waals(JsonFields f, Laws& laws) {
-  double& hamaker = read_printed(f) ? laws.van_der_waals.emplace<printed::VanDerWaals>().hamaker
-                                    : laws.van_der_waals.emplace<VanDerWaals>().hamaker;
-  f.number("hamaker_J", rule::positive(1e-40, 1e-17), hamaker);
-  f.finish();
-}
-
-void read_electrostatic(JsonFields f, Laws& laws) {
-  double& voltage = read_printed(f) ? laws.electrostatic.emplace<printed::Electrostatic>().voltage
-                                    : laws.electrostatic.emplace<Electrostatic>().voltage;
-  f.number("voltage_V", rule::not_negative(1e5), voltage);
-  f.finish();
-}
-
-void read_gravity(JsonFields f, Laws& laws) {
-  if (read_printed(f))
-    laws.gravity = printed::Gravity{};
+// The law in the form that is stated.
+template <auto law>
+bool read_form(JsonFields& f, Scene& scene) {
+  using Law = std::remove_cvref_t<decltype(scene.parameters.laws.*law)>;
+  const bool printed = f.choice("form", {"printed", "corrected"}) == 0;
+  Law& place = scene.parameters.laws.*law;
+  if (printed)
+    place.template emplace<1>();
   else
-    laws.gravity = Gravity{};
+    place.template emplace<2>();
+  return printed;
+}
+
+void read_van_der_waals(JsonFields f, Scene& scene) {
+  read_form<&Laws::van_der_waals>(f, scene);
+  read_numbers(f, {"hamaker_J"}, scene);
   f.finish();
 }
 
-template <class Law>
-void read_liquid(JsonFields& f, Law& law) {
-  read_wetting(f, law);
-  f.number("film_nm", rule::positive(1e-3, 1e6), law.film, nano);
-}
-
-void read_capillary(JsonFields f, Laws& laws) {
-  const Rule volume = rule::positive(1e-20, 1e-6), rupture = rule::positive(1e-3, 1e6);
-  if (read_printed(f)) {
-    read_liquid(f, laws.capillary.emplace<printed::Capillary>());
-    // Of the corrected form; may be carried along.
-    if (f.present("volume_per_length_m2")) f.number("volume_per_length_m2", volume);
-    if (f.present("rupture_nm")) f.number("rupture_nm", rupture);
-  } else {
-    Capillary& law = laws.capillary.emplace<Capillary>();
-    read_liquid(f, law);
-    f.number("volume_per_length_m2", volume, law.volume);
-    f.number("rupture_nm", rupture, law.rupture, nano);
-  }
+void read_electrostatic(JsonFields f, Scene& scene) {
+  read_form<&Laws::electrostatic>(f, scene);
+  read_numbers(f, {"voltage_V"}, scene);
   f.finish();
 }
 
-void read_adhesion(JsonFields f, Laws& laws) {
-  const Rule work = rule::positive(1e-9, 1e3), radius = rule::positive(1e-3, 1e6);
-  const Rule m = rule::between(1, 1e3, "must be at least 1, at most 1000");
-  if (read_printed(f)) {
-    auto& law = laws.adhesion.emplace<printed::Adhesion>();
-    f.number("work_of_adhesion_J_m2", work, law.work_of_adhesion);
-    f.number("maugis_lambda", rule::between(0.12, 5.8, "must be from 0.12 to 5.8"),
-             law.maugis_lambda);
-    f.number("m", m, law.m);
-    if (f.present("radius_um")) f.number("radius_um", radius);  // of the corrected form
-  } else {
-    auto& law = laws.adhesion.emplace<Adhesion>();
-    f.number("work_of_adhesion_J_m2", work, law.work_of_adhesion);
-    f.number("maugis_lambda", rule::between(0.01, 100, "must be from 0.01 to 100"),
-             law.maugis_lambda);
-    if (f.present("m")) f.number("m", m);  // of the printed form
-    law.radius = NAN;
-    if (f.present("radius_um")) f.number("radius_um", radius, law.radius, micro);
-  }
+void read_gravity(JsonFields f, Scene& scene) {
+  read_form<&Laws::gravity>(f, scene);
   f.finish();
 }
 
-void read_friction(JsonFields f, Laws& laws) {
-  Friction& law = read_printed(f) ? laws.friction.emplace<printed::Friction>()
-                                  : laws.friction.emplace<Friction>();
-  f.number("burgers_nm", rule::positive(1e-6, 1e3), law.burgers, nano);
+void read_capillary(JsonFields f, Scene& scene) {
+  const bool printed = read_form<&Laws::capillary>(f, scene);
+  read_numbers(f, {"surface_tension_N_m", "contact_angle_deg", "film_nm"}, scene);
+  if (printed)  // may carry along what the corrected form needs
+    read_numbers_if_there(f, {"volume_per_length_m2", "rupture_nm"}, scene);
+  else
+    read_numbers(f, {"volume_per_length_m2", "rupture_nm"}, scene);
   f.finish();
 }
 
-void read_drag(JsonFields f, Laws& laws) {
+void read_adhesion(JsonFields f, Scene& scene) {
+  const bool printed = read_form<&Laws::adhesion>(f, scene);
+  read_numbers(f, {"work_of_adhesion_J_m2", "maugis_lambda"}, scene);
+  if (printed)
+    read_numbers(f, {"m"}, scene);
+  else
+    std::get<Adhesion>(scene.parameters.laws.adhesion).radius = NAN;
+  read_numbers_if_there(f, {"m", "radius_um"}, scene);  // may carry along the other form's
+  f.finish();
+}
+
+void read_friction(JsonFields f, Scene& scene) {
+  read_form<&Laws::friction>(f, scene);
+  read_numbers(f, {"burgers_nm"}, scene);
+  f.finish();
+}
+
+void read_drag(JsonFields f, Scene& scene) {
   f.choice("form", {"corrected"});
-  f.number("viscosity_Pa_s", rule::positive(1e-30, 1e6), laws.drag.emplace().viscosity);
+  scene.parameters.laws.drag.emplace();
+  read_numbers(f, {"viscosity_Pa_s"}, scene);
   f.finish();
 }
 
-void read_meniscus(JsonFields f, Laws& laws) {
+void read_meniscus(JsonFields f, Scene& scene) {
   f.choice("form", {"corrected"});
-  Meniscus& law = laws.meniscus.emplace();
-  read_wetting(f, law);
+  scene.parameters.laws.meniscus.emplace();
+  read_numbers(f, {"surface_tension_N_m", "contact_angle_deg"}, scene);
   f.finish();
 }
 
-void read_flow(JsonFields f, Laws& laws) {
+void read_flow(JsonFields f, Scene& scene) {
   f.choice("form", {"corrected"});
-  Flow& law = laws.flow.emplace();
-  f.number("viscosity_Pa_s", rule::positive(1e-30, 1e6), law.viscosity);
+  Flow& law = scene.parameters.laws.flow.emplace();
+  read_numbers(f, {"viscosity_Pa_s"}, scene);
   law.blind = f.choice("bore", {"open", "blind"}) == 1;
   law.gas = f.choice("fluid", {"liquid", "gas"}) == 1;
-  if (!law.gas)
-    f.number("vapour_pressure_kPa",
-             rule::between(0, 1e-3 * kAtmosphere, "must be from 0 to 101.325"), law.vapour_pressure,
-             1e3);
+  if (!law.gas) read_numbers(f, {"vapour_pressure_kPa"}, scene);
   f.finish();
 }
 
-void read_particle(JsonFields f, Laws& laws) {
+void read_particle(JsonFields f, Scene& scene) {
   f.choice("form", {"corrected"});
-  Particle& law = laws.particle.emplace();
+  scene.parameters.laws.particle.emplace();
   const bool stated = f.present("height_um");
-  if (!stated || f.present("number")) {
-    f.number("number", rule::between(0, 1000, "must be from 0 to 1000"), law.number);
-    f.number("median_um", rule::positive(1e-3, 100), law.median, micro);
-    f.number("spread", rule::between(0, 3, "must be from 0 to 3"), law.spread);
-  }
-  if (stated) {
-    f.number("height_um", rule::between(0, 1e6 * kHighestParticle, "must be from 0 to 1000"),
-             law.height, micro);
-    f.number("at_um", rule::not_negative(1e7), law.depth, micro);
-    f.number("direction_deg", rule::between(-360, 360, "must be from -360 to 360"), law.direction,
-             degree);
-  }
+  if (!stated || f.present("number")) read_numbers(f, {"number", "median_um", "spread"}, scene);
+  if (stated) read_numbers(f, {"height_um", "at_um", "direction_deg"}, scene);
   f.finish();
 }
 
@@ -182,7 +142,7 @@ void leave_out(Laws& laws) noexcept {
 }
 
 template <auto member>
-constexpr TermInfo row(Term term, const char* label, bool printed, void (*read)(JsonFields, Laws&),
+constexpr TermInfo row(Term term, const char* label, bool printed, void (*read)(JsonFields, Scene&),
                        std::string (*fidelity)(const World&)) {
   return {kTermNames[static_cast<std::size_t>(term)],
           label,

@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include "sim/base/json_fields.hpp"
-#include "sim/model/world.hpp"
+#include "sim/scene/scene.hpp"
 
 namespace ferrule {
 
@@ -15,7 +14,7 @@ struct TermInfo {
   bool printed;       // does the paper print it?
   // Reads the law from the scene's laws.NAME; throws BadInput. Null for the wall, which is no
   // choice of the scene.
-  void (*read)(JsonFields fields, Laws& laws);
+  void (*read)(JsonFields fields, Scene& scene);
   bool (*present)(const Laws& laws) noexcept;
   void (*leave_out)(Laws& laws) noexcept;
   std::string (*fidelity)(const World& world);  // how it is computed, of a world that has it

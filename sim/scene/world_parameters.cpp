@@ -124,6 +124,9 @@ std::optional<Inconsistency> inconsistency(const WorldParameters& p) {
     return {
         {"ferrule.lead_in.diameter_um", "must be wider than the bore (ferrule.bore_diameter_um = " +
                                             shown(p.ferrule.bore_diameter_um) + ")"}};
+  const auto* adhesion = std::get_if<printed::Adhesion>(&p.laws.adhesion);
+  if (adhesion && !(adhesion->maugis_lambda >= 0.12 && adhesion->maugis_lambda <= 5.8))
+    return {{"laws.adhesion.maugis_lambda", "must be from 0.12 to 5.8"}};
   const auto* liquid = std::get_if<Capillary>(&p.laws.capillary);
   if (liquid && !(liquid->rupture > 2 * liquid->film))
     return {{"laws.capillary.rupture_nm", "must be more than twice film_nm, where a bridge forms"}};

@@ -24,7 +24,7 @@ TEST(TrainedOn, IsReadBack) {
   t.scaling = Scaling{1.0 / 3, 12345.678};
   t.speed_limit = scene.limits.speed;
   t.force_limit = scene.limits.force;
-  t.scene = scene.document;
+  t.scene = scene.document();
   const TrainedOn back = read_back(Json::parse(to_json(t).dump()));
   EXPECT_EQ(back.episodes, t.episodes);
   EXPECT_EQ(back.held_out, t.held_out);

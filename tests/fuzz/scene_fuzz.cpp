@@ -5,7 +5,8 @@ namespace ferrule::fuzz {
 
 std::vector<std::string> examples() {
   std::vector<std::string> all;
-  for (const std::string& name : shipped_scenes()) all.push_back(load_scene(name).document.dump());
+  for (const std::string& name : shipped_scenes())
+    all.push_back(load_scene(name).document().dump());
   return all;
 }
 

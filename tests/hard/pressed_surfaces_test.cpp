@@ -36,7 +36,7 @@ TEST(PressedSurfaces, PullTheFibreInByTheEnergyOfTheOverlapAtMost) {
        0.2},
   };
   for (const auto& [laws, roughness] : cases) {
-    Json d = testing::paper().document;
+    Json d = testing::paper().document();
     d["laws"] = Json::parse(laws);
     d["roughness_nm"] = roughness;
     const Scene scene = parse_scene(d, "test");

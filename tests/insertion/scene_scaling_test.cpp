@@ -41,10 +41,10 @@ TEST(RegisteredEntrance, IsDrawnPerTrialAndStatedInWhatIsRecorded) {
     const auto drawn = draw_scene(scene, 3, k);
     const double error = drawn->sensor.entrance_error;
     square += error * error / kTrials;
-    EXPECT_EQ(error, 1e-6 * drawn->document["sensor"]["entrance_error_um"].get<double>());
+    EXPECT_EQ(error, 1e-6 * drawn->document()["sensor"]["entrance_error_um"].get<double>());
     if (k > 20) continue;
-    EXPECT_EQ(undrawn(drawn->document), scene.document);
-    const Scene again = parse_scene(drawn->document, "drawn");
+    EXPECT_EQ(undrawn(drawn->document()), scene.document());
+    const Scene again = parse_scene(drawn->document(), "drawn");
     EXPECT_EQ(draw_scene(again, 9, k).get(), &again);
     EXPECT_EQ(again.sensor.entrance_error, error);
   }
@@ -85,7 +85,7 @@ TEST(RegisteredEntrance, IsLearnedFromAsItWasObserved) {
   Noting controller(scene_scaling(scene).motion * scene.limits.speed);
   ControllerHand hand = recorded_hand(testing::setup(scene, start), controller);
   Episode episode;
-  episode.info.scene = scene.document.dump();
+  episode.info.scene = scene.document().dump();
   std::vector<RowVector> rows;
   run_insertion(testing::setup(scene, start), hand, {.past_success = true}, [&](const Tick& tick) {
     rows.push_back(make_row(tick));

@@ -21,7 +21,7 @@ TEST(TrialSetup, IsWhatIsDrawnForTheTrial) {
       "bench", {"ferrule.bore_diameter_um=126..127", "sensor.noise_uN=1", "sensor.bias_uN=1"});
   const auto setup = trial_setup(scene, 3, 5);
   ASSERT_TRUE(setup);
-  EXPECT_EQ(setup->scene->document, draw_scene(scene, 3, 5)->document);
+  EXPECT_EQ(setup->scene->document(), draw_scene(scene, 3, 5)->document());
   EXPECT_EQ(setup->start.tip, draw_start(scene, 3, 5).tip);
   EXPECT_EQ(readings(setup->sensor), readings(ForceSensor(scene.sensor, 3, 5)));
   EXPECT_EQ(setup->hand(), scene_scaling(scene).motion_to_hand(setup->start.command));
@@ -30,7 +30,7 @@ TEST(TrialSetup, IsWhatIsDrawnForTheTrial) {
 TEST(TrialSetup, OfARecordingIsThatOfItsTrial) {
   const Scene scene = load_scene("bench", {"ferrule.bore_diameter_um=126..127"});
   const auto setup = trial_setup(scene, 3, 5);
-  const Scene recorded = parse_scene(setup->scene->document, "recorded");
+  const Scene recorded = parse_scene(setup->scene->document(), "recorded");
   const auto again = trial_setup(recorded, 3, 5);
   EXPECT_EQ(again->scene.get(), &recorded);
   EXPECT_EQ(again->start.tip, setup->start.tip);
@@ -64,7 +64,7 @@ TEST(TrialSetup, IsEmptyWhereThePartsCannotBeTogether) {
     const FeasibleTrial drawn = feasible_trial(scene, 1, trial);
     EXPECT_EQ(feasible.trial, drawn.trial);
     EXPECT_EQ(feasible.infeasible, drawn.infeasible);
-    EXPECT_EQ(feasible.scene->document, drawn.scene->document);
+    EXPECT_EQ(feasible.scene->document(), drawn.scene->document());
     EXPECT_EQ(feasible.infeasible == 0, setup.has_value()) << trial;
   }
   EXPECT_GT(infeasible, 0u);

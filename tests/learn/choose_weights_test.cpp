@@ -30,7 +30,7 @@ Policy in_mm_per_s() {
 
 // A scene in which the fibre needs only be pushed, and one in which that never helps.
 Json straight() {
-  Json scene = load_scene("demo").document;
+  Json scene = load_scene("demo").document();
   scene["start"]["lateral_sd_um"] = scene["start"]["tilt_sd_mrad"] = 0;
   scene["start"]["lateral_mean_um"] = {0, 0};
   return scene;

@@ -9,7 +9,7 @@ namespace {
 // `rows` rows 10 ms apart, that nobody keeps.
 EpisodeRows long_episode(Eigen::Index rows, Outcome outcome = Outcome::inserted) {
   EpisodeInfo info;
-  info.scene = load_scene("demo").document.dump();
+  info.scene = load_scene("demo").document().dump();
   info.period = kStep;
   info.outcome = outcome;
   return {info, rows, [](Eigen::Index, Eigen::Index count) -> EpisodeRows::Part {

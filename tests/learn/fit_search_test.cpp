@@ -52,7 +52,7 @@ DemonstrationSet searched_with(const std::vector<double>& gains, const Scene& sc
 DemonstrationSet searched_by(double skill, const Scene& scene, std::size_t episodes) {
   DemonstrationSet of;
   of.operators.assign(episodes, searching_operator_name(skill));
-  of.undrawn_documents = {undrawn(scene.document)};
+  of.undrawn_documents = {undrawn(scene.document())};
   return record_again(of, 3);
 }
 

@@ -71,7 +71,7 @@ TEST(Improve, ChangesTheScalesOfANetwork) {
 }
 
 Scene short_insertion(const std::string& name = "bench") {
-  Json document = load_scene(name).document;
+  Json document = load_scene(name).document();
   document["start"]["distance_um"] = 10;
   document["start"]["lateral_sd_um"] = 4;
   document["success"]["depth_um"] = 8;

@@ -19,7 +19,7 @@ RawCounts counts(int x, int y, int z) {
 
 InputLog example() {
   InputLog log;
-  log.info.scene = load_scene("easy").document.dump();
+  log.info.scene = load_scene("easy").document().dump();
   log.info.seed = 1;
   log.info.trial = 2;
   log.info.operator_ = "Ada, browser";

@@ -26,7 +26,7 @@ Scene random_scene(std::uint64_t k) {
   };
   const auto chance = [&](double p) { return random.uniform() < p; };
   const auto form = [&] { return chance(0.5) ? "printed" : "corrected"; };
-  Json d = testing::paper().document;
+  Json d = testing::paper().document();
   d["name"] = "random";
   d["ferrule"]["bore_diameter_um"] = 125 + between(0.6, 2.5);
   if (chance(0.3)) d["ferrule"]["lead_in"] = nullptr;
@@ -109,7 +109,7 @@ std::vector<Pose> motion(const Scene& scene, const State& start, std::uint64_t k
 
 // The full model: every term, the finest fidelity, the planned step.
 World full_model(const Scene& scene, double step) {
-  Json d = scene.document;
+  Json d = scene.document();
   d["quadrature"] = 16;
   d["step_s"] = step;
   return parse_scene(d, "full").world;
@@ -185,12 +185,12 @@ TEST(PlanAtLength, JudgesInertiaByHowLongASnapRings) {
 }
 
 TEST(Plan, OfASceneThatIsPlannedAlreadyIsAppliedOnce) {
-  Json document = testing::paper().document;
+  Json document = testing::paper().document();
   document["accuracy"] = 0.02;
   const Scene scene = planned(parse_scene(document, "paper"));
-  EXPECT_EQ(scene.document.at("planned_accuracy"), 0.02);
-  EXPECT_FALSE(scene.document.contains("accuracy"));
-  EXPECT_EQ(parse_scene(scene.document, "again").document, scene.document);
+  EXPECT_EQ(scene.document().at("planned_accuracy"), 0.02);
+  EXPECT_FALSE(scene.document().contains("accuracy"));
+  EXPECT_EQ(parse_scene(scene.document(), "again").document(), scene.document());
 }
 
 TEST(Plan, RefusesATolerance) {
@@ -269,7 +269,7 @@ TEST(PlanAtLength, IsRightForAFibreThatIsPulledOutOfALiquidWhilePressed) {
     const auto decades = [&](double low, double high) {
       return low * std::pow(high / low, random.uniform());
     };
-    Json d = testing::paper().document;
+    Json d = testing::paper().document();
     d["ferrule"]["bore_diameter_um"] = 125 + decades(0.4, 4);
     d["laws"] = {{"electrostatic", {{"form", "printed"}, {"voltage_V", decades(0.1, 1)}}},
                  {"drag", {{"form", "corrected"}, {"viscosity_Pa_s", decades(1e-3, 10)}}}};
@@ -300,7 +300,7 @@ Scene random_scene_in_a_liquid(std::uint64_t k) {
   const auto decades = [&](double low, double high) {
     return low * std::pow(high / low, random.uniform());
   };
-  Json d = testing::paper().document;
+  Json d = testing::paper().document();
   d["ferrule"]["bore_diameter_um"] = 125 + decades(0.6, 3);
   d["laws"] = {{"friction", {{"form", "corrected"}, {"burgers_nm", decades(0.05, 1)}}},
                {"adhesion",

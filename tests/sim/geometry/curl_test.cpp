@@ -94,8 +94,8 @@ TEST(Curl, ADrawnSceneSaysWhatItWasDrawnFromAndIsReadBack) {
         curled({"tolerance.fibre_diameter_sd_um=0.1", "tolerance.bore_diameter_um=[125.8,126.2]"}),
         curled({"fibre.diameter_um=125+-0.3", "start.lateral_sd_um=1..2"})}) {
     const auto drawn = draw_scene(scene, 3, 5);
-    EXPECT_EQ(undrawn(drawn->document), scene.document);
-    const Scene again = parse_scene(drawn->document, "drawn");
+    EXPECT_EQ(undrawn(drawn->document()), scene.document());
+    const Scene again = parse_scene(drawn->document(), "drawn");
     EXPECT_EQ(draw_start(again, 3, 5).tip, draw_start(scene, 3, 5).tip);
     EXPECT_EQ(draw_scene(again, 3, 5).get(), &again);
   }

@@ -142,8 +142,8 @@ TEST(OvalBore, LiesInADirectionThatChanceDecides) {
   const Scene scene = testing::bare({"ferrule.ovality_um=0.2"});
   const auto a = draw_scene(scene, 1, 1), b = draw_scene(scene, 1, 2);
   EXPECT_NE(a->world.oval.widest, b->world.oval.widest);
-  EXPECT_EQ(undrawn(a->document), scene.document);
-  EXPECT_EQ(parse_scene(a->document, "drawn").world.oval.widest, a->world.oval.widest);
+  EXPECT_EQ(undrawn(a->document()), scene.document());
+  EXPECT_EQ(parse_scene(a->document(), "drawn").world.oval.widest, a->world.oval.widest);
   EXPECT_THROW(testing::bare({"ferrule.ovality_um=0.7"}), BadInput);
 }
 

@@ -81,8 +81,8 @@ TEST(Particle, WhatIsDrawnIsStated) {
     const Scene scene = load_scene(name, {dust(2), "ferrule.ovality_um=0.1", "fibre.edge_um=2"});
     const FeasibleTrial trial = feasible_trial(scene, 4, 9);
     const auto& drawn = trial.scene;
-    EXPECT_EQ(undrawn(drawn->document), scene.document);
-    const Scene again = parse_scene(drawn->document, "drawn");
+    EXPECT_EQ(undrawn(drawn->document()), scene.document());
+    const Scene again = parse_scene(drawn->document(), "drawn");
     const Particle &here = *drawn->world.laws.particle, &there = *again.world.laws.particle;
     EXPECT_EQ(here.height, there.height);
     EXPECT_EQ(here.depth, there.depth);

@@ -42,7 +42,7 @@ TEST(Draw, ANumberIsLogNormal) {
   std::vector<double> nm;
   for (std::uint64_t trial = 0; trial < kDraws; ++trial)
     nm.push_back(
-        draw_scene(scene, 1, trial)->document["laws"]["friction"]["burgers_nm"].get<double>());
+        draw_scene(scene, 1, trial)->document()["laws"]["friction"]["burgers_nm"].get<double>());
   std::sort(nm.begin(), nm.end());
   EXPECT_GE(nm.front(), 0.2 * std::exp(-1.2) * (1 - 1e-12));
   EXPECT_LE(nm.back(), 0.2 * std::exp(1.2) * (1 + 1e-12));
@@ -66,13 +66,13 @@ TEST(Draw, ANumberDependsOnSeedTrialAndKeyAlone) {
   const std::vector<std::string> all = {
       "fibre.diameter_um=125+-0.3", "start.distance_um=20..40", "limits.time_s=5..6",
       R"(start.lateral_mean_um=[{"uniform":[-1,1]},0])", "roughness_nm=8..12"};
-  const Json together = draw_scene(testing::bare(all), 5, 9)->document;
+  const Json together = draw_scene(testing::bare(all), 5, 9)->document();
   for (const std::string& one : all) {
-    const Json alone = draw_scene(testing::bare({one}), 5, 9)->document;
+    const Json alone = draw_scene(testing::bare({one}), 5, 9)->document();
     const auto at = pointer_to(one.substr(0, one.find('=')));
     EXPECT_EQ(alone.at(at), together.at(at)) << one;
-    EXPECT_NE(alone.at(at), draw_scene(testing::bare({one}), 6, 9)->document.at(at)) << one;
-    EXPECT_NE(alone.at(at), draw_scene(testing::bare({one}), 5, 10)->document.at(at)) << one;
+    EXPECT_NE(alone.at(at), draw_scene(testing::bare({one}), 6, 9)->document().at(at)) << one;
+    EXPECT_NE(alone.at(at), draw_scene(testing::bare({one}), 5, 10)->document().at(at)) << one;
   }
 }
 
@@ -104,7 +104,7 @@ TEST(Draw, WhatIsDrawnMayBringFurtherChance) {
     const auto drawn = draw_scene(scene, 1, trial);
     EXPECT_TRUE(drawn->drawn.empty());
     with += drawn->sensor.entrance_error != 0;
-    EXPECT_EQ(undrawn(drawn->document), scene.document);
+    EXPECT_EQ(undrawn(drawn->document()), scene.document());
   }
   EXPECT_NEAR(with, 50, 25);
 }
@@ -181,23 +181,23 @@ TEST(Draw, ACoreIsOffByWhatFibreAndFerruleAre) {
     expect_distributed(um, [](double x) { return 0.5 * std::erfc(-x / 0.5 / M_SQRT2); });
   }
   const auto drawn = draw_scene(scene, 1, 3);
-  const Scene again = parse_scene(drawn->document, "drawn");
+  const Scene again = parse_scene(drawn->document(), "drawn");
   EXPECT_EQ(again.joint.offset, drawn->joint.offset);
   EXPECT_EQ(draw_scene(again, 1, 4)->joint.offset, drawn->joint.offset);
-  EXPECT_EQ(undrawn(again.document), scene.document);
+  EXPECT_EQ(undrawn(again.document()), scene.document());
 }
 
 TEST(Draw, ADrawnPairStatesWhatItWasDrawnFrom) {
   const Scene scene =
       testing::paper({"ferrule.bore_diameter_um=126..127", "fibre.diameter_um=125+0/-0.5"});
   const auto drawn = draw_scene(scene, 1, 3);
-  const Scene again = parse_scene(drawn->document, "drawn");
+  const Scene again = parse_scene(drawn->document(), "drawn");
   EXPECT_TRUE(again.drawn.empty());
-  EXPECT_EQ(again.document["drawn_from"]["was"]["fibre.diameter_um"],
+  EXPECT_EQ(again.document()["drawn_from"]["was"]["fibre.diameter_um"],
             (Json{{"uniform", {124.5, 125}}}));
   EXPECT_EQ(again.world.annulus.fibre_radius, drawn->world.annulus.fibre_radius);
   EXPECT_EQ(again.world.annulus.bore_radius, drawn->world.annulus.bore_radius);
-  EXPECT_EQ(undrawn(again.document), scene.document);
+  EXPECT_EQ(undrawn(again.document()), scene.document());
 }
 
 // One thing again, all else as it was.

@@ -148,7 +148,7 @@ TEST(ForceSensor, SaysHowFarItErrs) {
 // A pair interferes as often as the distributions say: the integral of the density of the fibre's
 // diameter times the share of the bore's band below it.
 TEST(DrawScene, PairsInterfereAsOftenAsTheirTolerancesSay) {
-  Json document = testing::paper().document;
+  Json document = testing::paper().document();
   const double sd = 0.25, low = 125.2, high = 126.4;
   document["tolerance"] = {{"fibre_diameter_sd_um", sd}, {"bore_diameter_um", {low, high}}};
   const Scene scene = parse_scene(document, "test");

@@ -43,9 +43,9 @@ TEST(Scene, OfARungThatIsNotThereTheOthersAreTold) {
 
 TEST(Scene, DocumentGivesTheSameSceneAgain) {
   const Scene a = testing::paper({"laws.electrostatic.voltage_V=0.25"});
-  const Scene b = parse_scene(Json::parse(a.document.dump()), "again");
+  const Scene b = parse_scene(Json::parse(a.document().dump()), "again");
   EXPECT_EQ(std::get<printed::Electrostatic>(b.world.laws.electrostatic).voltage, 0.25);
-  EXPECT_EQ(a.document, b.document);
+  EXPECT_EQ(a.document(), b.document());
 }
 
 TEST(Scene, NullRemovesALaw) {
@@ -81,7 +81,7 @@ TEST(Scene, ComplaintsNameKeyValueAndRule) {
 }
 
 TEST(Scene, RefusesAFibreThatHangsSteeply) {
-  const Json document = load_scene("bench").document;
+  const Json document = load_scene("bench").document();
   Json soft = document;
   soft["fibre"]["young_GPa"] = 1e-3 * document["fibre"]["young_GPa"].get<double>();
   EXPECT_NO_THROW(parse_scene(document, "bench"));
@@ -174,7 +174,7 @@ TEST(Scene, AJointIsThatOfStandardFibreUnlessStated) {
 }
 
 TEST(Scene, EveryKeyIsRequiredAndNamed) {
-  const Json whole = testing::paper().document;
+  const Json whole = testing::paper().document();
   const Json flat = whole.flatten();
   int tried = 0;
   for (const auto& [pointer, value] : flat.items()) {
@@ -238,7 +238,7 @@ TEST(Scene, AnEndWithInertiaIsNotFlungOutOfTheLeadIn) {
 TEST(Scene, EveryNumberIsRefusedInOneLineOrCanBeComputedWith) {
   int refused = 0, computed = 0;
   for (const auto& name : shipped_scenes()) {
-    const Json whole = load_scene(name).document;
+    const Json whole = load_scene(name).document();
     const Json flat = whole.flatten();
     for (const auto& [pointer, value] : flat.items()) {
       if (!value.is_number()) continue;
@@ -275,7 +275,7 @@ TEST(Scene, MissingFileIsFileTrouble) {
 
 TEST(Scene, FormNamesTheLawsThatLackIt) {
   Json document =
-      testing::paper({"laws.drag={\"form\": \"corrected\", \"viscosity_Pa_s\": 1}"}).document;
+      testing::paper({"laws.drag={\"form\": \"corrected\", \"viscosity_Pa_s\": 1}"}).document();
   try {
     set_form(document, Form::printed, "paper");
     FAIL();

@@ -8,7 +8,7 @@ namespace ferrule {
 namespace {
 
 Json with(const std::vector<std::string>& settings) {
-  Json document = testing::paper().document;
+  Json document = testing::paper().document();
   for (const std::string& setting : settings) apply_setting(document, setting);
   return document;
 }

@@ -52,7 +52,7 @@ TEST(Terms, WhatIsLeftOutIsNotThereAndExertsNoForce) {
 TEST(VariableScene, ANumberThatIsSetGivesTheWorldOfAFileThatStatesIt) {
   for (const char* name : {"paper", "bench", "film", "epoxy", "adhesive", "tolerance"}) {
     const Scene scene = load_scene(name);
-    const Json flat = scene.document.flatten();
+    const Json flat = scene.document().flatten();
     VariableScene varied(scene);
     int compared = 0;
     for (const auto& [pointer, value] : flat.items()) {
@@ -60,7 +60,7 @@ TEST(VariableScene, ANumberThatIsSetGivesTheWorldOfAFileThatStatesIt) {
       std::replace(key.begin(), key.end(), '/', '.');
       if (!varied.number(key)) continue;
       EXPECT_EQ(*varied.number(key), value.get<double>()) << name << " " << key;
-      Json document = scene.document;
+      Json document = scene.document();
       const double changed = value.get<double>() * (1 + 1e-5);
       document[Json::json_pointer(pointer)] = changed;
       varied.set(key, changed);
