@@ -83,7 +83,7 @@ Recorded record(const DemoArguments& a, const Scene& scene, double skill, int nu
     throw BadInput(folder + ": holds other episodes; choose another folder with --out");
   const TrialSetup trial = feasible_setup(scene, a.seed, static_cast<std::uint64_t>(number));
   const auto device = simulated_operator(trial, skill);
-  return record_one(trial, *device, {simulated_operator_name(skill), std::move(claim)});
+  return record_one(trial, *device, {SimulatedOperator{skill}.name(), std::move(claim)});
 }
 
 // Waits until the files of all but the last `but` are whole.

@@ -25,7 +25,7 @@ CLI::Option* add_go_on(CLI::App& verb, bool& goes_on);
 HandSettings hand_settings(const DeviceArguments& arguments, const OpenDevice& device,
                            const Scene& scene);
 
-// Who is recorded with it: "Ada, SpaceMouse 046d:c62b", or the device alone.
+// Whom a recording with it names: "Ada, SpaceMouse 046d:c62b", or the device alone.
 std::string person_at(const std::string& trainee, const std::string& device);
 
 }  // namespace ferrule

@@ -118,7 +118,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     h.name = person_at(a.device.trainee, operator_name(*h.device));
   }
   if (!controller && a.supervise) throw BadInput("--supervise: needs a controller as --operator");
-  if (simulated) h.name = simulated_operator_name(a.skill);
+  if (simulated) h.name = SimulatedOperator{a.skill}.name();
   if (h.device || simulated) return h;
   if (controller) {
     if (controller->file)
@@ -130,7 +130,7 @@ Holding holding(const RecordArguments& a, const Scene& scene,
     if (a.supervise) h.name += ", supervised";
   } else {
     h.make = searching_operator(scene, a.skill, a.seed);
-    h.name = searching_operator_name(a.skill);
+    h.name = SimulatedOperator{a.skill, true}.name();
   }
   return h;
 }

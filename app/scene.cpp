@@ -26,7 +26,8 @@ Json value_at(const Json& document, const std::string& key) {
   return document.contains(at) ? document.at(at) : Json();
 }
 
-// Who says what a key is: --set, the scene or one that it extends, or the plan of its accuracy.
+// Where a key's value comes from: --set, the scene or one that it extends, or the plan of its
+// accuracy.
 class Origin {
  public:
   explicit Origin(const ChosenScene& chosen, const std::vector<std::string>& settings)

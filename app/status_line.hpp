@@ -7,7 +7,7 @@ namespace ferrule {
 
 class StatusLine {
  public:
-  // Of an insertion in `scene`, which outlives it. Nothing is shown where stderr is no terminal.
+  // Of an insertion in `scene`, which outlives it. Nothing is shown where stderr is not a terminal.
   explicit StatusLine(const Scene& scene) noexcept;
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;

@@ -28,9 +28,9 @@ struct CaptureRow {
 // ms. And cleaved at 0.5 and 1 degree over a sharp bore, at 0.9 to 3 times where the
 // foremost point of the rim leaves the opening, in directions up to 90 degrees from that point:
 // within that an end that rests on the edge with its inclined face slides in, without friction, as
-// the hand presses on by 20 times the way; beyond it rests on its foremost point. (Who presses a
-// thousand times as far as that point is outside draws it in: by what smooths the rest of a level
-// end, sim/geometry/face_support.hpp.)
+// the hand presses on by 20 times the way; beyond it rests on its foremost point. (A hand that
+// presses a thousand times as far as that point is outside draws it in: by what smooths the rest of
+// a level end, sim/geometry/face_support.hpp.)
 std::vector<CaptureRow> bench_capture(const GoOn& go_on = {});
 
 }  // namespace ferrule

@@ -15,7 +15,7 @@ struct LawRow {
 };
 
 // Geometry and constants of Table I, roughness 5 nm, gaps of 1 to 450 nm. References: the annulus
-// by numerical integration in long double; electrostatics of cylinders likewise from the
+// by numerical integration in long double; so the electrostatics of cylinders, from the
 // capacitance; the capillary bridge by bisection; Maugis's equations solved in long double; between
 // tilted axes (0.2 mrad over 1 mm, from 5 nm) the midpoint rule in 400,000 pieces.
 std::vector<LawRow> bench_laws(const GoOn& go_on = {});

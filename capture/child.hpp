@@ -3,7 +3,7 @@
 //
 // A library that was not written for hostile files can be brought to any of the three by some
 // changed bytes; and one whose disk filled up half way through a file cannot be closed any more.
-// Who reads the file of a stranger only reads files and computes.
+// The child that reads a stranger's file only reads files and computes.
 #pragma once
 
 #include <functional>

@@ -93,7 +93,7 @@ int open_journal(const std::string& journal, int flags) {
   return -1;
 }
 
-// Without locks: may somebody still be recording into a journal? Who does so writes every 100 ms.
+// Without locks: may somebody still be recording into a journal? A recorder writes every 100 ms.
 bool may_be_recorded(const std::string& journal) {
   constexpr std::time_t kQuiet = 600;  // [s], on the clocks of all machines
   struct stat there {};

@@ -18,9 +18,10 @@
 
 namespace ferrule {
 
-// A number of a folder that nobody else has: its journal, locked from the start. Who holds the lock
-// owns the journal; `recover` leaves it alone. Where the file system has no locks, whoever makes
-// the journal owns it, and `recover` leaves alone those that somebody may still write to.
+// A number of a folder that nobody else has: its journal, locked from the start. The process that
+// holds the lock owns the journal; `recover` leaves it alone. Where the file system has no locks,
+// the process that made the journal owns it, and `recover` leaves alone those that somebody may
+// still write to.
 class EpisodeClaim {
  public:
   // The first number from `first` on that no file and no other recorder has, with an empty journal;

@@ -33,6 +33,19 @@ function(ferrule_loaded_library name source)
   endif()
 endfunction()
 
+# ferrule_text(TARGET NAME TEXT): the text as `extern const std::string_view NAME` of a source of the target.
+function(ferrule_text target name text)
+  file(CONFIGURE OUTPUT ${name}.cpp @ONLY CONTENT [[
+#include <string_view>
+
+namespace ferrule {
+extern const std::string_view @name@;
+const std::string_view @name@ = R"text(@text@)text";
+}  // namespace ferrule
+]])
+  target_sources(${target} PRIVATE ${CMAKE_CURRENT_BINARY_DIR}/${name}.cpp)
+endfunction()
+
 # The same for all libraries, or they could not share precompiled headers.
 function(ferrule_library_options target)
   set_target_properties(${target} PROPERTIES POSITION_INDEPENDENT_CODE ON)

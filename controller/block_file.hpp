@@ -26,7 +26,7 @@ class BlockReader {
   };
   // Shows the blocks that were added since the last call; none where the file is not there. A block
   // that is cut off at the end of the file is shown once it is whole. Throws FileTrouble, also for
-  // what is no file of blocks, and what `show` throws.
+  // what is not a file of blocks, and what `show` throws.
   void read(const std::function<void(const Json& block, const Place& place)>& show);
   // One that was shown, again. Throws FileTrouble.
   Json read_again(const Place& place) const;
@@ -50,8 +50,8 @@ class BlockReader {
 class BlockWriter {
  public:
   // Makes the file, or cuts off what a killed process left half-written at its end. It is locked:
-  // throws FileTrouble where another process writes to it, and for a link, and what is no file of
-  // blocks.
+  // throws FileTrouble where another process writes to it, and for a link, and what is not a file
+  // of blocks.
   explicit BlockWriter(const std::string& file);
   BlockWriter(const BlockWriter&) = delete;
   BlockWriter& operator=(const BlockWriter&) = delete;

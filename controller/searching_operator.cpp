@@ -92,11 +92,4 @@ std::unique_ptr<Controller> searching_operator(const Scene& scene, const Trainee
                                              std::move(uniform));
 }
 
-std::string searching_operator_name(const OperatorSkill& skill) {
-  return operator_name("searching", skill);
-}
-std::optional<OperatorSkill> searching_skill(const std::string& name) {
-  return skill_of("searching", name);
-}
-
 }  // namespace ferrule

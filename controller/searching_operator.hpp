@@ -46,8 +46,4 @@ MakeController searching_operator(const Scene& scene, const OperatorSkill& skill
 std::unique_ptr<Controller> searching_operator(const Scene& scene, const TraineeTraits& traits,
                                                double period, std::function<double()> uniform);
 
-// As simulated_operator_name and simulated_skill.
-std::string searching_operator_name(const OperatorSkill& skill);
-std::optional<OperatorSkill> searching_skill(const std::string& name);
-
 }  // namespace ferrule

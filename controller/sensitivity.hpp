@@ -6,7 +6,7 @@
 //   S = Var(E[f | it])/Var(f),    T = E[Var(f | all others)]/Var(f)
 // (Sobol 1993; Homma and Saltelli 1996). T - S is what it does together with others. The S of all
 // add up to 1 at most, and what is missing is interaction; each T has all that its thing does
-// together with others, so that the T add up to 1 or more: they are no shares of a whole.
+// together with others, so that the T add up to 1 or more: they are not shares of a whole.
 //
 // From three results of each trial (Saltelli et al. 2010, table 2 (b) and (f)): f, as it is; f',
 // with this thing drawn again and all the others the same; and g, all drawn again, this thing as in

@@ -33,8 +33,8 @@
 //   jam           for `patience` the controller pressed along -x with more than `jam_force`, and
 //                 the tip advanced by less than half of what was commanded to the hand, or than a
 //                 tenth of what the controller wanted: the advance is that of the encoder where it
-//                 tells (in the bore), less what the holder was compressed. Who stops pressing
-//                 sooner touches
+//                 tells (in the bore), less what the holder was compressed. A controller that
+//                 stops pressing sooner touches
 //   disagreement  the controller's models disagreed by more than `disagreement` for `patience`;
 //                 while they do, it goes slower by their ratio
 // Then it goes back along the way it came by `retreat`, and tries again: after `held` and `jam`

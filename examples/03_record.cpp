@@ -16,7 +16,7 @@ std::string record(const Scene& scene, const std::string& folder, int trial) {
   const auto hand = simulated_operator(setup, skill);
   EpisodeInfo info;
   info.scene = setup.scene->document().dump();
-  info.operator_ = simulated_operator_name(skill);
+  info.operator_ = SimulatedOperator{skill}.name();
   info.seed = setup.seed;
   info.trial = setup.trial;
   Recorder recorder(folder, trial, info);

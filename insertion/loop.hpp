@@ -9,7 +9,7 @@
 //            rest at t_0
 //   watch    has the insertion ended? (insertion/watch.hpp)
 //   answer   the hand moves on: `command` is its velocity over [t_n, t_n+1)
-// A tick pairs a force with the velocity that answers it. Who listens makes of it what he needs: a
+// A tick pairs a force with the velocity that answers it. A listener makes of it what he needs: a
 // row, a statistic, a frame.
 #pragma once
 

@@ -12,7 +12,7 @@
 namespace ferrule {
 namespace {
 
-constexpr std::string_view kSkill = ", skill ";
+const std::string kSimulated = "simulated, skill ", kSearching = "searching, skill ";
 
 // Throws BadInput where it is no number from `low` to `high`.
 double number(std::string_view text, const std::string& what, double low, double high) {
@@ -59,22 +59,16 @@ OperatorSkill OperatorSkill::parse(const std::string& text) {
   return skill;
 }
 
-std::string simulated_operator_name(const OperatorSkill& skill) {
-  return operator_name("simulated", skill);
-}
-std::optional<OperatorSkill> simulated_skill(const std::string& name) {
-  return skill_of("simulated", name);
+std::string SimulatedOperator::name() const {
+  return (searches ? kSearching : kSimulated) + skill.text();
 }
 
-std::string operator_name(const std::string& who, const OperatorSkill& skill) {
-  return who + std::string(kSkill) + skill.text();
-}
-
-std::optional<OperatorSkill> skill_of(const std::string& who, const std::string& name) {
-  const std::string head = who + std::string(kSkill);
-  if (!name.starts_with(head)) return std::nullopt;
+std::optional<SimulatedOperator> SimulatedOperator::named(const std::string& name) {
+  const bool searches = name.starts_with(kSearching);
+  if (!searches && !name.starts_with(kSimulated)) return std::nullopt;
   try {
-    return OperatorSkill::parse(name.substr(head.size()));
+    return SimulatedOperator{
+        OperatorSkill::parse(name.substr((searches ? kSearching : kSimulated).size())), searches};
   } catch (const BadInput&) {
     return std::nullopt;
   }

@@ -28,12 +28,15 @@ class OperatorSkill {
   std::vector<std::string> own_;
 };
 
-// What a recording calls its operator where he is simulated: "simulated, skill 0.8"; and the skill
-// of an operator of that name, empty for any other.
-std::string simulated_operator_name(const OperatorSkill& skill);
-std::optional<OperatorSkill> simulated_skill(const std::string& name);
-// The same of other simulated operators: "WHO, skill 0.8".
-std::string operator_name(const std::string& who, const OperatorSkill& skill);
-std::optional<OperatorSkill> skill_of(const std::string& who, const std::string& name);
+// A simulated operator, and what a recording calls him: "simulated, skill 0.8", or "searching, skill
+// 0.8" where he finds the bore by touch (controller/searching_operator.hpp).
+struct SimulatedOperator {
+  OperatorSkill skill;
+  bool searches = false;
+
+  std::string name() const;
+  // Empty: nobody of that name is simulated.
+  static std::optional<SimulatedOperator> named(const std::string& name);
+};
 
 }  // namespace ferrule

@@ -3,11 +3,11 @@
 // the fibre's weight does not matter.
 //
 // Where the scene's sensor states tare_s, the tare follows what is read in free air, before the
-// end reaches the ferrule and for the first tare_s in any case, as who begins within the lead-in
-// begins where nothing touches: as a mean with that time constant. The relative wrench is none
+// end reaches the ferrule and for the first tare_s in any case (a trial that begins within the
+// lead-in begins where nothing touches): as a mean with that time constant. The relative wrench is none
 // there, whatever the sensor's bias. Past it the tare holds. Where it states a dead band, a force
-// relative to the tare counts by what it is more than that, in its direction; a moment likewise,
-// at the sensor's arm. Without either nothing changes.
+// relative to the tare counts by what it is more than that, in its direction; so does a moment, at
+// the sensor's arm. Without either nothing changes.
 #pragma once
 
 #include <algorithm>

@@ -122,23 +122,22 @@ double root_mean_square(const std::vector<PolicyRows>& rows,
 }
 
 // The simulated operators who demonstrated. Throws BadInput where there is none.
-std::vector<std::string> teachers(const Demonstrations& training) {
-  std::vector<std::string> names;
+std::vector<SimulatedOperator> teachers(const Demonstrations& training) {
+  std::vector<SimulatedOperator> found;
   for (const Demonstration* d : training)
-    if (simulated_skill(d->operator_) || searching_skill(d->operator_))
-      names.push_back(d->operator_);
-  if (names.empty())
+    if (const auto simulated = SimulatedOperator::named(d->operator_)) found.push_back(*simulated);
+  if (found.empty())
     throw BadInput(
         "--dagger: asks the simulated operator who demonstrated what he would have done; the "
         "demonstrations are by \"" +
         training.front()->operator_ + "\"");
-  return names;
+  return found;
 }
 
 // A round of DAgger: appends to `met` the states that the policy met, with the answers of the
 // operators who demonstrated, in turn; fewer of them where it is not to go on.
 DaggerRound let_it_insert(const DemonstrationSet& set, const PolicyFile& f,
-                          const std::vector<std::string>& teachers, std::uint64_t seed,
+                          const std::vector<SimulatedOperator>& teachers, std::uint64_t seed,
                           std::size_t round, std::vector<Demonstration>& met,
                           const std::function<bool()>& go_on) {
   DaggerRound now;
@@ -227,7 +226,7 @@ PolicyFit fit_policy(const DemonstrationSet& set, const PolicySettings& settings
                      const PolicyProgress& progress) {
   refuse_too_few(set);
   auto [training, held_out] = split(set.demonstrations, settings.seed);
-  std::vector<std::string> asked;
+  std::vector<SimulatedOperator> asked;
   if (settings.dagger_rounds > 0) asked = teachers(training);
   Round now{begun(set, settings, training, held_out), {}, {}}, before;
   PolicyFile& f = now.fit.file;

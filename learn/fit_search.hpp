@@ -18,7 +18,7 @@
 // (learn/samples.hpp) and not imitated, and relative to their median in free air. Minimised with
 // Ceres: the sum over rows, every 50 ms, and touches of Cauchy's loss of what is shown relative to
 // the number. Its intervals are those of learn/intervals.hpp; they say how far the episodes agree.
-// What a touch adds in a period is no part of them: touch_force may come out a fifth too small.
+// They do not contain what a touch adds in a period: touch_force may come out a fifth too small.
 //
 // A number that fewer than three episodes show, or whose interval is wider than itself, stays what
 // it is in the shipped `search`, and says so; so do the moment with which it turns and the sizes of

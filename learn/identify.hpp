@@ -77,7 +77,7 @@ struct Identification {
 using IdentifyProgress = std::function<bool(std::size_t done, std::size_t all)>;
 
 // `keys`: dotted names of numbers of the scene. `seed` draws the random starts. Throws
-// BadInput: fewer than 3 recordings, a key that is no number of the scene, is there twice, or
+// BadInput: fewer than 3 recordings, a key that is not a number of the scene, is there twice, or
 // cannot be varied; and where `progress` ended it before there was anything.
 Identification identify(const std::vector<Recording>& recordings, const Scene& scene,
                         const std::vector<std::string>& keys, std::uint64_t seed,

@@ -7,24 +7,23 @@
 namespace ferrule {
 namespace {
 
-// Of a simulated operator of that name.
-Episode recorded_episode(const Scene& toleranced, const std::string& who, std::uint64_t seed,
+Episode recorded_episode(const Scene& toleranced, const SimulatedOperator& who, std::uint64_t seed,
                          std::uint64_t number) {
   const TrialSetup setup = feasible_setup(toleranced, seed, number);
   const Scene& scene = *setup.scene;
   Episode episode;
   EpisodeInfo& info = episode.info;
   info.scene = scene.document().dump();
-  info.operator_ = who;
+  info.operator_ = who.name();
   info.seed = seed;
   info.trial = setup.trial;
   std::unique_ptr<Controller> search;
   std::unique_ptr<Device> hand;
-  if (const std::optional<OperatorSkill> skill = searching_skill(who)) {
-    search = searching_operator(scene, *skill, seed)(setup.trial);
+  if (who.searches) {
+    search = searching_operator(scene, who.skill, seed)(setup.trial);
     hand = std::make_unique<ControllerHand>(recorded_hand(setup, *search));
   } else {
-    hand = simulated_operator(setup, simulated_skill(who).value(), info.period);
+    hand = simulated_operator(setup, who.skill, info.period);
   }
   std::vector<RowVector> rows;
   std::vector<PhaseBegin> phases;
@@ -44,7 +43,7 @@ Episode recorded_episode(const Scene& toleranced, const std::string& who, std::u
   return episode;
 }
 
-void add_recorded(DemonstrationSet& set, const Scene& scene, const std::string& who,
+void add_recorded(DemonstrationSet& set, const Scene& scene, const SimulatedOperator& who,
                   std::uint64_t seed, std::uint64_t trial) {
   set.add(recorded_episode(scene, who, seed, trial),
           "episode " + std::to_string(trial) + " under seed " + std::to_string(seed), "");
@@ -56,7 +55,7 @@ void expect_recordable_again(const DemonstrationSet& set) {
   if (set.undrawn_documents.size() != 1)
     throw BadInput("the episodes are of several scenes: which to record in again is not clear");
   for (const std::string& name : set.operators)
-    if (!simulated_skill(name) && !searching_skill(name))
+    if (!SimulatedOperator::named(name))
       throw BadInput("\"" + name + "\" is no simulated operator: nobody can record again");
 }
 
@@ -66,10 +65,10 @@ DemonstrationSet record_again(const DemonstrationSet& set, std::uint64_t seed,
   const Scene scene = parse_scene(set.undrawn_documents.front(), "the scene of the episodes");
   DemonstrationSet again;
   std::uint64_t trial = 0;
-  for (const std::string& operator_name : set.operators) {
+  for (const std::string& name : set.operators) {
     if (go_on) go_on();
     ++trial;
-    add_recorded(again, scene, operator_name, seed, trial);
+    add_recorded(again, scene, SimulatedOperator::named(name).value(), seed, trial);
   }
   return again;
 }
@@ -78,7 +77,7 @@ DemonstrationSet simulated_demonstrations(const Scene& scene, const OperatorSkil
                                           std::uint64_t seed, std::size_t count) {
   DemonstrationSet set;
   for (std::uint64_t trial = 1; trial <= count; ++trial)
-    add_recorded(set, scene, simulated_operator_name(skill), seed, trial);
+    add_recorded(set, scene, {skill}, seed, trial);
   return set;
 }
 

@@ -11,14 +11,13 @@ namespace {
 // What he would do, asked at every tick.
 using Teacher = std::function<HandTwist(const Tick&, const Observation&)>;
 
-Teacher teacher_of(const std::string& name, const Scene& scene, const TraineeTask& task,
+Teacher teacher_of(const SimulatedOperator& operator_, const Scene& scene, const TraineeTask& task,
                    double reaction) {
-  const std::optional<OperatorSkill> searching = searching_skill(name);
-  TraineeTraits traits = (searching ? *searching : simulated_skill(name).value()).traits();
+  TraineeTraits traits = operator_.skill.traits();
   traits.tremor = traits.hesitation_rate = 0;
   traits.delay = reaction;
   const auto steady = [] { return 0.5; };
-  if (!searching)
+  if (!operator_.searches)
     return [trainee = Trainee(traits, task, steady)](const Tick& tick, const Observation&) mutable {
       return trainee.answer(tick.time, tick.hand, tick.relative);
     };
@@ -30,8 +29,8 @@ Teacher teacher_of(const std::string& name, const Scene& scene, const TraineeTas
 }  // namespace
 
 Demonstration relabelled_trial(const Scene& toleranced, const Policy& policy,
-                               const std::string& teacher, double reaction, std::uint64_t seed,
-                               std::uint64_t first) {
+                               const SimulatedOperator& teacher, double reaction,
+                               std::uint64_t seed, std::uint64_t first) {
   const TrialSetup setup = feasible_setup(toleranced, seed, first);
   const Scene& scene = *setup.scene;
   PolicyController controller(policy);

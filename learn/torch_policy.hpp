@@ -73,8 +73,8 @@ using TrainingProgress = std::function<bool(std::size_t epoch, const Epoch&)>;
 //
 // One with a memory learns from demonstrations as they went: each step goes through a window of some
 // of them, and what they left in the memory goes on into the next window. The norm of a step's
-// gradient is cut to 1. Who sees where the hand was sees how fast it went, and the easiest answer is
-// to go on as before: one that slows then stops (Wen et al. 2020, "Fighting copycat agents"). The
+// gradient is cut to 1. A network that sees where the hand was sees how fast it went, and the easiest
+// answer is to go on as before: one that slows then stops (Wen et al. 2020, "Fighting copycat agents"). The
 // noise of the motion hides the last steps, and leaves where the hand is.
 TrainedNetwork train_network(const std::vector<TrainingRows>& training,
                              const std::vector<TrainingRows>& held_out,

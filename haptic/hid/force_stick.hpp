@@ -5,7 +5,7 @@
 // along z; tilts stay as they are. The hand starts where the scene starts, wherever the stick is.
 // Forces along x and y are felt at X and Y; a device with one axis shows the force along x alone.
 //
-// Many sticks report only when they move, so that silence is no fault. One that also repeats itself
+// Many sticks report only when they move, so that silence is not a fault. One that also repeats itself
 // is known by that: a second without a gap above kSteadyGap, with kRepeats reports that were the
 // same as the one before, and from then on a silence longer than kSilence is the sample's age.
 #pragma once

@@ -31,7 +31,7 @@ std::vector<std::string> record(const SharedScene& scene, const std::filesystem:
     const TrialSetup trial = feasible_setup(*scene, seed, static_cast<std::uint64_t>(number));
     const auto hand = simulated_operator(trial, skill);
     EpisodeInfo info = episode_info(*trial.scene, *hand, seed, trial.trial);
-    info.operator_ = simulated_operator_name(skill);
+    info.operator_ = SimulatedOperator{skill}.name();
     auto recorder = std::make_unique<Recorder>(std::move(claim), info);
     int ticks = 0;
     const InsertionEnd end = record_insertion(trial, *hand, *recorder,

@@ -188,7 +188,7 @@ RefusedKey JsonFields::refusal(const std::string& key, const std::string& rule) 
       file_, at_ / key,
       dotted(at_ / key) + (missing ? " is missing: " : " = " + shown(*found) + ": ") + rule);
   if (missing)
-    refused.kind = RefusedKey::missing;
+    refused.kind = RefusedKey::Kind::missing;
   else
     refused.value = *found;
   return refused;
@@ -319,7 +319,7 @@ void JsonFields::finish() const {
     for (const std::string& each : known) rule += " " + each;
     if (!meant.empty()) rule = unknown_key(dotted(at_ / key), value, dotted(at_ / meant));
     all.push_back(refusal(key, rule));
-    all.back().kind = RefusedKey::unknown;
+    all.back().kind = RefusedKey::Kind::unknown;
   }
   if (all.empty()) return;
   RefusedKey first = all.front();

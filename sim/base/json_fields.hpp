@@ -64,8 +64,8 @@ struct RefusedKey : BadInput {
 
   std::string file;
   Json::json_pointer at;
-  std::string why;                                     // what() without the file
-  enum Kind { wrong, unknown, missing } kind = wrong;  // unknown: nobody asked for it
+  std::string why;                                                 // what() without the file
+  enum class Kind { wrong, unknown, missing } kind = Kind::wrong;  // unknown: nobody asked for it
   Json value{};                    // that was refused; null of one that is missing
   std::vector<Json> would_do{};    // of one that is missing: values that are allowed
   std::vector<RefusedKey> more{};  // of one that is unknown: others of the same object, 19 at most

@@ -33,9 +33,9 @@ std::vector<RefusedKey> unknown_besides(Json& document, const std::string& file,
   try {
     read(document);
   } catch (const RefusedKey& refused) {
-    if (refused.file != file || refused.kind == RefusedKey::wrong) return {};
+    if (refused.file != file || refused.kind == RefusedKey::Kind::wrong) return {};
     std::vector<RefusedKey> found = refused.more;
-    if (refused.kind == RefusedKey::unknown) found.insert(found.begin(), refused);
+    if (refused.kind == RefusedKey::Kind::unknown) found.insert(found.begin(), refused);
     bool first = true;
     for (const Json& value : refused.would_do) {
       document[refused.at] = value;
@@ -61,7 +61,7 @@ void refuse_with_line(const RefusedKey& refused, const Json& document, const std
                       const std::function<void(const Json&)>& read) {
   int left = 200;
   RefusedKey shown = refused;
-  if (refused.kind == RefusedKey::missing) {
+  if (refused.kind == RefusedKey::Kind::missing) {
     Json filled = document;
     const std::vector<RefusedKey> unknown = unknown_besides(filled, refused.file, read, left);
     if (!unknown.empty()) shown = unknown.front();

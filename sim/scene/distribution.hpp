@@ -24,7 +24,7 @@ class Distribution {
   static Distribution about(double mean, double sd) { return {normal, {mean, sd}}; }
   static Distribution between(double low, double high) { return {uniform, {low, high}}; }
 
-  // Empty: `value` is no distribution. Throws BadInput: what it must be.
+  // Empty: `value` is not a distribution. Throws BadInput: what it must be.
   static std::optional<Distribution> read(const Json& value);
 
   double draw(RandomStream& random) const noexcept;

@@ -136,7 +136,7 @@ class VariableScene {
 
   // The number of that dotted key, in the unit of the file; empty: there is none.
   std::optional<double> number(const std::string& key) const;
-  // Sets it; the key is there. One that is not allowed is no scene's.
+  // Sets it; the key is there. The numbers are not consistent with one that is not allowed.
   void set(const std::string& key, double value);
   // Are the numbers, as set, those of a scene?
   bool consistent() const;

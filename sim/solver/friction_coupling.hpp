@@ -60,7 +60,7 @@ class CoupledModel {
   PoseVector solve(const PoseVector& gradient) const noexcept;
 
   // One Newton step in limits and pose: moves the limits of `frozen`, and returns the move of the
-  // pose. What is no minimum at given limits may still be stable, as the limits fall when the
+  // pose. A pose that is not a minimum at given limits may still be stable, as the limits fall when the
   // contact opens: as long as the determinant is positive. Nothing, and the limits as they are,
   // where it is not.
   std::optional<PoseVector> step(FrozenCoefficients& frozen) const noexcept;

@@ -1,5 +1,5 @@
-// What a step leaves for the one after it, beside its result: a warm start. It is no part of the
-// state. A step from the state alone takes an evaluation more and ends elsewhere by less than the
+// What a step leaves for the one after it, beside its result: a warm start. It does not
+// belong to the state. A step from the state alone takes an evaluation more and ends elsewhere by less than the
 // tolerances of solver and extrapolation, which the next snap magnifies.
 #pragma once
 

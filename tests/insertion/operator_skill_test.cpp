@@ -18,10 +18,10 @@ TEST(OperatorSkill, IsWhatItsTextSays) {
   EXPECT_EQ(skill.text(), "0.3,bore_yield=2.5,tremor=1e-06");
   EXPECT_EQ(skill.own(), (std::vector<std::string>{"bore_yield", "tremor"}));
   // The name of a recording's operator tells all of it.
-  const auto again = simulated_skill(simulated_operator_name(skill));
+  const auto again = SimulatedOperator::named(SimulatedOperator{skill}.name());
   ASSERT_TRUE(again);
-  EXPECT_EQ(again->text(), skill.text());
-  EXPECT_EQ(again->traits().bore_yield, 2.5);
+  EXPECT_EQ(again->skill.text(), skill.text());
+  EXPECT_EQ(again->skill.traits().bore_yield, 2.5);
 }
 
 TEST(OperatorSkill, EachTraitHasANameAndARange) {

@@ -353,7 +353,7 @@ TEST(Relabel, IsWhatTheOperatorWouldDo) {
   const Scene scene = load_scene("demo");
   const Policy p = straight_in(kStep);
   const double reaction = 0.15;
-  const Demonstration d = relabelled_trial(scene, p, simulated_operator_name(0.8), reaction, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, {0.8}, reaction, 1, 3);
   const double yield = trainee_traits(0.8).yield;
   const auto delay = static_cast<Eigen::Index>(std::lround(reaction / kStep));
   Eigen::Index compared = 0;
@@ -378,8 +378,7 @@ TEST(Relabel, AsksWhoSearchesToo) {
   TraineeTraits steady = trainee_traits(0.8);
   steady.tremor = steady.hesitation_rate = 0;
   steady.delay = 0.15;
-  const Demonstration d =
-      relabelled_trial(scene, p, searching_operator_name(0.8), steady.delay, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, {0.8, true}, steady.delay, 1, 3);
   const auto person = searching_operator(scene, steady, kStep, [] { return 0.5; });
   Eigen::Index came = 0, touched = 0;
   for (Eigen::Index n = 0; n < d.rows(); ++n) {
@@ -401,7 +400,7 @@ TEST(Relabel, ObservesWhatARecordingOfThePolicyShows) {
   PolicyController controller(p);
   const std::string file = testing::record(scene, folder.path(), 3, &controller);
   const Demonstration recorded = demonstration(read_episode(file), scene, file);
-  const Demonstration d = relabelled_trial(scene, p, simulated_operator_name(0.8), 0.15, 1, 3);
+  const Demonstration d = relabelled_trial(scene, p, {0.8}, 0.15, 1, 3);
   EXPECT_EQ(d.outcome, recorded.outcome);
   ASSERT_EQ(d.rows(), recorded.rows());
   for (Eigen::Index n = 0; n < d.rows(); ++n) {

@@ -51,7 +51,7 @@ DemonstrationSet searched_with(const std::vector<double>& gains, const Scene& sc
 // As many episodes of an operator of `skill`.
 DemonstrationSet searched_by(double skill, const Scene& scene, std::size_t episodes) {
   DemonstrationSet of;
-  of.operators.assign(episodes, searching_operator_name(skill));
+  of.operators.assign(episodes, SimulatedOperator{skill, true}.name());
   of.undrawn_documents = {undrawn(scene.document())};
   return record_again(of, 3);
 }

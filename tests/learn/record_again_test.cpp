@@ -19,7 +19,7 @@ TEST(RecordAgain, IsTheRecordingOfThatSeed) {
   for (const std::uint64_t trial : {1, 2, 3}) {
     const std::string file = testing::record(scene, folder.path(), trial);
     Episode episode = read_episode(file);
-    episode.info.operator_ = simulated_operator_name(0.8);
+    episode.info.operator_ = SimulatedOperator{0.8}.name();
     std::filesystem::remove(file);
     write_episode(file, episode);
   }
@@ -43,14 +43,16 @@ TEST(RecordAgain, AsksNobodyButSimulatedOperators) {
 
 TEST(SimulatedOperator, HasANameThatTellsHisSkill) {
   for (const double skill : {0.0, 0.05, 0.8, 1.0 / 3, 1.0})
-    EXPECT_EQ(simulated_skill(simulated_operator_name(skill)).value().traits().tremor,
-              trainee_traits(skill).tremor);
+    for (const bool searches : {false, true}) {
+      const auto same = SimulatedOperator::named(SimulatedOperator{skill, searches}.name()).value();
+      EXPECT_EQ(same.skill.traits().tremor, trainee_traits(skill).tremor);
+      EXPECT_EQ(same.searches, searches);
+    }
   for (const char* name :
        {"", "pen 1234:5678", "simulated", "simulated, skill ", "simulated, skill 2",
         "simulated, skill 0.5x", "simulated, skill 0.5,", "controller simulated, skill 0.5"})
-    EXPECT_FALSE(simulated_skill(name).has_value()) << name;
-  EXPECT_EQ(searching_skill(searching_operator_name(0.9)).value().text(), "0.9");
-  EXPECT_FALSE(searching_skill(simulated_operator_name(0.9)).has_value());
+    EXPECT_FALSE(SimulatedOperator::named(name).has_value()) << name;
+  EXPECT_EQ((SimulatedOperator{0.9, true}.name()), "searching, skill 0.9");
 }
 
 }  // namespace
