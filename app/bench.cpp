@@ -9,12 +9,12 @@
 
 #include "app/columns.hpp"
 #include "app/interrupt.hpp"
+#include "app/loaded_verb.hpp"
 #include "app/output.hpp"
 #include "app/plot.hpp"
 #include "app/progress.hpp"
 #include "app/trial_arguments.hpp"
 #include "app/validators.hpp"
-#include "app/verbs.hpp"
 #include "bench/campaigns.hpp"
 #include "bench/capture.hpp"
 #include "bench/controllers.hpp"
@@ -464,11 +464,7 @@ std::string those_with(Has has) {
   return listed(names);
 }
 
-}  // namespace
-
-void add_bench(CLI::App& app, Run& run) {
-  auto* verb =
-      app.add_subcommand("bench", "Speed against error of laws, stepping and controllers; capture");
+void add_bench(CLI::App& verb, Run& run) {
   auto a = std::make_shared<BenchArguments>();
   std::vector<std::string> names, help, draws{std::to_string(kDraws)};
   for (const Benchmark& b : kBenchmarks) {
@@ -477,27 +473,33 @@ void add_bench(CLI::App& app, Run& run) {
     if (b.options.draws > 0 && b.options.draws != kDraws)
       draws.push_back(fmt::format("{} for {}", b.options.draws, b.name));
   }
-  verb->add_option("what", a->what, fmt::format("{}", fmt::join(help, "; ")))->check(one_of(names));
-  add_seed(*verb, a->seed,
+  verb.add_option("what", a->what, fmt::format("{}", fmt::join(help, "; ")))->check(one_of(names));
+  add_seed(verb, a->seed,
            "Seed of the scenes, starts, motions and trials of " + those_with(&BenchOptions::seed));
-  verb->add_option(
+  verb.add_option(
           "--scene", a->scene,
           "Scene of " + those_with(&BenchOptions::scene) + "; all shipped ones unless given")
       ->type_name("SCENE");
-  verb->add_option(
-          "--trials", a->trials,
-          "Trials of each controller in each scene of " + those_with(&BenchOptions::trials))
+  verb.add_option("--trials", a->trials,
+                  "Trials of each controller in each scene of " + those_with(&BenchOptions::trials))
       ->check(whole_number(1, 1000000))
       ->capture_default_str();
-  verb->add_option(
+  verb.add_option(
           "--scenes", a->scenes,
           fmt::format("Random scenes, and starts in shipped scenes, of {}; {}, unless given",
                       those_with(&BenchOptions::draws), listed(draws)))
       ->check(whole_number(1, 1000000));
-  verb->add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
-  add_output(*verb, a->output);
-  add_examples(*verb, {"bench --plot pictures", "bench hard --json", "bench peers"});
-  verb->callback([a, &run] { run.verb = [a] { return bench_verb(*a); }; });
+  verb.add_option("--plot", a->plot, "Draw work-precision plots into a folder")->type_name("DIR");
+  add_output(verb, a->output);
+  add_examples(verb, {"bench --plot pictures", "bench hard --json", "bench peers"});
+  verb.callback([a, &run] { run.verb = [a] { return bench_verb(*a); }; });
+}
+
+}  // namespace
+
+extern "C" {
+extern const AddOptions ferrule_loaded_verb;
+const AddOptions ferrule_loaded_verb = &add_bench;
 }
 
 }  // namespace ferrule

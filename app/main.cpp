@@ -9,6 +9,7 @@
 #include <system_error>
 
 #include "app/interrupt.hpp"
+#include "app/loaded_verb.hpp"
 #include "app/provenance.hpp"
 #include "app/replaced_files.hpp"
 #include "app/shards.hpp"
@@ -25,7 +26,7 @@ namespace {
 void add_verbs(CLI::App& app, Run& run) {
   app.group("The job");
   add_demo(app, run);
-  add_view(app, run);
+  add_loaded_verb(app, run, "view", "The operator's window: insert in a browser, and watch");
   add_record(app, run);
   add_fit(app, run);
   add_improve(app, run);
@@ -47,7 +48,8 @@ void add_verbs(CLI::App& app, Run& run) {
   add_forces(app, run);
   add_contact(app, run);
   add_plan(app, run);
-  add_bench(app, run);
+  add_loaded_verb(app, run, "bench",
+                  "Speed against error of laws, stepping and controllers; capture");
   app.group("Devices");
   add_devices(app, run);
   add_doctor(app, run);

@@ -37,7 +37,6 @@ void add_limits(CLI::App& app, Run& run);
 void add_plan(CLI::App& app, Run& run);
 void add_record(CLI::App& app, Run& run);
 void add_compare(CLI::App& app, Run& run);
-void add_bench(CLI::App& app, Run& run);
 void add_recover(CLI::App& app, Run& run);
 void add_import(CLI::App& app, Run& run);
 void add_replay(CLI::App& app, Run& run);
@@ -55,7 +54,6 @@ void add_score(CLI::App& app, Run& run);
 void add_export(CLI::App& app, Run& run);
 void add_export_episodes(CLI::App& app, Run& run);
 void add_demo(CLI::App& app, Run& run);
-void add_view(CLI::App& app, Run& run);
 void add_devices(CLI::App& app, Run& run);
 void add_doctor(CLI::App& app, Run& run);
 

@@ -14,6 +14,7 @@
 #include "app/given_controller.hpp"
 #include "app/html.hpp"
 #include "app/interrupt.hpp"
+#include "app/loaded_verb.hpp"
 #include "app/output.hpp"
 #include "app/recorded_view.hpp"
 #include "app/recording.hpp"
@@ -21,7 +22,6 @@
 #include "app/trained.hpp"
 #include "app/trial_arguments.hpp"
 #include "app/validators.hpp"
-#include "app/verbs.hpp"
 #include "insertion/hand_device.hpp"
 #include "insertion/scene_scaling.hpp"
 #include "view/page_file.hpp"
@@ -216,28 +216,32 @@ void add_recorded(CLI::App& verb, ViewArguments& a) {
       ->type_name("FILE.html");
 }
 
-}  // namespace
-
-void add_view(CLI::App& app, Run& run) {
-  auto* verb = app.add_subcommand("view", "The operator's window: insert in a browser, and watch");
+void add_view(CLI::App& verb, Run& run) {
   auto a = std::make_shared<ViewArguments>();
-  add_recorded(*verb, *a);
-  a->scene.add_to(*verb, "that of the controller's training, or demo without a controller");
-  add_device(*verb, a->device, "Hold the fibre with this device instead of the page");
-  add_trainee(*verb, a->device.trainee);
-  add_go_on(*verb, a->device.goes_on);
-  verb->add_option("--out", a->out, "Folder for the episodes")
+  add_recorded(verb, *a);
+  a->scene.add_to(verb, "that of the controller's training, or demo without a controller");
+  add_device(verb, a->device, "Hold the fibre with this device instead of the page");
+  add_trainee(verb, a->device.trainee);
+  add_go_on(verb, a->device.goes_on);
+  verb.add_option("--out", a->out, "Folder for the episodes")
       ->capture_default_str()
       ->type_name("DIR");
-  add_seed(*verb, a->seed, "Seed of the starts");
-  verb->add_option("--port", a->port, "Port on 127.0.0.1; 0: one that is free")
+  add_seed(verb, a->seed, "Seed of the starts");
+  verb.add_option("--port", a->port, "Port on 127.0.0.1; 0: one that is free")
       ->capture_default_str()
       ->check(whole_number(0, 65535));
-  verb->add_flag("--no-open", a->no_open, "Print the address only; open no browser");
-  add_examples(*verb, {"view --scene demo --trainee Ada --out ada", "view --device auto --no-open",
-                       "view episodes", "view episodes/episode_0001.h5 --export episode.html",
-                       "view --trial 3 controller.json --seed 7 --against constant-velocity"});
-  verb->callback([a, &run] { run.verb = [a] { return view_verb(*a); }; });
+  verb.add_flag("--no-open", a->no_open, "Print the address only; open no browser");
+  add_examples(verb, {"view --scene demo --trainee Ada --out ada", "view --device auto --no-open",
+                      "view episodes", "view episodes/episode_0001.h5 --export episode.html",
+                      "view --trial 3 controller.json --seed 7 --against constant-velocity"});
+  verb.callback([a, &run] { run.verb = [a] { return view_verb(*a); }; });
+}
+
+}  // namespace
+
+extern "C" {
+extern const AddOptions ferrule_loaded_verb;
+const AddOptions ferrule_loaded_verb = &add_view;
 }
 
 }  // namespace ferrule

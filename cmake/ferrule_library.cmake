@@ -18,8 +18,8 @@ function(ferrule_library name)
   target_precompile_headers(${target} REUSE_FROM ferrule_precompiled)
 endfunction()
 
-# ferrule_loaded_library(NAME SOURCE [NOT_INSTALLED]): a part of the program that it loads when first
-# needed (learn/loaded_library.hpp), because of what it links.
+# ferrule_loaded_library(NAME SOURCE [COMPONENT]): a part of the program that it loads when first needed
+# (learn/loaded_library.hpp), because of what it links or how long it compiles; without a component it is not installed.
 set(FERRULE_LOADED ${PROJECT_BINARY_DIR}/loaded)
 function(ferrule_loaded_library name source)
   set(target ferrule_${name})
@@ -27,9 +27,8 @@ function(ferrule_loaded_library name source)
   set_target_properties(${target} PROPERTIES PREFIX "" LIBRARY_OUTPUT_DIRECTORY ${FERRULE_LOADED})
   ferrule_warnings(${target})
   target_include_directories(${target} PRIVATE ${PROJECT_SOURCE_DIR})
-  add_dependencies(ferrule_learn ${target})
-  if(NOT "NOT_INSTALLED" IN_LIST ARGN)
-    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule COMPONENT ${name})
+  if(ARGN)
+    install(TARGETS ${target} LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}/ferrule COMPONENT ${ARGN})
   endif()
 endfunction()
 

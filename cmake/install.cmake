@@ -2,7 +2,6 @@
 # find_package(ferrule) needs. `cpack -G DEB` in the build folder: the same as Debian packages.
 include(CMakePackageConfigHelpers)
 
-set(FERRULE_LIBRARIES base sim haptic insertion capture controller learn)
 set(FERRULE_CMAKE_DIR ${CMAKE_INSTALL_LIBDIR}/cmake/ferrule)
 foreach(library IN LISTS FERRULE_LIBRARIES)
   install(TARGETS ferrule_${library} EXPORT ferrule_${library}
@@ -38,7 +37,7 @@ if(FERRULE_HELP2MAN)
   add_custom_command(OUTPUT ${man}/made
     COMMAND ${CMAKE_COMMAND} -DPROGRAM=$<TARGET_FILE:ferrule_app> -DHELP2MAN=${FERRULE_HELP2MAN}
       -DOUT=${man} -P ${PROJECT_SOURCE_DIR}/cmake/man_pages.cmake
-    DEPENDS ferrule_app cmake/man_pages.cmake VERBATIM)
+    DEPENDS ferrule_app ferrule_bench_verb ferrule_view_verb cmake/man_pages.cmake VERBATIM)
   add_custom_target(man_pages ALL DEPENDS ${man}/made)
   install(DIRECTORY ${man}/ DESTINATION ${CMAKE_INSTALL_MANDIR}/man1 COMPONENT program
     OPTIONAL FILES_MATCHING PATTERN "*.1.gz")

@@ -14,7 +14,7 @@ const void* loaded_symbol(const std::string& file, const std::string& symbol,
                           const std::string& what) {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  fs::path path = program.parent_path().parent_path() / FERRULE_LOADED_INSTALLED / file;
+  fs::path path = program.parent_path() / FERRULE_LOADED_FROM_PROGRAM / file;
   if (!fs::exists(path, error)) path = fs::path(FERRULE_LOADED_BUILT) / file;
   if (!fs::exists(path, error)) throw BadInput("this program was built without " + what);
   void* library = ::dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
