@@ -76,10 +76,10 @@ void for_each_pair(const Identification& found, const Do& act) {
 // What a scene may state of fibre, ferrule and forces, and this one does not.
 std::vector<std::string> not_stated(const Scene& scene) {
   std::vector<std::string> keys;
+  const Json document = scene.document();
   for (const char* key : {"fibre.edge_um", "fibre.cleave_deg", "fibre.curl_radius_m",
                           "ferrule.ovality_um", "ferrule.lead_in"})
-    if (const auto at = pointer_to(key);
-        !scene.document().contains(at) || scene.document().at(at).is_null())
+    if (const auto at = pointer_to(key); !document.contains(at) || document.at(at).is_null())
       keys.emplace_back(key);
   for (const Term term : kAllTerms)
     if (info(term).read && !info(term).present(scene.parameters.laws))

@@ -99,7 +99,7 @@ bool same_scene(const Json& a, const Json& b) {
 }
 
 Provenance& Provenance::in(const ChosenScene& chosen) {
-  const Json& document = chosen.scene.document();
+  const Json document = chosen.scene.document();
   const Json stated = undrawn(document);  // a recording's scene has the numbers of its trial
   const SceneChanges of = changes_from_shipped(stated);
   scene_text_ = "scene " + scene_text(stated, of) + chosen.relation;

@@ -65,10 +65,10 @@ std::string SimulatedOperator::name() const {
 
 std::optional<SimulatedOperator> SimulatedOperator::named(const std::string& name) {
   const bool searches = name.starts_with(kSearching);
-  if (!searches && !name.starts_with(kSimulated)) return std::nullopt;
+  const std::string& head = searches ? kSearching : kSimulated;
+  if (!name.starts_with(head)) return std::nullopt;
   try {
-    return SimulatedOperator{
-        OperatorSkill::parse(name.substr((searches ? kSearching : kSimulated).size())), searches};
+    return SimulatedOperator{OperatorSkill::parse(name.substr(head.size())), searches};
   } catch (const BadInput&) {
     return std::nullopt;
   }
